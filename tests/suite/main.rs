@@ -1,0 +1,1 @@
+//! Fast tests of whole capabilities; unit tests live beside the code.
