@@ -1,0 +1,171 @@
+//! Finite-element spaces: which nodes a cell has, and values and gradients of functions.
+
+use super::element::{EDGES, Element};
+use crate::mesh::{Facet, Mesh, Point};
+use nalgebra::{SMatrix, SVector};
+use std::collections::HashMap;
+use std::ops::{Add, Mul};
+use std::sync::Arc;
+
+/// What a node can carry: a number or a vector.
+pub trait Value: Copy + Send + Sync + Add<Output = Self> + Mul<f64, Output = Self> {
+    /// The zero.
+    const ZERO: Self;
+}
+impl Value for f64 {
+    const ZERO: f64 = 0.0;
+}
+impl Value for SVector<f64, 2> {
+    const ZERO: Self = SVector::<f64, 2>::new(0.0, 0.0);
+}
+impl Value for SVector<f64, 3> {
+    const ZERO: Self = SVector::<f64, 3>::new(0.0, 0.0, 0.0);
+}
+
+/// A continuous Lagrange space on a mesh. A function is a slice with one [`Value`] a node.
+///
+/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of the edges.
+#[derive(Clone, Debug)]
+pub struct Space<const D: usize> {
+    mesh: Arc<Mesh<D>>,
+    element: Element,
+    cell_nodes: Vec<u32>,
+    nodes: Vec<Point<D>>,
+}
+
+impl<const D: usize> Space<D> {
+    /// The space of `element` on `mesh`.
+    pub fn new(mesh: &Arc<Mesh<D>>, element: Element) -> Space<D> {
+        let mut nodes = mesh.points().to_vec();
+        let mut cell_nodes = Vec::with_capacity(mesh.cell_count() * element.local_count(D));
+        let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
+        for c in 0..mesh.cell_count() {
+            let cell = mesh.cell(c);
+            cell_nodes.extend_from_slice(cell);
+            if element == Element::P2 {
+                for &(i, j) in &EDGES[..D * (D + 1) / 2] {
+                    let (a, b) = (cell[i].min(cell[j]), cell[i].max(cell[j]));
+                    let node = *edges.entry((a, b)).or_insert_with(|| {
+                        nodes.push((mesh.points()[a as usize] + mesh.points()[b as usize]) * 0.5);
+                        nodes.len() as u32 - 1
+                    });
+                    cell_nodes.push(node);
+                }
+            }
+        }
+        Space { mesh: Arc::clone(mesh), element, cell_nodes, nodes }
+    }
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+        &self.mesh
+    }
+    /// The element.
+    pub fn element(&self) -> Element {
+        self.element
+    }
+    /// The nodes.
+    pub fn nodes(&self) -> &[Point<D>] {
+        &self.nodes
+    }
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+    /// Whether there is no node (never, on a valid mesh).
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+    /// Number of basis functions on a cell.
+    pub fn local_count(&self) -> usize {
+        self.element.local_count(D)
+    }
+    /// The nodes of cell `c`, in the order of the local basis.
+    pub fn cell_nodes(&self, c: usize) -> &[u32] {
+        let n = self.local_count();
+        &self.cell_nodes[c * n..(c + 1) * n]
+    }
+    /// The nodes on a boundary facet.
+    pub fn facet_nodes(&self, f: &Facet) -> impl Iterator<Item = u32> + '_ {
+        let opposite = f.opposite as usize;
+        let nodes = self.cell_nodes(f.cell as usize);
+        let on = move |a: usize| {
+            if a <= D {
+                a != opposite
+            } else {
+                let (i, j) = EDGES[a - D - 1];
+                i != opposite && j != opposite
+            }
+        };
+        (0..nodes.len()).filter(move |&a| on(a)).map(|a| nodes[a])
+    }
+    /// The interpolant of `f`.
+    pub fn interpolate<T: Value>(&self, f: impl Fn(&Point<D>) -> T) -> Vec<T> {
+        self.nodes.iter().map(f).collect()
+    }
+    /// Value of a function in cell `c` at barycentric coordinates `l`.
+    #[inline]
+    pub fn value<T: Value>(&self, f: &[T], c: usize, l: &[f64; 4]) -> T {
+        let n = self.element.values::<D>(l);
+        let mut v = T::ZERO;
+        for (a, &node) in self.cell_nodes(c).iter().enumerate() {
+            v = v + f[node as usize] * n[a];
+        }
+        v
+    }
+    /// Gradient of a scalar function in cell `c` at barycentric coordinates `l`.
+    #[inline]
+    pub fn gradient(&self, f: &[f64], c: usize, l: &[f64; 4]) -> SVector<f64, D> {
+        let g = self.element.reference_gradients::<D>(l);
+        let mut r = SVector::<f64, D>::zeros();
+        for (a, &node) in self.cell_nodes(c).iter().enumerate() {
+            r += g[a] * f[node as usize];
+        }
+        self.mesh.map(c).inverse.tr_mul(&r)
+    }
+    /// Gradient of a vector function: row `i`, column `j` is `d f_i / d x_j`.
+    #[inline]
+    pub fn jacobian(&self, f: &[SVector<f64, D>], c: usize, l: &[f64; 4]) -> SMatrix<f64, D, D> {
+        let g = self.element.reference_gradients::<D>(l);
+        let mut r = SMatrix::<f64, D, D>::zeros();
+        for (a, &node) in self.cell_nodes(c).iter().enumerate() {
+            r += f[node as usize] * g[a].transpose();
+        }
+        r * self.mesh.map(c).inverse
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::rectangle;
+
+    #[test]
+    fn p2_reproduces_quadratics_and_their_gradients() {
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [3, 2]).unwrap());
+        let space = Space::new(&mesh, Element::P2);
+        // Euler: edges = points + cells - 1 for a disc-like mesh.
+        assert_eq!(space.len(), 2 * mesh.points().len() + mesh.cell_count() - 1);
+        let f = space.interpolate(|x| 1.0 + x[0] * x[1] - 3.0 * x[1] * x[1]);
+        let l = [0.2, 0.3, 0.5, 0.0];
+        for c in 0..mesh.cell_count() {
+            let mut x = Point::<2>::zeros();
+            for (k, &v) in mesh.cell(c).iter().enumerate() {
+                x += mesh.points()[v as usize] * l[k];
+            }
+            assert!((space.value(&f, c, &l) - (1.0 + x[0] * x[1] - 3.0 * x[1] * x[1])).abs() < 1e-14);
+            let g = space.gradient(&f, c, &l);
+            assert!((g - Point::<2>::new(x[1], x[0] - 6.0 * x[1])).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_facet_has_three_p2_nodes_on_its_line() {
+        let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [2, 2]).unwrap());
+        let space = Space::new(&mesh, Element::P2);
+        for &f in mesh.boundary("top").unwrap() {
+            let nodes: Vec<_> = space.facet_nodes(&mesh.facets()[f as usize]).collect();
+            assert_eq!(nodes.len(), 3);
+            assert!(nodes.iter().all(|&n| space.nodes()[n as usize][1] == 1.0));
+        }
+    }
+}
