@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh::{box_mesh, rectangle};
+use crate::mesh::{Diagonals, Facet, box_mesh, disc, rectangle};
 use proptest::prelude::*;
 
 /// The mesh without the cells whose centre lies in the open box with corners `low` and `high`.
@@ -51,7 +51,7 @@ fn finds<const D: usize>(mesh: &Mesh<D>, from: Location, to: Location) {
 proptest! {
     #[test]
     fn points_of_cells_facets_edges_and_vertices_are_found_in_2d(c in 0usize..72, d in 0usize..72, a in weights::<2>(), b in weights::<2>()) {
-        let regular = rectangle([0.0; 2], [6.0; 2], [6, 6]).unwrap();
+        let regular = rectangle([0.0; 2], [6.0; 2], [6, 6], Diagonals::Right).unwrap();
         for mesh in [shaken(&regular, 6.0), regular] {
             finds(&mesh, Location { cell: c as u32, barycentric: a }, Location { cell: d as u32, barycentric: b });
         }
@@ -67,7 +67,7 @@ proptest! {
 
     #[test]
     fn a_segment_leaves_a_box_where_geometry_says(c in 0usize..72, a in weights::<2>(), angle in 0.0..std::f64::consts::TAU) {
-        let mesh = shaken(&rectangle([0.0; 2], [6.0; 2], [6, 6]).unwrap(), 6.0);
+        let mesh = shaken(&rectangle([0.0; 2], [6.0; 2], [6, 6], Diagonals::Right).unwrap(), 6.0);
         let from = Location { cell: c as u32, barycentric: a };
         let x = mesh.point_at(&from);
         let d = Point::<2>::new(angle.cos(), angle.sin());
@@ -79,7 +79,7 @@ proptest! {
 
     #[test]
     fn holes_and_the_outside_hold_no_points(x in -1.0..4.0f64, y in -1.0..4.0f64) {
-        let mesh = with_hole(&rectangle([0.0; 2], [3.0; 2], [9, 9]).unwrap(), 1.0, 2.0);
+        let mesh = with_hole(&rectangle([0.0; 2], [3.0; 2], [9, 9], Diagonals::Right).unwrap(), 1.0, 2.0);
         let within = |l: f64, h: f64| l < x && x < h && l < y && y < h;
         let found = Locator::new(&mesh).locate(&mesh, &Point::<2>::new(x, y));
         prop_assert_eq!(found.is_some(), within(0.0, 3.0) && !within(1.0, 2.0));
@@ -135,7 +135,7 @@ fn lattice<const D: usize>(mesh: &Mesh<D>, per_cell: i64, stride: usize) {
 
 #[test]
 fn a_hole_stops_a_walk_exactly_when_its_inside_is_entered_in_2d() {
-    lattice(&with_hole(&rectangle([0.0; 2], [3.0; 2], [6, 6]).unwrap(), 1.0, 2.0), 4, 1);
+    lattice(&with_hole(&rectangle([0.0; 2], [3.0; 2], [6, 6], Diagonals::Right).unwrap(), 1.0, 2.0), 4, 1);
 }
 
 #[test]
@@ -145,11 +145,35 @@ fn a_hole_stops_a_walk_exactly_when_its_inside_is_entered_in_3d() {
 
 #[test]
 fn a_target_that_is_not_a_number_is_not_inside() {
-    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2]).unwrap();
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], Diagonals::Right).unwrap();
     for bad in [f64::NAN, f64::INFINITY] {
         let to = Point::<2>::new(0.5, bad);
         let (found, inside) = mesh.walk(0, &Point::<2>::new(0.3, 0.1), &to);
         assert!(!inside && found.barycentric[0].is_nan());
         assert!(Locator::new(&mesh).locate(&mesh, &to).is_none());
+    }
+}
+
+#[test]
+fn walks_through_a_point_of_many_cells_and_along_a_curved_wall() {
+    // A fan: one inner point with 200 cells round it.
+    let n = 200;
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
+    let mut points = vec![Point::<2>::zeros()];
+    points.extend((0..n).map(|i| Point::<2>::new(angle(i).cos(), angle(i).sin())));
+    let cells = (0..n as u32).flat_map(|i| [0, 1 + i, 1 + (i + 1) % n as u32]).collect();
+    for mesh in [Mesh::new(points, cells).unwrap(), disc([0.0; 2], 1.0, 20).unwrap()] {
+        let rim: Vec<Facet> = mesh.facets().to_vec();
+        for (i, f) in rim.iter().enumerate() {
+            let v = mesh.facet_points(f).next().unwrap() as usize;
+            for g in rim.iter().skip(i % 7).step_by(7) {
+                let w = mesh.facet_points(g).next().unwrap() as usize;
+                let (x, y) = (mesh.points()[v], mesh.points()[w]);
+                let (found, inside) = mesh.walk(f.cell, &x, &y);
+                assert!(inside && is_at(&mesh, &found, &y), "{v} to {w}: {found:?}");
+                let (found, inside) = mesh.walk(f.cell, &x, &(2.0 * y - x));
+                assert!((v == w || !inside) && is_at(&mesh, &found, &y), "{v} through {w}: {found:?}");
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 mod generate;
 mod locate;
 
-pub use generate::{box_mesh, rectangle};
+pub use generate::{Diagonals, box_mesh, disc, rectangle};
 pub use locate::{Location, Locator, TOLERANCE};
 
 use crate::base::{Error, Result};
