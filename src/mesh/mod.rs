@@ -1,8 +1,10 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
 mod generate;
+mod locate;
 
-pub use generate::rectangle;
+pub use generate::{Diagonals, box_mesh, disc, rectangle};
+pub use locate::{Location, Locator, TOLERANCE};
 
 use crate::base::{Error, Result};
 use nalgebra::{SMatrix, SVector};
