@@ -8,4 +8,6 @@
 
 pub mod base;
 pub mod fem;
+pub mod flow;
 pub mod mesh;
+pub mod transport;
