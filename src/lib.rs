@@ -7,4 +7,5 @@
 //! on the right-hand side. Units are whatever consistent system the scene uses.
 
 pub mod base;
+pub mod linalg;
 pub mod mesh;
