@@ -28,11 +28,11 @@ impl Ordering {
 
     /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C` small, even zero.
     ///
-    /// Unknowns from `first_multiplier` on belong to the second row (pressures). Each is merged with one unknown of
-    /// the first row (a velocity component): the one with the largest entry of `B` that is not yet taken, multipliers with the
-    /// fewest entries first. The graph so compressed is dissected, and each velocity is eliminated just before its pressure, so that no
-    /// pressure is eliminated while its pivot is still the tiny `-C`: LDL^T without pivoting is then accurate to
-    /// rounding. Depends on the values of `B`, so the matrix must be filled.
+    /// Unknowns from `first_multiplier` on belong to the second row (pressures). Each is merged with one unknown of the
+    /// first row (a velocity component): the one with the largest entry of `B` that is not yet taken, multipliers with
+    /// the fewest entries first. The graph so compressed is dissected, and each velocity is eliminated before its
+    /// pressure, so that no pressure is eliminated while its pivot is still the tiny `-C`: for Taylor-Hood elements
+    /// LDL^T without pivoting is then accurate to rounding. Depends on the values of `B`: fill the matrix before.
     ///
     /// # Errors
     /// Computation, if the matrix is too large for METIS; internal, if there are fewer than `first_multiplier` unknowns.
