@@ -9,5 +9,6 @@
 pub mod base;
 pub mod fem;
 pub mod flow;
+pub mod linalg;
 pub mod mesh;
 pub mod transport;
