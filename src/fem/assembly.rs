@@ -243,6 +243,7 @@ pub fn assemble_flow_matrix<const D: usize>(
                 for q in 0..velocity.rule.len() {
                     flow_matrix_at(velocity, pressure, &velocity.at(c, q), local, &f);
                 }
+                mirror(m, local);
                 numbering.rotate_local(velocity.space.cell_nodes(c), m, local);
             }
         });
@@ -260,7 +261,16 @@ pub fn assemble_flow_matrix<const D: usize>(
     Ok(())
 }
 
-/// Contribution of one quadrature point to the local matrix; unknown `D a + i` is component `i` at local node `a`, pressures follow.
+/// Copies the upper triangle of a local matrix of order `m` to the lower one.
+fn mirror(m: usize, local: &mut [f64]) {
+    for r in 0..m {
+        for c in 0..r {
+            local[r * m + c] = local[c * m + r];
+        }
+    }
+}
+
+/// Contribution of one quadrature point to the upper triangle of the local matrix; unknown `D a + i` is component `i` at local node `a`, pressures follow.
 fn flow_matrix_at<const D: usize>(
     velocity: &Basis<D>,
     pressure: Option<&Basis<D>>,
@@ -326,6 +336,7 @@ pub fn assemble_mass<const D: usize>(
                 }
             }
         }
+        mirror(nb, &mut local);
         for (g, &node) in group.iter_mut().zip(basis.space.cell_nodes(c)) {
             *g = unknowns[node as usize];
         }

@@ -219,15 +219,10 @@ impl<const D: usize> Numbering<D> {
             out.push(self.pressure[n as usize]);
         }
     }
-    /// Turns the velocity rows and columns of a local matrix (order `m`, upper triangle used) into the frames of slip nodes.
+    /// Turns the velocity rows and columns of a local matrix (order `m`) into the frames of slip nodes.
     pub fn rotate_local(&self, nodes: &[u32], m: usize, local: &mut [f64]) {
         if self.frames.is_empty() || !nodes.iter().any(|n| self.frames.contains_key(n)) {
             return;
-        }
-        for r in 0..m {
-            for c in 0..r {
-                local[r * m + c] = local[c * m + r];
-            }
         }
         for (a, n) in nodes.iter().enumerate() {
             let Some(frame) = self.frames.get(n) else { continue };
