@@ -1,1 +1,2 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
+mod layers;
