@@ -58,7 +58,7 @@ impl MshData {
                 let mut group = 0;
                 for t in 0..tags {
                     let tag = cursor.int("a tag of an element")?;
-                    group = if t == 0 { tag.abs() } else { group };
+                    group = if t == 0 { tag.saturating_abs() } else { group };
                 }
                 nodes.clear();
                 for _ in 0..kind.nodes {

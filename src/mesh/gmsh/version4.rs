@@ -43,7 +43,7 @@ pub(super) fn read_entities(
             let mut of_entity = Vec::with_capacity(groups);
             for _ in 0..groups {
                 // A negative number says that the entity is turned round in this group.
-                of_entity.push(cursor.int("the number of a physical group")?.abs());
+                of_entity.push(cursor.int("the number of a physical group")?.saturating_abs());
             }
             entities.insert((dimension as i64, number), of_entity);
             if dimension > 0 {
