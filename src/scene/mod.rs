@@ -1,0 +1,3 @@
+//! Scenes.
+pub mod expression;
+pub(crate) mod nearest;
