@@ -13,5 +13,6 @@ pub mod flow;
 pub mod levelset;
 pub mod linalg;
 pub mod mesh;
+pub mod scene;
 pub mod sim;
 pub mod transport;
