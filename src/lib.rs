@@ -7,5 +7,6 @@
 //! on the right-hand side. Units are whatever consistent system the scene uses.
 
 pub mod base;
+pub mod cli;
 pub mod mesh;
 pub mod scene;

@@ -1,1 +1,3 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
+
+mod scenes;
