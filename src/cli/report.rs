@@ -22,7 +22,9 @@ pub(super) fn usage(error: &clap::Error) -> u8 {
 
 /// Reports a panic: a defect of this program, never of its input.
 pub(super) fn defect(panic: &PanicHookInfo<'_>) {
-    let message = panic.payload_as_str().unwrap_or("no message");
+    let payload = panic.payload();
+    let literal = payload.downcast_ref::<&str>().copied();
+    let message = literal.or(payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
     let place = panic.location().map_or_else(String::new, ToString::to_string);
     let error = Error::internal(format!("this is a defect of immersa, not of your input: {message}"))
         .at(place)

@@ -52,7 +52,11 @@ const BROKEN: [Broken; 50] = [
     ("\"A membrane\"", "7", &["scene.toml:1:9", "title", "in \"quotes\""]),
     ("end = 1", "end = 2026-01-01", &["time.end", "a date", "without quotes"]),
     ("[[membrane]]", "[membrane]", &["membrane", "[[membrane]]"]),
-    ("[time]\n", "time = 3\n[times]\n", &["scene.toml"]),
+    (
+        "[[membrane]]",
+        "[boundary]\nleft = \"wall\"\n[[membrane]]",
+        &["scene.toml:13:8", "boundary.left", "a table", "[name]"],
+    ),
     // Numbers out of range.
     ("0.01", "-0.01", &["scene.toml:7:13", "-0.01", "positive", "> 0"]),
     ("0.01", "0", &["fluid.viscosity", "positive", "> 0"]),
