@@ -7,10 +7,10 @@
 //! on the right-hand side. Units are whatever consistent system the scene uses.
 
 pub mod base;
+pub mod cli;
 pub mod elastic;
 pub mod fem;
 pub mod flow;
-pub mod levelset;
 pub mod linalg;
 pub mod mesh;
 pub mod scene;

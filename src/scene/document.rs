@@ -124,7 +124,7 @@ fn syntax_error(text: &str, path: &str, error: &toml::de::Error) -> Error {
     let value = text.get(snippet.span.clone()).unwrap_or("").to_string();
     Error::scene(format!("the scene is not valid TOML: {}", error.message()))
         .at(format!("{path}:{line}:{column}"))
-        .value(if value.is_empty() { "nothing" } else { &value })
+        .value(if value.is_empty() { "nothing is written here" } else { &value })
         .remedy("keys are written `key = value`, tables `[name]`, and text stands in \"quotes\" (https://toml.io)")
         .snippet(snippet)
 }

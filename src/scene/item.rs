@@ -217,7 +217,8 @@ impl<'a> Item<'a> {
         let expression = Expression::parse(text, constants).map_err(|e| {
             let place = self.inside(text, &e.at);
             let remedy = if e.hint.is_empty() { "write an expression such as \"1 - x^2\"" } else { &e.hint };
-            self.document.error(&place, &self.key, e.message.clone()).value(format!("\"{text}\"")).remedy(remedy)
+            let wrong = text.get(e.at.clone()).filter(|w| !w.is_empty()).unwrap_or(text);
+            self.document.error(&place, &self.key, e.message.clone()).value(wrong).remedy(remedy)
         })?;
         if expression.is_constant().is_some_and(|v| !v.is_finite()) {
             return Err(self

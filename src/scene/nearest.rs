@@ -6,7 +6,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
     candidates
         .into_iter()
         .map(|c| (edits(&lower, &c.to_lowercase()), c))
-        .filter(|&(d, c)| d <= 1 + c.len().min(name.len()) / 4)
+        .filter(|&(d, c)| d < c.len().min(name.len()).max(1) && d <= 1 + c.len().min(name.len()) / 4)
         .min_by_key(|&(d, _)| d)
         .map(|(_, c)| c)
 }
@@ -58,6 +58,7 @@ mod tests {
         assert_eq!(nearest("viscosty", ["density", "viscosity"]), Some("viscosity"));
         assert_eq!(nearest("Sin", ["cos", "sin"]), Some("sin"));
         assert_eq!(nearest("colour", ["density", "viscosity"]), None);
-        assert_eq!(nearest("q", ["density"]), None);
+        assert_eq!(nearest("q", ["x", "y"]), None, "one letter for another is no misprint");
+        assert_eq!(nearest("X", ["x", "y"]), Some("x"));
     }
 }

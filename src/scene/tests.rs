@@ -161,6 +161,16 @@ fn everything_written_is_read() {
 }
 
 #[test]
+fn a_box_makes_vectors_of_three_components() {
+    let text = "[mesh]\nbox = { min = [0, 0, 0], max = [1, 1, 2], cells = [2, 2, 4] }\n\
+                [fluid]\nviscosity = 1\ngravity = [0, 0, -1]\n[time]\nend = 1\nstep = 1\n";
+    let s = parse(text).unwrap();
+    assert_eq!((s.dimension(), s.fluid.initial_velocity.len()), (3, 3));
+    assert_eq!(parse(&s.to_toml()).unwrap(), s);
+    assert!(parse(&text.replace("[0, 0, -1]", "[0, -1]")).unwrap_err().what().contains("needs 3"));
+}
+
+#[test]
 fn overrides_replace_add_and_reach_into_lists() {
     let s = with(&[
         "membrane.0.stretch=1.1",

@@ -1,0 +1,104 @@
+//! The command-line program: commands, messages, exit codes.
+
+mod explain;
+mod new;
+mod render;
+mod report;
+mod run;
+
+use crate::base::{Error, Result};
+use crate::scene::Scene;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Structures immersed in a flow: level sets and finite elements on unstructured meshes.
+#[derive(Parser)]
+#[command(name = "immersa", version, arg_required_else_help = true)]
+#[command(after_help = "Exit codes: 0 done, 1 a defect of immersa, 2 the command line or the scene is wrong, \
+3 the mesh or another file is wrong, 4 the computation failed, 130 interrupted (continue with --resume).")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute a scene
+    Run(run::Arguments),
+    /// Say what a scene solves and what it leaves out, without computing it
+    Explain(explain::Arguments),
+    /// Make pictures and a film of finished runs
+    Render(render::Arguments),
+    /// Write a commented scene to start from
+    New(new::Arguments),
+}
+
+/// A scene and changes to it.
+#[derive(Args)]
+struct SceneArguments {
+    /// The scene file
+    scene: PathBuf,
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+/// Changes to a scene.
+#[derive(Args)]
+struct Overrides {
+    /// Set one value of the scene, as in --set time.step=1e-3 or --set membrane.0.stretch=1.1
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl SceneArguments {
+    /// The scene, every value checked, with all files it names at hand.
+    fn load(&self) -> Result<Scene> {
+        let scene = Scene::load(&self.scene, &self.overrides.set)?;
+        scene.check_files()?;
+        Ok(scene)
+    }
+}
+
+/// Runs the program on the arguments of the process; the result is its exit code.
+pub fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(report::defect));
+    ExitCode::from(guarded(|| match Cli::try_parse() {
+        Ok(cli) => match dispatch(cli.command) {
+            Ok(()) => 0,
+            Err(e) => report::error(&e),
+        },
+        Err(e) => report::usage(&e),
+    }))
+}
+
+fn dispatch(command: Command) -> Result<()> {
+    match command {
+        Command::Run(a) => run::run(&a),
+        Command::Explain(a) => explain::explain(&a),
+        Command::Render(a) => render::render(&a),
+        Command::New(a) => new::new(&a),
+    }
+}
+
+/// The exit code of `work`, also when it panics: that is a defect of the program.
+fn guarded(work: impl FnOnce() -> u8 + std::panic::UnwindSafe) -> u8 {
+    std::panic::catch_unwind(work).unwrap_or(Error::internal("").kind().exit_code())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_panic_becomes_exit_code_1() {
+        assert_eq!(guarded(|| [1u8, 2][std::hint::black_box(2)]), 1);
+        assert_eq!(guarded(|| 4), 4);
+    }
+}
