@@ -1,1 +1,4 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
+
+mod broken_meshes;
+mod meshes;
