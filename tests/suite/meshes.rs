@@ -5,7 +5,9 @@
 
 use immersa::base::Warning;
 use immersa::mesh::gmsh::{self, MshData};
-use immersa::mesh::{Mesh, check};
+use immersa::mesh::{Location, Locator, Mesh, Point, check};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -202,6 +204,37 @@ fn meshes_that_come_with_the_program_are_sound_and_named() {
     }
     let (quality, warnings) = check(&ball);
     assert!(warnings.is_empty() && quality.smallest_angle.value > 15.0, "{warnings:?}");
+}
+
+#[test]
+fn walks_round_the_cylinder_of_the_channel_agree_with_the_grid() {
+    let (mesh, _) = gmsh::read::<2>(&root().join("meshes/channel.msh")).unwrap();
+    let locator = Locator::new(&mesh);
+    let strategy = (0..mesh.cell_count(), (0.0..1.0f64, 0.0..1.0f64), (0.0..0.6f64, -0.1..0.5f64));
+    let mut runner = TestRunner::new(Config::with_cases(5000));
+    let outcome = runner.run(&strategy, |(c, (a, b), (x, y))| {
+        let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+        let from = mesh.point_at(&Location { cell: c as u32, barycentric: [1.0 - a - b, a, b, 0.0] });
+        let to = Point::<2>::new(x, y);
+        let (end, arrived) = mesh.walk(c as u32, &from, &to);
+        let p = mesh.point_at(&end);
+        let direction = (to - from).normalize();
+        // The end lies on the segment, and what is before it is inside.
+        prop_assert!((p - from).perp(&direction).abs() < 1e-12 && (p - from).dot(&direction) > -1e-12);
+        for i in 0..20 {
+            prop_assert!(locator.locate(&mesh, &(from + (p - from) * (f64::from(i) / 20.0))).is_some());
+        }
+        if arrived {
+            prop_assert!((p - to).norm() < 1e-12 && locator.locate(&mesh, &to).is_some());
+        } else {
+            // The boundary is left there. Parts that the segment misses by less than 1e-7 cannot be told from touched ones.
+            let beyond = p + direction * 1e-7;
+            prop_assert!(end.barycentric[..3].iter().any(|&l| l < 1e-12));
+            prop_assert!(locator.locate(&mesh, &beyond).is_none() || (to - p).norm() < 1e-7);
+        }
+        Ok(())
+    });
+    assert!(outcome.is_ok(), "{}", outcome.unwrap_err());
 }
 
 /// Meshes a source with the gmsh of this machine; `None` if there is none.
