@@ -265,8 +265,8 @@ mod tests {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]];
         for (cells, parts) in [
             (&[0, 1, 2, 0, 2, 3, 0, 2, 4][..], &["degenerate", "cell 2", "[0.5, 0.5]"][..]),
-            (&[0, 1, 2, 0, 2, 3, 0, 2, 1], &["overlap", "cell 2", "[1.0, 1.0]", "cells [2, 0]"]),
-            (&[0, 1, 3, 0, 1, 2], &["overlap", "cell 1", "[1.0, 0.0]", "cells [1, 0]"]),
+            (&[0, 1, 2, 0, 2, 3, 0, 2, 1], &["overlap", "cell 2", "[1.0, 0.0]", "cells [0, 2]"]),
+            (&[0, 1, 3, 0, 1, 2], &["overlap", "cell 1", "[1.0, 0.0]", "cells [0, 1]"]),
             (&[0, 1, 4, 1, 2, 4, 0, 4, 2, 2, 3, 4], &["degenerate", "cell 2"]),
             (&[0, 1, 2, 0, 2, 9], &["does not exist", "cell 1", "point 9 of 5"]),
             (&[0, 1], &["no cells"]),
@@ -279,7 +279,7 @@ mod tests {
         // Three triangles on one edge.
         let fan = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0]];
         let message = refused(&fan, &[0, 1, 2, 0, 3, 1, 0, 4, 1]);
-        assert!(message.contains("more than two cells") && message.contains("cells [2, 0, 1]"), "{message}");
+        assert!(message.contains("more than two cells") && message.contains("cells [0, 1, 2]"), "{message}");
     }
 
     #[test]

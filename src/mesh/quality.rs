@@ -146,7 +146,7 @@ fn small_angles<const D: usize>(mesh: &Mesh<D>, worst: &Extreme<D>) -> Option<Wa
             worst.value,
             place(mesh, worst.cell as usize)
         ),
-        "such cells spoil accuracy and condition: let sizes change slowly, or optimise the mesh (gmsh -optimize)",
+        "such cells spoil accuracy and condition: let sizes change slowly, or optimise the mesh (3-D: gmsh -optimize_threshold 0.5)",
     ))
 }
 

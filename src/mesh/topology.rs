@@ -2,55 +2,48 @@
 
 use super::{Facet, NONE, Point};
 use crate::base::{Error, Result};
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 /// Neighbours of all cells, and the facets that have none.
 pub(super) fn connect<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<(Vec<u32>, Vec<Facet>)> {
+    let vertices = |slot: u32| &cells[slot as usize / (D + 1) * (D + 1)..][..D + 1];
+    let local = |slot: u32| slot as usize % (D + 1);
+    let mut sides: Vec<([u32; 3], u32)> = (0..cells.len() as u32)
+        .into_par_iter()
+        .map(|slot| (facet_key::<D>(vertices(slot), local(slot)), slot))
+        .collect();
+    sides.par_sort_unstable();
     let mut neighbours = vec![NONE; cells.len()];
-    let mut open: HashMap<[u32; 3], (u32, bool)> = HashMap::with_capacity(cells.len());
-    let vertices = |slot: usize| &cells[slot / (D + 1) * (D + 1)..][..D + 1];
-    let refuse = |what: &str, key: &[u32; 3], slots: &[usize], remedy: &str| {
-        let at: Vec<_> = key[..D].iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
-        let numbers: Vec<_> = slots.iter().map(|s| s / (D + 1)).collect();
-        Error::input(what)
-            .at(format!("cell {} (counted from 0), facet with points {at:?}", numbers[0]))
-            .value(format!("cells {numbers:?}"))
-            .remedy(remedy)
-    };
-    for slot in 0..cells.len() {
-        let k = slot % (D + 1);
-        let key = facet_key::<D>(vertices(slot), k);
-        let Some((other, used)) = open.get_mut(&key) else {
-            open.insert(key, (slot as u32, false));
-            continue;
-        };
-        let other = *other as usize;
-        if *used {
-            let second = neighbours[other] as usize * (D + 1);
-            return Err(refuse(
-                "a facet belongs to more than two cells: the mesh is not a manifold",
-                &key,
-                &[slot, other, second],
-                "look for cells that are stored twice or overlap",
-            ));
+    for group in sides.chunk_by(|a, b| a.0 == b.0) {
+        match *group {
+            [_] => {}
+            [(_, a), (_, b)] if facet_parity(vertices(a), local(a)) != facet_parity(vertices(b), local(b)) => {
+                neighbours[a as usize] = b / (D as u32 + 1);
+                neighbours[b as usize] = a / (D as u32 + 1);
+            }
+            _ => return Err(refuse(points, group)),
         }
-        if facet_parity(vertices(slot), k) == facet_parity(vertices(other), other % (D + 1)) {
-            return Err(refuse(
-                "two cells overlap: they lie on the same side of the facet they share",
-                &key,
-                &[slot, other],
-                "look for cells that are stored twice, and for a surface that is folded or meshed twice",
-            ));
-        }
-        neighbours[slot] = (other / (D + 1)) as u32;
-        neighbours[other] = (slot / (D + 1)) as u32;
-        *used = true;
     }
     let facets = (0..cells.len())
         .filter(|&s| neighbours[s] == NONE)
         .map(|s| Facet { cell: (s / (D + 1)) as u32, opposite: (s % (D + 1)) as u32 })
         .collect();
     Ok((neighbours, facets))
+}
+
+/// The error for a facet that cells do not share as they should.
+fn refuse<const D: usize>(points: &[Point<D>], group: &[([u32; 3], u32)]) -> Error {
+    let at: Vec<_> = group[0].0[..D].iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
+    let numbers: Vec<_> = group.iter().map(|(_, slot)| slot / (D as u32 + 1)).collect();
+    let what = if group.len() > 2 {
+        "a facet belongs to more than two cells: the mesh is not a manifold"
+    } else {
+        "two cells overlap: they lie on the same side of the facet they share"
+    };
+    Error::input(what)
+        .at(format!("cell {} (counted from 0), facet with points {at:?}", numbers[numbers.len() - 1]))
+        .value(format!("cells {numbers:?}"))
+        .remedy("look for cells that are stored twice, and for a surface that is folded or meshed twice")
 }
 
 /// The sorted point numbers of the facet opposite to vertex `k`; unused entries are [`NONE`].

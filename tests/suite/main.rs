@@ -1,5 +1,7 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
+mod broken_meshes;
 mod flow;
 mod layers;
+mod meshes;
 mod scenes;

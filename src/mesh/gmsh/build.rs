@@ -176,7 +176,7 @@ impl MshData {
             if !self.groups.contains_key(&(d, number)) {
                 warnings.push(Warning::new(
                     format!("{}: the physical group \"{name}\" of dimension {d} has no elements", self.file),
-                    "check its definition in the geometry",
+                    "check its definition in the geometry; with -save_all, gmsh keeps groups in version 4.1 but not in 2.2",
                 ));
             }
         }

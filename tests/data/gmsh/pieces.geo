@@ -1,0 +1,25 @@
+// Two pieces, one in two groups; a group without a name, a name with spaces, a group of points, an inner line.
+h = 1.5;
+Point(1) = {0, 0, 0, h};
+Point(2) = {2, 0, 0, h};
+Point(3) = {2, 2, 0, h};
+Point(4) = {0, 2, 0, h};
+Point(5) = {1, 1, 0, h}; // centre of the circle: used by no cell of its own
+Point(6) = {1.4, 1, 0, h};
+Point(7) = {0.6, 1, 0, h};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Circle(5) = {6, 5, 7};
+Circle(6) = {7, 5, 6};
+Curve Loop(1) = {1, 2, 3, 4};
+Curve Loop(2) = {5, 6};
+Plane Surface(1) = {1, 2};
+Plane Surface(2) = {2};
+Physical Surface("all", 1) = {1, 2};
+Physical Surface("inner disc", 2) = {2};
+Physical Curve("rim", 3) = {5, 6};
+Physical Curve(17) = {1, -3};
+Physical Curve("sides", 5) = {2, 4};
+Physical Point("corner", 6) = {1};
