@@ -8,4 +8,5 @@
 
 pub mod base;
 pub mod fem;
+pub mod levelset;
 pub mod mesh;
