@@ -32,7 +32,7 @@ impl Contour {
                 continue;
             }
             for t in Quadratic::through(height[0], height[1], height[2]).roots() {
-                if !(t >= -OVERLAP && t <= 1.0 + OVERLAP) {
+                if !(-OVERLAP..=1.0 + OVERLAP).contains(&t) {
                     continue;
                 }
                 let l = segment.barycentric_at(t);

@@ -154,7 +154,7 @@ impl Quadratic {
     pub(super) fn roots(&self) -> [f64; 2] {
         let [c, b, a] = self.0;
         let discriminant = b * b - 4.0 * a * c;
-        if !(discriminant >= 0.0) {
+        if discriminant < 0.0 || discriminant.is_nan() {
             return [f64::INFINITY; 2];
         }
         // No cancellation: q has the larger modulus of the two.
@@ -416,6 +416,14 @@ mod tests {
                 assert!((x[1] - 0.3 - 0.4 * x[0] * x[0]).abs() < 2e-5);
             }
         }
+    }
+
+    #[test]
+    fn a_loop_between_the_nodes_is_not_seen() {
+        // The stated limit: nodes are h/2 = 0.05 apart.
+        let centre = Point::<2>::new(1.02, 1.04);
+        assert!(contour(20, |x| (x - centre).norm() - 0.009).2.is_empty());
+        assert_eq!(contour(20, |x| (x - centre).norm() - 0.04).2.lines().len(), 1);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The ellipse, with the exact distance to it.
 
 use super::shape::{Frame, Shape, check_lengths};
-use crate::base::Result;
+use crate::base::{Error, Result};
 use crate::mesh::Point;
 
 /// An ellipse.
@@ -15,9 +15,13 @@ impl Ellipse {
     /// `semi_axes` along the axes of the frame, which is turned by `angle` degrees counterclockwise.
     ///
     /// # Errors
-    /// Semi-axes that are not positive, a centre or an angle that is not finite.
+    /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle that is not finite.
     pub fn new(centre: Point<2>, semi_axes: Point<2>, angle: f64) -> Result<Ellipse> {
         check_lengths("the semi-axes of an ellipse", semi_axes.as_slice())?;
+        if semi_axes.max() > 1e6 * semi_axes.min() {
+            return Err(Error::scene("the semi-axes of an ellipse are too different: no mesh resolves its ends")
+                .value(format!("{:?}", semi_axes.as_slice())));
+        }
         Ok(Ellipse { frame: Frame::new(centre, angle)?, semi_axes })
     }
 }
@@ -119,8 +123,16 @@ mod tests {
 
     #[test]
     fn wrong_axes_are_refused() {
-        for axes in [p(0.0, 1.0), p(1.0, -1.0), p(1.0, f64::NAN)] {
+        for axes in [p(0.0, 1.0), p(1.0, -1.0), p(1.0, f64::NAN), p(1.0, 1e-200)] {
             assert!(Ellipse::new(p(0.0, 0.0), axes, 0.0).unwrap_err().to_string().contains("semi-axes"));
+        }
+    }
+
+    #[test]
+    fn a_needle_keeps_its_distances() {
+        let e = Ellipse::new(p(0.0, 0.0), p(1.0, 1e-6), 0.0).unwrap();
+        for (x, exact) in [((0.0, 0.5), 0.5 - 1e-6), ((2.0, 0.0), 1.0), ((4.0, 4.0), 5.0), ((0.0, 0.0), -1e-6)] {
+            assert!((e.distance(&p(x.0, x.1)) - exact).abs() < 1e-11, "{x:?} {}", e.distance(&p(x.0, x.1)));
         }
     }
 

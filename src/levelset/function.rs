@@ -38,8 +38,16 @@ impl LevelFunction {
         function: impl Fn(&Point<2>) -> f64 + Send + Sync + 'static,
         domain: (Point<2>, Point<2>),
     ) -> Result<LevelFunction> {
+        let size = domain.1 - domain.0;
+        if !(size.min() > 0.0 && size.norm().is_finite()) {
+            return Err(Error::scene("the domain of a level function has no area").value(format!(
+                "{:?} to {:?}",
+                domain.0.as_slice(),
+                domain.1.as_slice()
+            )));
+        }
         let function: Box<Level> = Box::new(function);
-        let grid = Grid::over(domain, GRID);
+        let grid = Grid::over(domain, GRID, GRID / 4);
         let values = grid.sample(&*function);
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for (k, &v) in values.iter().enumerate() {
@@ -88,11 +96,10 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// `squares` along the longer side of the box, and a quarter of it more on every side.
-    pub(super) fn over((low, high): (Point<2>, Point<2>), squares: usize) -> Grid {
+    /// `squares` along the longer side of the box, and `margin` more on every side.
+    pub(super) fn over((low, high): (Point<2>, Point<2>), squares: usize, margin: usize) -> Grid {
         let size = high - low;
         let step = size.max() / squares as f64;
-        let margin = squares / 4;
         let nodes = [0, 1].map(|i| (size[i] / step).ceil() as usize + 2 * margin + 1);
         Grid { origin: low.add_scalar(-(margin as f64) * step), step, nodes, tolerance: TOLERANCE * size.norm() }
     }
@@ -295,12 +302,32 @@ mod tests {
         assert!(error(|x| x[0] + 1.0).contains("from 1 to 3"));
         assert!(error(|_| -1.0).contains("no zero"));
         assert!(error(|x| (x[0] - 1.0).ln()).contains("no finite value"));
+        assert!(
+            LevelFunction::new(|x| x[0] - 1.0, (p(0.0, 0.0), p(2.0, 0.0)))
+                .err()
+                .unwrap()
+                .to_string()
+                .contains("no area")
+        );
         // A zero set outside of the domain only.
         assert!(error(|x| x[0] + 0.25).contains("no zero"));
         assert!(
             error(|x| (1e4 * x[0]).sin() * (1.7e4 * x[1] * x[0]).cos() + 0.1 * (9e7 * x[0]).sin())
                 .contains("too rough")
         );
+    }
+
+    #[test]
+    fn the_distance_to_a_level_function_is_lipschitz() {
+        let f = |x: &Point<2>| (4.0 * x[0]).sin() * (3.0 * x[1]).cos() - 0.2 + (x[0] * x[1]).abs();
+        let shape = LevelFunction::new(f, domain()).unwrap();
+        let n = 61;
+        let x: Vec<_> = (0..n * n).map(|k| p((k * 37 % n) as f64, (k / n) as f64) * (2.0 / n as f64)).collect();
+        let d: Vec<_> = x.iter().map(|x| shape.distance(x)).collect();
+        for k in 1..x.len() {
+            assert!((d[k] - d[k - 1]).abs() <= (x[k] - x[k - 1]).norm() + 1e-14);
+            assert_eq!(d[k] < 0.0, f(&x[k]) < 0.0);
+        }
     }
 
     proptest! {

@@ -39,8 +39,7 @@ pub fn check_inside<const D: usize>(
     for axis in 0..D {
         let excess = [domain.0[axis] + margin - bounds.0[axis], bounds.1[axis] - domain.1[axis] + margin];
         for (side, excess) in ["lower", "upper"].into_iter().zip(excess) {
-            // Written so that a NaN is refused too.
-            if !(excess <= 0.0) {
+            if excess > 0.0 || excess.is_nan() {
                 let name = ["x", "y", "z"][axis.min(2)];
                 return Err(Error::scene("the shape does not lie inside the domain")
                     .at(format!("{side} side in {name}"))

@@ -37,8 +37,8 @@ impl Union {
         if (0..boxes.len()).any(|i| (0..i).any(|j| meet(i, j))) {
             // Fine enough for the smallest part, within reason.
             let smallest = boxes.iter().map(|b| (b.1 - b.0).min()).fold(f64::INFINITY, f64::min);
-            let squares = (64.0 * (bounds.1 - bounds.0).max() / smallest).clamp(256.0, 2048.0) as usize;
-            let grid = Grid::over(bounds, squares);
+            let squares = (64.0 * (bounds.1 - bounds.0).max() / smallest).clamp(256.0, 1024.0) as usize;
+            let grid = Grid::over(bounds, squares, 2);
             let copy = Arc::clone(&parts);
             // Inflated by less than the tolerance, so that a side which two parts share is no boundary.
             let level: Box<Level> = Box::new(move |x| nearest(&copy, x).1 - seam);
@@ -136,6 +136,10 @@ mod tests {
             prop_assert!(d.abs() <= sampled + 1e-8 && sampled <= d.abs() + 4e-4, "{} {}", d, sampled);
             let inside = (0..2).any(|i| (p(x, y) - centres[i]).norm() < radii[i]);
             prop_assert_eq!(d < 0.0, inside);
+            for k in 0..200 {
+                let step = p(0.003, -0.002) * k as f64;
+                prop_assert!((both.distance(&(p(x, y) + step)) - d).abs() <= step.norm() + 2e-9 * 3.0);
+            }
         }
     }
 }
