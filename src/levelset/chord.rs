@@ -1,6 +1,7 @@
 //! Half-chords: how far the contour lies from a point along a line.
 
-use super::contour::{Contour, Quadratic};
+use super::contour::Contour;
+use super::quadratic::Quadratic;
 use crate::fem::Space;
 use crate::mesh::Point;
 use nalgebra::SVector;

@@ -1,5 +1,6 @@
 //! The contour `phi = 0` of a P2 field in the plane, cut cell by cell into parabolic segments.
 
+use super::quadratic::{Quadratic, barycentric_direction};
 use crate::base::{Error, Result};
 use crate::fem::{EDGES, Element, Space};
 use crate::mesh::Point;
@@ -132,52 +133,6 @@ impl Contour {
         points.extend(segments.last().map(|s| s.points[2]));
         points
     }
-}
-
-/// A quadratic polynomial `c[0] + c[1] s + c[2] s^2`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Quadratic([f64; 3]);
-
-impl Quadratic {
-    /// From the values at 0, 1/2 and 1.
-    pub(super) fn through(v0: f64, v_half: f64, v1: f64) -> Quadratic {
-        Quadratic([v0, 4.0 * v_half - 3.0 * v0 - v1, 2.0 * (v0 + v1) - 4.0 * v_half])
-    }
-    /// `phi` on the line `x + s step` in cell `c`, where `l` are the barycentric coordinates of `x`.
-    pub(super) fn on_line(space: &Space<2>, phi: &[f64], c: usize, l: &[f64; 4], step: &SVector<f64, 2>) -> Quadratic {
-        let dl = barycentric_direction(space, c, step);
-        let at = |s: f64| space.value(phi, c, &std::array::from_fn(|k| l[k] + s * dl[k]));
-        let (minus, zero, plus) = (at(-1.0), at(0.0), at(1.0));
-        Quadratic([zero, 0.5 * (plus - minus), 0.5 * (plus + minus) - zero])
-    }
-    /// The real roots, the one nearer to 0 first; infinite where there are none.
-    pub(super) fn roots(&self) -> [f64; 2] {
-        let [c, b, a] = self.0;
-        let discriminant = b * b - 4.0 * a * c;
-        if discriminant < 0.0 || discriminant.is_nan() {
-            return [f64::INFINITY; 2];
-        }
-        // No cancellation: q has the larger modulus of the two.
-        let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-        let near = if c == 0.0 { 0.0 } else { c / q };
-        let far = q / a;
-        [near, far].map(|s| if s.is_finite() { s } else { f64::INFINITY })
-    }
-    /// The root between 0 and 1, where the values have different signs.
-    fn crossing(&self) -> f64 {
-        let [near, far] = self.roots();
-        let outside = |s: f64| (s - s.clamp(0.0, 1.0)).abs();
-        let s = if outside(near) <= outside(far) { near } else { far };
-        // Rounding may hide the root; then it lies at the end with the smaller value.
-        let end = if self.0[0].abs() <= self.0.iter().sum::<f64>().abs() { 0.0 } else { 1.0 };
-        if s.is_finite() { s.clamp(0.0, 1.0) } else { end }
-    }
-}
-
-/// Barycentric coordinates of a vector: those of `x + v` less those of `x`.
-pub(super) fn barycentric_direction(space: &Space<2>, c: usize, v: &SVector<f64, 2>) -> [f64; 4] {
-    let d = space.mesh().map(c).inverse * v;
-    [-d[0] - d[1], d[0], d[1], 0.0]
 }
 
 struct Cell<'a> {
@@ -471,7 +426,7 @@ mod tests {
         for line in contour.lines() {
             let part = &contour.segments()[line.range.clone()];
             assert!(part.windows(2).all(|w| w[0].points[2] == w[1].points[0]));
-            assert_eq!(line.closed && part[0].points[0] != part[part.len() - 1].points[2], false);
+            assert!(!line.closed || part[0].points[0] == part[part.len() - 1].points[2]);
         }
         for s in contour.segments() {
             boundary += s.points[2] - s.points[0];

@@ -1,6 +1,7 @@
 //! What is measured on a contour: area, perimeter, axes, extents, integrals.
 
-use super::contour::{Contour, Quadratic, Segment, barycentric_direction};
+use super::contour::{Contour, Segment};
+use super::quadratic::{Quadratic, barycentric_direction};
 use crate::base::{Error, Result};
 use crate::fem::{Space, gauss_legendre};
 use crate::mesh::Point;

@@ -11,6 +11,7 @@ mod ellipse;
 mod function;
 mod measures;
 mod polygon;
+mod quadratic;
 mod shape;
 mod union;
 
