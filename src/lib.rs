@@ -7,6 +7,12 @@
 //! on the right-hand side. Units are whatever consistent system the scene uses.
 
 pub mod base;
+pub mod elastic;
 pub mod fem;
+pub mod flow;
 pub mod levelset;
+pub mod linalg;
 pub mod mesh;
+pub mod scene;
+pub mod sim;
+pub mod transport;

@@ -3,10 +3,20 @@
 //! A weak form is a function of the quadrature point. A linear form returns the pair `(f0, f1)` that stands for
 //! `f0 . v + f1 : grad v`; a bilinear form is a linear map from `(u, grad u)` to such a pair. Assembly knows nothing else.
 
+mod assembly;
 mod element;
+mod norms;
+mod numbering;
+mod projection;
 mod quadrature;
 mod space;
 
+pub use assembly::{
+    At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_mass, assemble_scalar, assemble_vector, integrate,
+};
 pub use element::{EDGES, Element, MAX_LOCAL};
+pub use norms::{Errors, scalar_errors, vector_errors};
+pub use numbering::{Condition, Conditions, Numbering, Translation, VelocityFunction};
+pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{Space, Value};

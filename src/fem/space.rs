@@ -2,7 +2,7 @@
 
 use super::element::{EDGES, Element};
 use crate::mesh::{Facet, Mesh, Point};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 use std::collections::HashMap;
 use std::ops::{Add, Mul};
 use std::sync::Arc;
@@ -15,11 +15,8 @@ pub trait Value: Copy + Send + Sync + Add<Output = Self> + Mul<f64, Output = Sel
 impl Value for f64 {
     const ZERO: f64 = 0.0;
 }
-impl Value for SVector<f64, 2> {
-    const ZERO: Self = SVector::<f64, 2>::new(0.0, 0.0);
-}
-impl Value for SVector<f64, 3> {
-    const ZERO: Self = SVector::<f64, 3>::new(0.0, 0.0, 0.0);
+impl<const D: usize> Value for SVector<f64, D> {
+    const ZERO: Self = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
 }
 
 /// A continuous Lagrange space on a mesh. A function is a slice with one [`Value`] a node.
@@ -137,11 +134,11 @@ impl<const D: usize> Space<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::rectangle;
+    use crate::mesh::{Diagonals, rectangle};
 
     #[test]
     fn p2_reproduces_quadratics_and_their_gradients() {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [3, 2]).unwrap());
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [3, 2], Diagonals::Right).unwrap());
         let space = Space::new(&mesh, Element::P2);
         // Euler: edges = points + cells - 1 for a disc-like mesh.
         assert_eq!(space.len(), 2 * mesh.points().len() + mesh.cell_count() - 1);
@@ -160,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_facet_has_three_p2_nodes_on_its_line() {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [2, 2]).unwrap());
+        let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [2, 2], Diagonals::Right).unwrap());
         let space = Space::new(&mesh, Element::P2);
         for &f in mesh.boundary("top").unwrap() {
             let nodes: Vec<_> = space.facet_nodes(&mesh.facets()[f as usize]).collect();

@@ -128,12 +128,12 @@ mod tests {
     use super::*;
     use crate::fem::{Element, Rule};
     use crate::levelset::{Circle, signed_distance};
-    use crate::mesh::{Point, rectangle};
+    use crate::mesh::{Diagonals, Point, rectangle};
     use proptest::prelude::*;
     use std::sync::Arc;
 
     fn circle(n: usize, stretch: f64) -> (Space<2>, Vec<f64>) {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n]).unwrap());
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap());
         let space = Space::new(&mesh, Element::P2);
         let shape = Circle::new(Point::<2>::new(1.02, 0.97), 0.6).unwrap();
         let phi = signed_distance(&space, &shape).iter().map(|d| stretch * d).collect();
@@ -161,7 +161,7 @@ mod tests {
     /// Largest error of the weight of the band around circles in ten places of the mesh, by the rule of degree 4.
     fn error_of_the_weight(eps_over_h: f64) -> f64 {
         let rule = Rule::simplex(2, 4);
-        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30]).unwrap());
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30], Diagonals::Right).unwrap());
         let space = Space::new(&mesh, Element::P2);
         let error = |i: i32| {
             let centre = Point::<2>::new(1.0 + 0.0067 * f64::from(i), 1.0 - 0.011 * f64::from(i));

@@ -268,12 +268,12 @@ fn negative_walls(space: &Space<2>, phi: &[f64]) -> Vec<[Point<2>; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::rectangle;
+    use crate::mesh::{Diagonals, rectangle};
     use proptest::prelude::*;
     use std::sync::Arc;
 
     fn space(n: usize) -> Space<2> {
-        Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n]).unwrap()), Element::P2)
+        Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()), Element::P2)
     }
     fn contour(n: usize, f: impl Fn(&Point<2>) -> f64) -> (Space<2>, Vec<f64>, Contour) {
         let space = space(n);

@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::fem::Element;
     use crate::levelset::{Circle, Ellipse, Shape, signed_distance};
-    use crate::mesh::rectangle;
+    use crate::mesh::{Diagonals, disc, rectangle};
     use proptest::prelude::*;
     use std::f64::consts::PI;
     use std::sync::Arc;
@@ -175,7 +175,8 @@ mod tests {
         Point::<2>::new(x, y)
     }
     fn cut(n: usize, shape: &dyn Shape<2>) -> (Space<2>, Vec<f64>, Contour) {
-        let space = Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n]).unwrap()), Element::P2);
+        let space =
+            Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()), Element::P2);
         let phi = signed_distance(&space, shape);
         let contour = Contour::new(&space, &phi).unwrap();
         (space, phi, contour)
@@ -254,7 +255,10 @@ mod tests {
     fn a_level_function_in_the_space_shows_the_error_of_the_segments_alone() {
         let meshes = [15, 30, 60];
         let e = meshes.map(|n| {
-            let space = Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n]).unwrap()), Element::P2);
+            let space = Space::new(
+                &Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()),
+                Element::P2,
+            );
             let phi = space.interpolate(|x| ((x[0] - 1.03) / 0.75).powi(2) + ((x[1] - 0.98) / 0.5).powi(2) - 1.0);
             let c = Contour::new(&space, &phi).unwrap();
             let m = c.measures().unwrap();
@@ -276,7 +280,10 @@ mod tests {
     fn a_region_cut_off_by_the_walls_is_measured_up_to_them() {
         // A quarter of a disc around a corner, and the domain outside of it.
         for outside in [false, true] {
-            let space = Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [20, 20]).unwrap()), Element::P2);
+            let space = Space::new(
+                &Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [20, 20], Diagonals::Right).unwrap()),
+                Element::P2,
+            );
             let sign = if outside { -1.0 } else { 1.0 };
             let phi = space.interpolate(|x| sign * (x.norm_squared() - 0.81));
             let c = Contour::new(&space, &phi).unwrap();
@@ -293,8 +300,23 @@ mod tests {
     }
 
     #[test]
+    fn the_measures_do_not_need_a_regular_mesh() {
+        let space = Space::new(&Arc::new(disc([0.3, -0.2], 1.0, 20).unwrap()), Element::P2);
+        let phi = signed_distance(&space, &Ellipse::new(p(0.25, -0.15), p(0.6, 0.4), 30.0).unwrap());
+        let m = Contour::new(&space, &phi).unwrap().measures().unwrap();
+        assert!((m.area / (PI * 0.24) - 1.0).abs() < 1e-5);
+        assert!((m.axis_1 / 0.6 - 1.0).abs() < 1e-5 && (m.axis_2 / 0.4 - 1.0).abs() < 1e-5);
+        assert!((m.centroid - p(0.25, -0.15)).norm() < 1e-5 && (m.angle - 30.0).abs() < 1e-2);
+        // A contour that leaves through a polygonal wall: the set is the whole polygon less the half of it.
+        let phi = space.interpolate(|x| x[0] - 0.3);
+        let m = Contour::new(&space, &phi).unwrap().measures().unwrap();
+        assert!((2.0 * m.area / space.mesh().volume() - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
     fn no_interface_is_an_error() {
-        let space = Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [4, 4]).unwrap()), Element::P2);
+        let space =
+            Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [4, 4], Diagonals::Right).unwrap()), Element::P2);
         for v in [1.0, -1.0] {
             let c = Contour::new(&space, &vec![v; space.len()]).unwrap();
             assert!(c.is_empty());
@@ -309,7 +331,7 @@ mod tests {
         #[test]
         fn circles_anywhere_are_measured(cx in 0.7..1.3f64, cy in 0.7..1.3f64, r in 0.2..0.6f64, stretch in 0.3..3.0f64) {
             let shape = Circle::new(p(cx, cy), r).unwrap();
-            let space = Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30]).unwrap()), Element::P2);
+            let space = Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30], Diagonals::Right).unwrap()), Element::P2);
             let phi: Vec<f64> = signed_distance(&space, &shape).iter().map(|d| stretch * d).collect();
             let c = Contour::new(&space, &phi).unwrap();
             let m = c.measures().unwrap();

@@ -1,13 +1,20 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
 mod generate;
+pub mod gmsh;
+mod locate;
+mod quality;
+mod topology;
 
-pub use generate::rectangle;
+pub use generate::{Diagonals, box_mesh, disc, rectangle};
+pub use locate::{Location, Locator, TOLERANCE};
+pub use quality::{Extreme, Quality, check};
 
 use crate::base::{Error, Result};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
-use std::collections::HashMap;
+use topology::connect;
+pub(crate) use topology::facet_key;
 
 /// A point of space.
 pub type Point<const D: usize> = SVector<f64, D>;
@@ -74,20 +81,26 @@ pub struct Mesh<const D: usize> {
     facets: Vec<Facet>,
     boundaries: BTreeMap<String, Vec<u32>>,
     regions: BTreeMap<String, Vec<u32>>,
-    reoriented: usize,
+    reoriented: Vec<u32>,
 }
 
 impl<const D: usize> Mesh<D> {
     /// A mesh from points and cells (`D + 1` point numbers a cell, flat). Negatively oriented cells are turned round
-    /// and counted in [`Mesh::reoriented`].
+    /// and listed in [`Mesh::reoriented`].
     ///
     /// # Errors
     /// A point number out of range, a coordinate that is not finite, a degenerate cell (volume below `1e-14` of the
-    /// cube of its longest edge, or square in 2-D), or a facet shared by more than two cells. Each names the cell and its coordinates.
+    /// cube of its longest edge, or square in 2-D), a facet shared by more than two cells, or two cells on the same side of
+    /// a facet (they overlap). Each names the cell and its coordinates.
     pub fn new(points: Vec<Point<D>>, mut cells: Vec<u32>) -> Result<Mesh<D>> {
         if cells.is_empty() || !cells.len().is_multiple_of(D + 1) {
             return Err(Error::input(format!("the mesh has no cells of dimension {D}"))
                 .remedy("check that the mesh holds triangles (2-D) or tetrahedra (3-D)"));
+        }
+        if cells.len() >= NONE as usize || points.len() >= NONE as usize {
+            return Err(Error::input("the mesh is too large")
+                .value(format!("{} points, {} cells", points.len(), cells.len() / (D + 1)))
+                .remedy(format!("use fewer than {} points and cells", NONE / (D as u32 + 1))));
         }
         if let Some(i) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
             return Err(Error::input("a coordinate is not a finite number")
@@ -95,7 +108,7 @@ impl<const D: usize> Mesh<D> {
                 .value(format!("{:?}", points[i].as_slice())));
         }
         let mut maps = Vec::with_capacity(cells.len() / (D + 1));
-        let mut reoriented = 0;
+        let mut reoriented = Vec::new();
         for (c, cell) in cells.chunks_exact_mut(D + 1).enumerate() {
             if let Some(&bad) = cell.iter().find(|&&v| v as usize >= points.len()) {
                 return Err(Error::input("a cell uses a point that does not exist")
@@ -108,7 +121,7 @@ impl<const D: usize> Mesh<D> {
             let mut det = determinant(&j);
             if det < 0.0 {
                 cell.swap(D - 1, D);
-                reoriented += 1;
+                reoriented.push(c as u32);
                 j = jacobian(cell);
                 det = determinant(&j);
             }
@@ -189,9 +202,9 @@ impl<const D: usize> Mesh<D> {
     pub fn set_region(&mut self, name: impl Into<String>, cells: Vec<u32>) {
         self.regions.insert(name.into(), cells);
     }
-    /// How many cells came with the wrong orientation and were turned round.
-    pub fn reoriented(&self) -> usize {
-        self.reoriented
+    /// The cells that came with the wrong orientation and were turned round.
+    pub fn reoriented(&self) -> &[u32] {
+        &self.reoriented
     }
     /// Total area or volume.
     pub fn volume(&self) -> f64 {
@@ -239,47 +252,44 @@ fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
     }
 }
 
-/// Neighbours of all cells, and the facets that have none.
-fn connect<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<(Vec<u32>, Vec<Facet>)> {
-    let mut neighbours = vec![NONE; cells.len()];
-    let mut open: HashMap<[u32; 3], (u32, bool)> = HashMap::with_capacity(cells.len());
-    for (slot, _) in cells.iter().enumerate() {
-        let (c, k) = (slot / (D + 1), slot % (D + 1));
-        let key = facet_key::<D>(&cells[c * (D + 1)..(c + 1) * (D + 1)], k);
-        match open.get_mut(&key) {
-            None => {
-                open.insert(key, (slot as u32, false));
-            }
-            Some((other, used)) if !*used => {
-                neighbours[slot] = *other / (D as u32 + 1);
-                neighbours[*other as usize] = c as u32;
-                *used = true;
-            }
-            Some(_) => {
-                let at: Vec<_> = key[..D].iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
-                return Err(Error::input("a facet belongs to more than two cells: the mesh is not a manifold")
-                    .at(format!("cell {c} (counted from 0), facet with points {at:?}"))
-                    .remedy("look for cells that are stored twice or overlap"));
-            }
-        }
-    }
-    let facets = (0..cells.len())
-        .filter(|&s| neighbours[s] == NONE)
-        .map(|s| Facet { cell: (s / (D + 1)) as u32, opposite: (s % (D + 1)) as u32 })
-        .collect();
-    Ok((neighbours, facets))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The sorted point numbers of the facet opposite to vertex `k`; unused entries are [`NONE`].
-pub(crate) fn facet_key<const D: usize>(cell: &[u32], k: usize) -> [u32; 3] {
-    let mut key = [NONE; 3];
-    let mut n = 0;
-    for (i, &v) in cell.iter().enumerate() {
-        if i != k {
-            key[n] = v;
-            n += 1;
-        }
+    fn refused(points: &[[f64; 2]], cells: &[u32]) -> String {
+        Mesh::<2>::new(points.iter().map(|&p| p.into()).collect(), cells.to_vec()).unwrap_err().to_string()
     }
-    key[..n].sort_unstable();
-    key
+
+    #[test]
+    fn meshes_that_cannot_be_used_are_refused_with_cell_and_coordinates() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]];
+        for (cells, parts) in [
+            (&[0, 1, 2, 0, 2, 3, 0, 2, 4][..], &["degenerate", "cell 2", "[0.5, 0.5]"][..]),
+            (&[0, 1, 2, 0, 2, 3, 0, 2, 1], &["overlap", "cell 2", "[1.0, 1.0]", "cells [2, 0]"]),
+            (&[0, 1, 3, 0, 1, 2], &["overlap", "cell 1", "[1.0, 0.0]", "cells [1, 0]"]),
+            (&[0, 1, 4, 1, 2, 4, 0, 4, 2, 2, 3, 4], &["degenerate", "cell 2"]),
+            (&[0, 1, 2, 0, 2, 9], &["does not exist", "cell 1", "point 9 of 5"]),
+            (&[0, 1], &["no cells"]),
+        ] {
+            let message = refused(&square, cells);
+            assert!(parts.iter().all(|p| message.contains(p)), "{cells:?}: {message}");
+        }
+        let message = refused(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [f64::NAN, 2.0]], &[0, 1, 2]);
+        assert!(message.contains("not a finite number") && message.contains("point 3"), "{message}");
+        // Three triangles on one edge.
+        let fan = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0]];
+        let message = refused(&fan, &[0, 1, 2, 0, 3, 1, 0, 4, 1]);
+        assert!(message.contains("more than two cells") && message.contains("cells [2, 0, 1]"), "{message}");
+    }
+
+    #[test]
+    fn tetrahedra_on_the_same_side_of_a_facet_are_refused() {
+        let points: Vec<Point<3>> =
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.2, 0.2, 2.0], [0.1, 0.1, -1.0]]
+                .map(|p| p.into())
+                .to_vec();
+        assert!(Mesh::<3>::new(points.clone(), vec![0, 1, 2, 3, 0, 1, 2, 5]).is_ok());
+        let message = Mesh::<3>::new(points, vec![0, 1, 2, 3, 2, 0, 1, 4]).unwrap_err().to_string();
+        assert!(message.contains("overlap"), "{message}");
+    }
 }

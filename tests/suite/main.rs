@@ -1,1 +1,4 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
+
+mod flow;
+mod layers;

@@ -1,0 +1,80 @@
+//! Energy of a membrane that resists the change of its area (in 2-D: of its length), by the stretch `r = |grad phi|`.
+
+/// A constitutive law `r -> E(r)`: energy per unit of area at rest (book, section 3.2.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaLaw {
+    /// `E = lambda (r - 1)^2 / 2`, so `E' = lambda (r - 1)` (3.13).
+    Linear {
+        /// `lambda`, force per length.
+        modulus: f64,
+    },
+    /// `E' = lambda max(r - 1, 0)`: no resistance to compression.
+    OneSided {
+        /// `lambda`, force per length.
+        modulus: f64,
+    },
+    /// `E = lambda r`, so `E' = lambda`: surface tension.
+    Tension {
+        /// `lambda`, force per length.
+        tension: f64,
+    },
+}
+
+impl AreaLaw {
+    /// `E(r)`.
+    pub fn energy(self, r: f64) -> f64 {
+        match self {
+            AreaLaw::Linear { modulus } => 0.5 * modulus * (r - 1.0).powi(2),
+            AreaLaw::OneSided { modulus } => 0.5 * modulus * (r - 1.0).max(0.0).powi(2),
+            AreaLaw::Tension { tension } => tension * r,
+        }
+    }
+    /// `E'(r)`, the tension.
+    pub fn tension(self, r: f64) -> f64 {
+        match self {
+            AreaLaw::Linear { modulus } => modulus * (r - 1.0),
+            AreaLaw::OneSided { modulus } => modulus * (r - 1.0).max(0.0),
+            AreaLaw::Tension { tension } => tension,
+        }
+    }
+    /// `E''(r)`.
+    pub fn stiffness(self, r: f64) -> f64 {
+        match self {
+            AreaLaw::Linear { modulus } => modulus,
+            AreaLaw::OneSided { modulus } => {
+                if r > 1.0 {
+                    modulus
+                } else {
+                    0.0
+                }
+            }
+            AreaLaw::Tension { .. } => 0.0,
+        }
+    }
+    /// `lambda`: the size of the law, in force per length.
+    pub fn modulus(self) -> f64 {
+        match self {
+            AreaLaw::Linear { modulus } | AreaLaw::OneSided { modulus } => modulus,
+            AreaLaw::Tension { tension } => tension,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tension_and_stiffness_are_the_derivatives_of_the_energy() {
+        for law in
+            [AreaLaw::Linear { modulus: 3.0 }, AreaLaw::OneSided { modulus: 2.0 }, AreaLaw::Tension { tension: 0.5 }]
+        {
+            for r in [0.7, 0.95, 1.2, 1.9] {
+                let h = 1e-5;
+                let slope = (law.energy(r + h) - law.energy(r - h)) / (2.0 * h);
+                let curve = (law.tension(r + h) - law.tension(r - h)) / (2.0 * h);
+                assert!((slope - law.tension(r)).abs() < 1e-9 && (curve - law.stiffness(r)).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Elastic structures that act on the flow: one law per file.
+
+mod area_law;
+mod membrane;
+
+pub use area_law::AreaLaw;
+pub use membrane::{Membrane, explicit_step_limit};

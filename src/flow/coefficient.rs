@@ -1,0 +1,32 @@
+//! Density and viscosity.
+
+use crate::fem::At;
+
+/// A material coefficient: one number, or one number a quadrature point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coefficient {
+    /// The same everywhere and always.
+    Constant(f64),
+    /// The value at point `q` of cell `c` is entry `c * points + q`; changes from step to step.
+    Pointwise {
+        /// Quadrature points a cell.
+        points: usize,
+        /// The values.
+        values: Vec<f64>,
+    },
+}
+
+impl Coefficient {
+    /// The value at a quadrature point.
+    #[inline]
+    pub fn at<const D: usize>(&self, at: &At<D>) -> f64 {
+        match self {
+            Coefficient::Constant(c) => *c,
+            Coefficient::Pointwise { points, values } => values[at.cell * points + at.q],
+        }
+    }
+    /// Whether the value never changes.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Coefficient::Constant(_))
+    }
+}

@@ -1,0 +1,462 @@
+//! One step of the coupled velocity-pressure system.
+
+use super::coefficient::Coefficient;
+use super::term::MomentumTerm;
+use crate::base::{Error, Result};
+use crate::fem::{
+    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, assemble_flow_matrix, assemble_scalar,
+    assemble_vector, integrate,
+};
+use crate::linalg::{Factor, Ordering, SolveReport, SymmetricMatrix};
+use crate::mesh::{Mesh, Point};
+use crate::transport::Feet;
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
+
+/// Velocity (one vector a P2 node) and pressure (one number a P1 node).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlowState<const D: usize> {
+    /// Velocity.
+    pub u: Vec<SVector<f64, D>>,
+    /// Pressure; of zero mean when no boundary is open.
+    pub p: Vec<f64>,
+}
+
+/// An earlier velocity, followed along the characteristics, in the discrete time derivative.
+#[derive(Clone, Copy)]
+pub struct History<'a, const D: usize> {
+    /// Its coefficient: `(weight0 u - sum weight u_k o X_k) / dt`.
+    pub weight: f64,
+    /// The velocity.
+    pub u: &'a [SVector<f64, D>],
+    /// Feet of the quadrature points of the flow's rule; `None` takes the velocity where it is (no convection).
+    pub feet: Option<&'a Feet>,
+}
+
+/// What one step solves: `rho (weight0 u - sum_k weight_k u_k o X_k)/dt - div(2 mu D(u)) + grad p = force`, `div u = 0`.
+pub struct Step<'a, const D: usize> {
+    /// The new time.
+    pub time: f64,
+    /// Its length.
+    pub dt: f64,
+    /// Coefficient of the new velocity in the discrete time derivative: 1 (BDF1), 3/2 (BDF2), 0 (Stokes).
+    pub weight: f64,
+    /// Earlier velocities; empty for Stokes.
+    pub history: &'a [History<'a, D>],
+    /// What acts on the flow.
+    pub terms: &'a [&'a dyn MomentumTerm<D>],
+    /// The velocity that explicit forces of implicit terms were made with; `None` stands for zero.
+    pub predicted: Option<&'a [SVector<f64, D>]>,
+    /// Force per volume at position and new time.
+    pub body_force: Option<&'a (dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Sync)>,
+    /// Force per mass (gravity).
+    pub gravity: SVector<f64, D>,
+}
+
+/// What a step cost and how good its solve was.
+#[derive(Clone, Copy, Debug)]
+pub struct StepReport {
+    /// The linear solve.
+    pub solve: SolveReport,
+    /// Whether the matrix was factored anew.
+    pub refactored: bool,
+}
+
+/// Assembles and solves the coupled system; keeps the factor while the matrix does not change.
+pub struct FlowSolver<const D: usize> {
+    velocity: Basis<D>,
+    pressure: Basis<D>,
+    numbering: Numbering<D>,
+    /// Weight of the grad-div term, in units of viscosity.
+    grad_div: f64,
+    density: Coefficient,
+    viscosity: Coefficient,
+    /// The part of the matrix that stays, and `weight / dt` that it was made with.
+    base: Option<(SymmetricMatrix, f64)>,
+    matrix: SymmetricMatrix,
+    factor: Option<Factor>,
+    /// Whether `factor` belongs to `base` alone.
+    factor_is_base: bool,
+    boundary_cells: Vec<u32>,
+    work: Work<D>,
+}
+
+/// Buffers of a step.
+struct Work<const D: usize> {
+    load: Vec<SVector<f64, D>>,
+    residual: Vec<SVector<f64, D>>,
+    continuity: Vec<f64>,
+    lift: Vec<SVector<f64, D>>,
+    rhs: Vec<f64>,
+    x: Vec<f64>,
+    vectors: Vec<SVector<f64, D>>,
+    scalars: Vec<f64>,
+    pressure_mass: Vec<f64>,
+}
+
+impl<const D: usize> FlowSolver<D> {
+    /// A solver on the spaces of `velocity` (P2) and `pressure` (P1), integrated with `rule`.
+    ///
+    /// `grad_div` is the factor `gamma >= 0` of the term `gamma (div u, div v)`: without it P2-P1 conserves mass only on average,
+    /// and a membrane gains energy.
+    ///
+    /// # Errors
+    /// Wrong boundary names or conditions.
+    pub fn new(
+        velocity: &Arc<Space<D>>,
+        pressure: &Arc<Space<D>>,
+        rule: &Arc<Rule>,
+        conditions: &Conditions<D>,
+        grad_div: f64,
+    ) -> Result<FlowSolver<D>> {
+        let numbering = Numbering::new(velocity, pressure, conditions)?;
+        let mesh = velocity.mesh();
+        let groups = (0..mesh.cell_count()).map(|c| {
+            let mut list = Vec::new();
+            numbering.cell_unknowns(velocity.cell_nodes(c), Some(pressure.cell_nodes(c)), &mut list);
+            list
+        });
+        let matrix = SymmetricMatrix::from_groups(numbering.order(), groups)?;
+        let mut prescribed = vec![false; velocity.len()];
+        numbering.prescribed_nodes().for_each(|n| prescribed[n as usize] = true);
+        let touches = |c: usize| velocity.cell_nodes(c).iter().any(|&n| prescribed[n as usize]);
+        let boundary_cells = (0..mesh.cell_count()).filter(|&c| touches(c)).map(|c| c as u32).collect();
+        let (velocity, pressure) = (Basis::new(velocity, rule), Basis::new(pressure, rule));
+        let nodes = velocity.space().len();
+        let mut pressure_mass = vec![0.0; pressure.space().len()];
+        assemble_scalar(&pressure, Cells::All, &mut pressure_mass, &mut Vec::new(), |_| (1.0, SVector::zeros()));
+        let zero = SVector::<f64, D>::zeros();
+        let work = Work {
+            load: vec![zero; nodes],
+            residual: vec![zero; nodes],
+            continuity: vec![0.0; pressure.space().len()],
+            lift: vec![zero; nodes],
+            rhs: vec![0.0; numbering.order()],
+            x: vec![0.0; numbering.order()],
+            vectors: Vec::new(),
+            scalars: Vec::new(),
+            pressure_mass,
+        };
+        Ok(FlowSolver {
+            velocity,
+            pressure,
+            numbering,
+            grad_div,
+            density: Coefficient::Constant(1.0),
+            viscosity: Coefficient::Constant(1.0),
+            base: None,
+            matrix,
+            factor: None,
+            factor_is_base: false,
+            boundary_cells,
+            work,
+        })
+    }
+
+    /// Sets density and viscosity (dynamic); the matrix is made anew when they are not constant or have changed.
+    pub fn set_materials(&mut self, density: Coefficient, viscosity: Coefficient) {
+        if density != self.density || viscosity != self.viscosity || !density.is_constant() || !viscosity.is_constant()
+        {
+            self.base = None;
+        }
+        self.density = density;
+        self.viscosity = viscosity;
+    }
+    /// The velocity basis at the points of the rule.
+    pub fn velocity(&self) -> &Basis<D> {
+        &self.velocity
+    }
+    /// The pressure basis at the points of the rule.
+    pub fn pressure(&self) -> &Basis<D> {
+        &self.pressure
+    }
+    /// The unknowns.
+    pub fn numbering(&self) -> &Numbering<D> {
+        &self.numbering
+    }
+    /// Density.
+    pub fn density(&self) -> &Coefficient {
+        &self.density
+    }
+    /// Viscosity.
+    pub fn viscosity(&self) -> &Coefficient {
+        &self.viscosity
+    }
+    /// Weight of the grad-div term.
+    pub fn grad_div(&self) -> f64 {
+        self.grad_div
+    }
+    /// Stored entries of the matrix (one triangle).
+    pub fn matrix_nonzeros(&self) -> usize {
+        self.matrix.nonzeros()
+    }
+    /// The factor, once there is one.
+    pub fn factor(&self) -> Option<&Factor> {
+        self.factor.as_ref()
+    }
+    /// Fluid at rest.
+    pub fn at_rest(&self) -> FlowState<D> {
+        FlowState { u: vec![SVector::zeros(); self.velocity.space().len()], p: vec![0.0; self.pressure.space().len()] }
+    }
+    /// Puts the prescribed velocities at time `t` into `u`.
+    pub fn impose(&self, t: f64, u: &mut [SVector<f64, D>]) {
+        let mut lift = vec![SVector::zeros(); u.len()];
+        let space = self.velocity.space();
+        self.numbering.lift(space, t, &mut lift);
+        for n in self.numbering.prescribed_nodes() {
+            u[n as usize] = lift[n as usize];
+        }
+    }
+
+    /// The viscous, grad-div and inertial parts of the bilinear form.
+    fn form<'a>(
+        &'a self,
+        weight: f64,
+    ) -> impl Fn(&At<D>, &SVector<f64, D>, &SMatrix<f64, D, D>) -> VectorForm<D> + Sync + 'a {
+        move |at, u, grad| {
+            let mut stress = (grad + grad.transpose()) * self.viscosity.at(at);
+            let divergence = self.grad_div * grad.trace();
+            for i in 0..D {
+                stress[(i, i)] += divergence;
+            }
+            (u * (weight * self.density.at(at)), stress)
+        }
+    }
+
+    /// Makes the matrix and the factor fit the step. Returns whether a factorisation was made.
+    fn prepare(&mut self, step: &Step<'_, D>) -> Result<bool> {
+        let weight = step.weight / step.dt;
+        let implicit = step.terms.iter().any(|t| t.is_implicit());
+        let constant = self.density.is_constant() && self.viscosity.is_constant();
+        let fresh = self.base.as_ref().is_none_or(|(_, w)| *w != weight);
+        if fresh {
+            let mut matrix = match self.base.take() {
+                Some((m, _)) => m,
+                None => self.matrix.clone(),
+            };
+            matrix.zero();
+            let form = self.form(weight);
+            assemble_flow_matrix(&self.velocity, Some(&self.pressure), &self.numbering, Cells::All, &mut matrix, form)?;
+            self.base = Some((matrix, weight));
+            self.factor_is_base = false;
+        }
+        if self.factor_is_base && !implicit && constant {
+            return Ok(false);
+        }
+        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
+        self.matrix.copy_values_from(base)?;
+        for term in step.terms.iter().filter(|t| t.is_implicit()) {
+            assemble_flow_matrix(
+                &self.velocity,
+                None,
+                &self.numbering,
+                term.cells(),
+                &mut self.matrix,
+                |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
+            )?;
+        }
+        if self.factor.is_none() {
+            let ordering = Ordering::saddle_point(&self.matrix, self.numbering.first_pressure())?;
+            self.factor = Some(Factor::analyse(&self.matrix, ordering)?);
+        }
+        if let Some(factor) = &mut self.factor {
+            factor.refactor(&self.matrix)?;
+        }
+        self.factor_is_base = !implicit;
+        Ok(true)
+    }
+
+    /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
+    fn assemble_load(&mut self, step: &Step<'_, D>) {
+        let (velocity, work) = (&self.velocity, &mut self.work);
+        let (load, scratch) = (&mut work.load, &mut work.vectors);
+        load.fill(SVector::zeros());
+        let points = velocity.rule().len();
+        let space = velocity.space();
+        let density = &self.density;
+        if step.weight > 0.0 || step.body_force.is_some() || step.gravity.norm() > 0.0 {
+            assemble_vector(velocity, Cells::All, load, scratch, |at| {
+                let mut inertia = SVector::<f64, D>::zeros();
+                for h in step.history {
+                    inertia += match h.feet {
+                        None => velocity.value(at, h.u),
+                        Some(feet) => {
+                            let foot = feet.get(at.cell * points + at.q);
+                            space.value(h.u, foot.cell as usize, &foot.barycentric)
+                        }
+                    } * (h.weight / step.dt);
+                }
+                let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
+                ((inertia + step.gravity) * density.at(at) + force, SMatrix::zeros())
+            });
+        }
+        for term in step.terms {
+            assemble_vector(velocity, term.cells(), load, scratch, |at| {
+                let (f0, mut f1) = term.force(at);
+                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
+                    f1 += term.stiffness(at, &velocity.jacobian(at, u));
+                }
+                (f0, f1)
+            });
+        }
+    }
+
+    /// Takes one step and writes the new velocity and pressure into `state`.
+    ///
+    /// # Errors
+    /// A factorisation or a solve that fails, boundary values that let more fluid in than out.
+    pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
+        let refactored = self.prepare(step)?;
+        self.assemble_load(step);
+        let mut work = std::mem::replace(&mut self.work, Work::empty());
+        let result = self.solve(step, &mut work, state);
+        self.work = work;
+        Ok(StepReport { solve: result?, refactored })
+    }
+
+    fn solve(&mut self, step: &Step<'_, D>, work: &mut Work<D>, state: &mut FlowState<D>) -> Result<SolveReport> {
+        work.residual.copy_from_slice(&work.load);
+        work.continuity.fill(0.0);
+        work.lift.fill(SVector::zeros());
+        if !self.numbering.is_homogeneous() {
+            self.bring_in_boundary_values(step, work)?;
+        }
+        self.numbering.gather(&work.residual, &work.continuity, &mut work.rhs);
+        let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not factored")) };
+        let report = factor.solve(&self.matrix, &work.rhs, &mut work.x).map_err(|e| {
+            let place = format!("time {}", step.time);
+            if e.place().is_empty() { e.at(place) } else { e }
+        })?;
+        self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
+        if !self.numbering.is_open() {
+            let mass: f64 = work.pressure_mass.iter().sum();
+            let mean = state.p.iter().zip(&work.pressure_mass).map(|(p, m)| p * m).sum::<f64>() / mass;
+            state.p.iter_mut().for_each(|p| *p -= mean);
+        }
+        Ok(report)
+    }
+
+    /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`, less the mean of `div g` when the
+    /// boundary is closed, so that what the interpolation of `g` lets through is spread evenly.
+    fn bring_in_boundary_values(&mut self, step: &Step<'_, D>, work: &mut Work<D>) -> Result<()> {
+        let space = self.velocity.space();
+        self.numbering.lift(space, step.time, &mut work.lift);
+        if let Some(n) = work.lift.iter().position(|g| g.iter().any(|v| !v.is_finite())) {
+            return Err(Error::computation("a prescribed velocity is not a finite number")
+                .at(format!("time {}, node at {:?}", step.time, space.nodes()[n].as_slice()))
+                .value(format!("{:?}", work.lift[n].as_slice()))
+                .remedy("check the velocity expressions of the boundary"));
+        }
+        let cells = Cells::Some(&self.boundary_cells);
+        let g = &work.lift;
+        let velocity = &self.velocity;
+        let form = self.form(step.weight / step.dt);
+        assemble_vector(velocity, cells, &mut work.residual, &mut work.vectors, |at| {
+            let grad = velocity.jacobian(at, g);
+            let (f0, mut f1) = form(at, &velocity.value(at, g), &grad);
+            for term in step.terms.iter().filter(|t| t.is_implicit()) {
+                f1 += term.stiffness(at, &grad);
+            }
+            (-f0, -f1)
+        });
+        assemble_scalar(&self.pressure, cells, &mut work.continuity, &mut work.scalars, |at| {
+            (velocity.jacobian(at, g).trace(), SVector::zeros())
+        });
+        if !self.numbering.is_open() {
+            let mesh = space.mesh();
+            let through: f64 = work.continuity.iter().sum();
+            let scale: f64 = gross_flux(mesh, space, g);
+            if through.abs() > 1e-3 * scale && scale > 0.0 {
+                return Err(Error::scene(
+                    "the prescribed velocities let more fluid in than out, and no boundary is open",
+                )
+                .at(format!("time {}", step.time))
+                .value(format!("net outflow {through:e}, gross flow {scale:e}"))
+                .remedy("balance the velocities, or set open = true on an outlet"));
+            }
+            let mean = through / mesh.volume();
+            work.continuity.iter_mut().zip(&work.pressure_mass).for_each(|(c, m)| *c -= mean * m);
+        }
+        Ok(())
+    }
+
+    /// Power that the walls put into the flow through prescribed velocities: the sum over nodes of reaction times velocity,
+    /// after [`step`](Self::step) with the same data.
+    pub fn wall_power(&self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
+        if self.numbering.is_homogeneous() {
+            return 0.0;
+        }
+        let reaction = self.reaction(step, state, Cells::Some(&self.boundary_cells));
+        self.numbering.prescribed_nodes().map(|n| reaction[n as usize].dot(&state.u[n as usize])).sum()
+    }
+
+    /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` whose support lies in `cells`: at nodes on
+    /// a wall, the force of the wall on the fluid. Valid after [`step`](Self::step) with the same data.
+    pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
+        let mut r: Vec<_> = self.work.load.iter().map(|f| -f).collect();
+        let (velocity, pressure) = (&self.velocity, &self.pressure);
+        let form = self.form(step.weight / step.dt);
+        assemble_vector(velocity, cells, &mut r, &mut Vec::new(), |at| {
+            let grad = velocity.jacobian(at, &state.u);
+            let (f0, mut f1) = form(at, &velocity.value(at, &state.u), &grad);
+            for term in step.terms.iter().filter(|t| t.is_implicit()) {
+                f1 += term.stiffness(at, &grad);
+            }
+            let p = pressure.value(at, &state.p);
+            for i in 0..D {
+                f1[(i, i)] -= p;
+            }
+            (f0, f1)
+        });
+        r
+    }
+
+    /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
+    /// each integrated.
+    pub fn energies(&self, state: &FlowState<D>) -> [f64; 4] {
+        integrate(&self.velocity, Cells::All, |at| {
+            let u = self.velocity.value(at, &state.u);
+            let grad = self.velocity.jacobian(at, &state.u);
+            let strain = (grad + grad.transpose()) * 0.5;
+            let div2 = grad.trace().powi(2);
+            [
+                0.5 * self.density.at(at) * u.norm_squared(),
+                2.0 * self.viscosity.at(at) * strain.norm_squared(),
+                self.grad_div * div2,
+                div2,
+            ]
+        })
+    }
+}
+
+impl<const D: usize> Work<D> {
+    fn empty() -> Work<D> {
+        Work {
+            load: Vec::new(),
+            residual: Vec::new(),
+            continuity: Vec::new(),
+            lift: Vec::new(),
+            rhs: Vec::new(),
+            x: Vec::new(),
+            vectors: Vec::new(),
+            scalars: Vec::new(),
+            pressure_mass: Vec::new(),
+        }
+    }
+}
+
+/// Integral of `|g . n|` over the boundary, by the mean over the nodes of each facet: a scale to judge the net flux with.
+fn gross_flux<const D: usize>(mesh: &Mesh<D>, space: &Space<D>, g: &[SVector<f64, D>]) -> f64 {
+    mesh.facets()
+        .iter()
+        .map(|f| {
+            let (n, size) = mesh.facet_normal(f);
+            let (mut sum, mut count) = (0.0, 0.0);
+            for node in space.facet_nodes(f) {
+                sum += g[node as usize].dot(&n).abs();
+                count += 1.0;
+            }
+            size * sum / count
+        })
+        .sum()
+}

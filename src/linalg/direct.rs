@@ -1,0 +1,279 @@
+//! The direct solver: supernodal LDL^T without pivoting and iterative refinement. The only module that names faer.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::memory::{available, readable};
+use super::{Ordering, SymmetricMatrix};
+use crate::base::{Error, Result};
+
+/// Relative residual above which a solution is refused.
+const TOLERANCE: f64 = 1e-9;
+const MOST_REFINEMENTS: usize = 3;
+
+/// How well a linear system was solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveReport {
+    /// `|b - A x| / |b|` in the 2-norm after the last refinement; of several right-hand sides the largest.
+    pub residual: f64,
+    /// Number of steps of iterative refinement, at least one.
+    pub refinements: usize,
+}
+
+/// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive definite, or a saddle
+/// point in the order of [`Ordering::saddle_point`].
+///
+/// Sequential, so that results do not depend on the number of threads.
+pub struct Factor {
+    symbolic: SymbolicCholesky<usize>,
+    pattern: u64,
+    /// Empty before the first numeric factorisation.
+    values: Vec<f64>,
+    is_valid: bool,
+    scratch: MemBuffer,
+    scratch_bytes: usize,
+    residual: Vec<f64>,
+}
+
+impl Factor {
+    /// Finds the pattern of the factor, and with it its size; allocates only what this takes.
+    ///
+    /// # Errors
+    /// Computation, if the factor would not fit into the memory that the machine can give at the moment; internal, if
+    /// the ordering is not one of this matrix.
+    pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Factor> {
+        Factor::analyse_within(matrix, ordering, available())
+    }
+
+    /// [`analyse`](Factor::analyse) with a limit on the bytes that the factor may take, `None` for no limit.
+    ///
+    /// # Errors
+    /// As [`analyse`](Factor::analyse).
+    pub fn analyse_within(matrix: &SymmetricMatrix, ordering: Ordering, limit: Option<usize>) -> Result<Factor> {
+        let symbolic = symbolic_factor(matrix, &ordering)?;
+        let numeric = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
+        let request = numeric.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let mut factor = Factor {
+            symbolic,
+            pattern: matrix.pattern(),
+            values: Vec::new(),
+            is_valid: false,
+            scratch: MemBuffer::new(StackReq::EMPTY),
+            scratch_bytes: request.unaligned_bytes_required(),
+            residual: vec![0.0; matrix.order()],
+        };
+        if limit.is_some_and(|limit| factor.bytes() > limit) {
+            return Err(factor.too_large(limit));
+        }
+        factor.scratch = MemBuffer::try_new(request).map_err(|_| factor.too_large(limit))?;
+        Ok(factor)
+    }
+
+    /// Number of unknowns.
+    pub fn order(&self) -> usize {
+        self.symbolic.nrows()
+    }
+
+    /// Number of stored entries of the factor.
+    pub fn nonzeros(&self) -> usize {
+        self.symbolic.len_val()
+    }
+
+    /// Bytes that the factor takes with its working space, all of them after the first [`refactor`](Factor::refactor).
+    pub fn bytes(&self) -> usize {
+        8 * self.nonzeros() + self.scratch_bytes
+    }
+
+    /// Factorises the matrix, whose values may have changed but not its pattern. Allocates at the first call only.
+    ///
+    /// # Errors
+    /// Computation, if an entry is not finite, if a pivot is zero, or if the memory does not suffice; internal, if the
+    /// pattern is another one.
+    pub fn refactor(&mut self, matrix: &SymmetricMatrix) -> Result<()> {
+        self.is_valid = false;
+        self.require_pattern_of(matrix)?;
+        if let Some(k) = matrix.values().iter().position(|v| !v.is_finite()) {
+            return Err(not_finite("an entry of the matrix", matrix.values()[k], column_of_entry(matrix, k)));
+        }
+        if self.values.is_empty() {
+            let length = self.nonzeros();
+            self.values.try_reserve_exact(length).map_err(|_| self.too_large(None))?;
+            self.values.resize(length, 0.0);
+        }
+        let factored = self.symbolic.factorize_numeric_ldlt(
+            &mut self.values,
+            SparseColMatRef::new(view_of_pattern(matrix, matrix.upper().indptr().raw_storage()), matrix.values()),
+            Side::Upper,
+            LdltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+            Default::default(),
+        );
+        if let Err(LdltError::ZeroPivot { index }) = factored {
+            return Err(self.zero_pivot(index));
+        }
+        self.is_valid = true;
+        Ok(())
+    }
+
+    /// Solves `A x = rhs` for one right-hand side or for several, one after another in `rhs` and `x`.
+    ///
+    /// At least one step of iterative refinement, and up to three until `|b - A x| <= 1e-9 |b|`. Allocates only when
+    /// there are more right-hand sides than ever before.
+    ///
+    /// # Errors
+    /// Computation, if the right-hand side is not finite or the residual stays above 1e-9; internal, if there is no
+    /// valid factor, the pattern is another one, or the lengths are wrong.
+    pub fn solve(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
+        self.require_pattern_of(matrix)?;
+        let n = self.order();
+        if !self.is_valid || rhs.len() != x.len() || n == 0 || !rhs.len().is_multiple_of(n) {
+            return Err(Error::internal("a linear solve is called wrongly").value(format!(
+                "factor valid: {}, order {n}, right-hand side {}, solution {}",
+                self.is_valid,
+                rhs.len(),
+                x.len()
+            )));
+        }
+        if let Some(k) = rhs.iter().position(|v| !v.is_finite()) {
+            return Err(not_finite("the right-hand side", rhs[k], k % n));
+        }
+        self.require_space(rhs.len())?;
+        x.copy_from_slice(rhs);
+        self.substitute(x);
+        let mut refinements = 0;
+        let mut residual = self.update_residual(matrix, rhs, x);
+        while refinements == 0 || (refinements < MOST_REFINEMENTS && residual > TOLERANCE) {
+            let mut correction = std::mem::take(&mut self.residual);
+            self.substitute(&mut correction[..rhs.len()]);
+            x.iter_mut().zip(&correction).for_each(|(x, d)| *x += d);
+            self.residual = correction;
+            refinements += 1;
+            residual = self.update_residual(matrix, rhs, x);
+        }
+        if residual <= TOLERANCE { Ok(SolveReport { residual, refinements }) } else { Err(self.inaccurate(residual)) }
+    }
+
+    /// Replaces each right-hand side in `x` by its solution, without refinement.
+    fn substitute(&mut self, x: &mut [f64]) {
+        let n = self.order();
+        let columns = x.len() / n;
+        LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, columns),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+        );
+    }
+
+    /// Sets the residuals `b - A x` and returns the largest relative one, infinite where one is not a number.
+    fn update_residual(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &[f64]) -> f64 {
+        let n = self.order();
+        let mut largest = 0.0_f64;
+        for ((b, x), r) in rhs.chunks_exact(n).zip(x.chunks_exact(n)).zip(self.residual.chunks_exact_mut(n)) {
+            matrix.multiply(x, r);
+            r.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+            let (error, scale) = (norm(r), norm(b));
+            let relative = if error == 0.0 { 0.0 } else { error / scale };
+            largest = if relative.is_nan() { f64::INFINITY } else { largest.max(relative) };
+        }
+        largest
+    }
+
+    fn require_space(&mut self, length: usize) -> Result<()> {
+        if self.residual.len() < length {
+            let columns = length / self.order();
+            let request = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+            let bytes = request.unaligned_bytes_required();
+            if bytes > self.scratch_bytes {
+                self.scratch = MemBuffer::try_new(request).map_err(|_| self.too_large(None))?;
+                self.scratch_bytes = bytes;
+            }
+            self.residual.resize(length, 0.0);
+        }
+        Ok(())
+    }
+
+    fn require_pattern_of(&self, matrix: &SymmetricMatrix) -> Result<()> {
+        if self.pattern == matrix.pattern() {
+            return Ok(());
+        }
+        Err(Error::internal("a factor is used with a matrix of another pattern than the one it was made for")
+            .value(format!("{} unknowns, factor of {}", matrix.order(), self.order())))
+    }
+
+    fn too_large(&self, limit: Option<usize>) -> Error {
+        let free = limit.map_or(String::new(), |limit| format!(", {} are free", readable(limit)));
+        Error::computation("the factor of a matrix does not fit into the memory")
+            .at(format!("{} unknowns, {} entries in the factor", self.order(), self.nonzeros()))
+            .value(format!("{} are needed{free}", readable(self.bytes())))
+            .remedy("use a coarser mesh, close other programs, or use a machine with more memory")
+    }
+
+    fn zero_pivot(&self, position: usize) -> Error {
+        let unknown = self.symbolic.perm().and_then(|p| p.arrays().0.get(position).copied()).unwrap_or(position);
+        Error::computation("a matrix is singular: elimination met a pivot that is zero or not finite")
+            .at(format!("unknown {unknown} of {}", self.order()))
+            .remedy("check the boundary conditions (is every field fixed somewhere?) and the coefficients")
+    }
+
+    fn inaccurate(&self, residual: f64) -> Error {
+        Error::computation("a linear system could not be solved accurately")
+            .at(format!("{} unknowns", self.order()))
+            .value(format!("relative residual {residual:.1e} after {MOST_REFINEMENTS} refinements, allowed {TOLERANCE:e}"))
+            .remedy("the matrix is nearly singular: check boundary conditions, mesh quality and coefficients of very different size")
+    }
+}
+
+fn symbolic_factor(matrix: &SymmetricMatrix, ordering: &Ordering) -> Result<SymbolicCholesky<usize>> {
+    let n = matrix.order();
+    if ordering.unknowns().len() != n {
+        let sizes = format!("{} unknowns, ordering of {}", n, ordering.unknowns().len());
+        return Err(Error::internal("an ordering does not belong to the matrix").value(sizes));
+    }
+    let pointers = matrix.upper().indptr();
+    let permutation = faer::perm::PermRef::new_checked(ordering.unknowns(), ordering.positions(), n);
+    let params = CholeskySymbolicParams {
+        // Faster than the simplicial method from a few hundred unknowns on.
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        ..Default::default()
+    };
+    let pattern = view_of_pattern(matrix, pointers.raw_storage());
+    factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Custom(permutation), params).map_err(|error| {
+        Error::computation("the factor of a matrix could not be planned")
+            .at(format!("{n} unknowns, {} entries", matrix.nonzeros()))
+            .value(error)
+            .remedy("use a coarser mesh or a machine with more memory")
+    })
+}
+
+fn view_of_pattern<'a>(matrix: &'a SymmetricMatrix, pointers: &'a [usize]) -> SymbolicSparseColMatRef<'a, usize> {
+    let n = matrix.order();
+    SymbolicSparseColMatRef::new_checked(n, n, pointers, None, matrix.upper().indices())
+}
+
+fn not_finite(what: &str, value: f64, unknown: usize) -> Error {
+    Error::computation(format!("{what} of a linear system is not a finite number"))
+        .at(format!("unknown {unknown}"))
+        .value(value)
+        .remedy("the computation has blown up before: use a smaller time step, or check expressions and coefficients")
+}
+
+fn column_of_entry(matrix: &SymmetricMatrix, entry: usize) -> usize {
+    matrix.upper().indptr().raw_storage().partition_point(|&start| start <= entry).saturating_sub(1)
+}
+
+/// The 2-norm, without overflow for large entries.
+fn norm(v: &[f64]) -> f64 {
+    let largest = v.iter().fold(0.0_f64, |m, a| if a.abs() <= m { m } else { a.abs() });
+    if largest == 0.0 { 0.0 } else { largest * v.iter().map(|a| (a / largest).powi(2)).sum::<f64>().sqrt() }
+}
+
+#[cfg(test)]
+mod tests;

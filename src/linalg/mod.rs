@@ -1,0 +1,18 @@
+//! Sparse symmetric matrices, fill-reducing orderings and direct solvers. Knows no mesh.
+//!
+//! The way through this module: build a [`SymmetricMatrix`] from the groups of unknowns that couple, fill it, choose an
+//! [`Ordering`], analyse it once with [`Factor::analyse`], then [`Factor::refactor`] whenever the values change and
+//! [`Factor::solve`] as often as needed.
+
+mod direct;
+mod memory;
+mod metis;
+mod ordering;
+mod symmetric;
+
+#[cfg(test)]
+mod testing;
+
+pub use direct::{Factor, SolveReport};
+pub use ordering::Ordering;
+pub use symmetric::{CONSTRAINED, SymmetricMatrix};

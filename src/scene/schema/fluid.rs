@@ -1,0 +1,116 @@
+//! `[fluid]`: what flows, and what drives it.
+
+use super::write::{Writer, expressions, number, vector};
+use crate::base::Result;
+use crate::scene::expression::Expression;
+use crate::scene::item::{Context, Item};
+
+/// The fluid on both sides of a closed structure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fluid {
+    /// Mass per volume, >= 0; 0 means no inertia: the Stokes equations.
+    pub density: Contrast,
+    /// Dynamic viscosity, > 0.
+    pub viscosity: Contrast,
+    /// Acceleration; acts on the density.
+    pub gravity: Vec<f64>,
+    /// Force per volume.
+    pub force: Vec<Expression>,
+    /// Velocity at time 0; does not depend on time.
+    pub initial_velocity: Vec<Expression>,
+}
+
+/// A property that may differ inside and outside the one closed structure of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contrast {
+    /// The value where the level set is negative.
+    pub inside: f64,
+    /// The value where the level set is positive; everywhere in a scene without a structure.
+    pub outside: f64,
+}
+
+impl Contrast {
+    /// The same value everywhere.
+    pub fn uniform(value: f64) -> Contrast {
+        Contrast { inside: value, outside: value }
+    }
+
+    /// Whether it is the same everywhere.
+    pub fn is_uniform(&self) -> bool {
+        self.inside == self.outside
+    }
+
+    /// A number or `{ inside, outside }`, each read by `value`; the latter needs exactly one structure.
+    fn read<'a>(item: &Item<'a>, structures: usize, value: impl Fn(&Item<'a>) -> Result<f64>) -> Result<Contrast> {
+        if !item.is_table() {
+            return value(item).map(Contrast::uniform);
+        }
+        let table = item.table(&["inside", "outside"])?;
+        let remedy = "give both: { inside = 1, outside = 1 }";
+        let contrast = Contrast {
+            inside: table.required("inside", remedy, &value)?,
+            outside: table.required("outside", remedy, &value)?,
+        };
+        if structures != 1 {
+            return Err(item
+                .key_error(format!(
+                    "`{}` differs inside and outside, but the scene has {structures} closed structures",
+                    item.key
+                ))
+                .remedy("give one number, or a scene with exactly one [[membrane]]"));
+        }
+        Ok(contrast)
+    }
+
+    fn write(&self) -> String {
+        if self.is_uniform() {
+            return number(self.inside);
+        }
+        format!("{{ inside = {}, outside = {} }}", number(self.inside), number(self.outside))
+    }
+}
+
+impl Fluid {
+    pub(super) fn read(item: &Item, structures: usize, context: &Context) -> Result<Fluid> {
+        let table = item.table(&["density", "viscosity", "gravity", "force", "initial_velocity"])?;
+        let zero = vec![Expression::constant(0.0); context.dimension];
+        let density = |i: &Item| Contrast::read(i, structures, Item::non_negative);
+        let viscosity = |i: &Item| Contrast::read(i, structures, Item::positive);
+        Ok(Fluid {
+            density: table.optional("density", density)?.unwrap_or(Contrast::uniform(1.0)),
+            viscosity: table.required("viscosity", "give the dynamic viscosity: viscosity = 0.01", viscosity)?,
+            gravity: table.optional("gravity", |i| i.point(context))?.unwrap_or(vec![0.0; context.dimension]),
+            force: table.optional("force", |i| i.components(context))?.unwrap_or(zero.clone()),
+            initial_velocity: table.optional("initial_velocity", |i| initial(i, context))?.unwrap_or(zero),
+        })
+    }
+
+    /// Whether the fluid has mass; without it the Stokes equations are solved.
+    pub fn has_inertia(&self) -> bool {
+        self.density.inside > 0.0 || self.density.outside > 0.0
+    }
+
+    /// Whether there is a force per volume.
+    pub fn has_force(&self) -> bool {
+        self.force.iter().any(|f| f.is_constant() != Some(0.0))
+    }
+
+    pub(super) fn write(&self, out: &mut Writer) {
+        out.header("[fluid]");
+        out.entry("density", self.density.write());
+        out.entry("viscosity", self.viscosity.write());
+        out.entry("gravity", vector(&self.gravity));
+        out.entry("force", expressions(&self.force));
+        out.entry("initial_velocity", expressions(&self.initial_velocity));
+    }
+}
+
+fn initial(item: &Item, context: &Context) -> Result<Vec<Expression>> {
+    let velocity = item.components(context)?;
+    if velocity.iter().any(Expression::depends_on_time) {
+        return Err(item
+            .error("the initial velocity depends on time")
+            .remedy("write it in x, y and z alone; it holds at time 0"));
+    }
+    Ok(velocity)
+}

@@ -1,0 +1,176 @@
+//! `[[membrane]]`: elastic interfaces.
+
+use super::shape::Shape;
+use super::write::{Writer, key, number, text, vector};
+use crate::base::Result;
+use crate::scene::item::{Context, Item};
+
+/// A closed elastic membrane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Membrane {
+    /// Its name in results; unique in the scene.
+    pub name: String,
+    /// Its form at time 0.
+    pub shape: Shape,
+    /// Stretch r at time 0: length over length at rest.
+    pub stretch: f64,
+    /// The law of its elastic energy.
+    pub area: AreaLaw,
+    /// Mass per length (2-D) or area (3-D), >= 0.
+    pub mass: f64,
+    /// Lines along which the contour is measured.
+    pub chords: Vec<Chord>,
+}
+
+/// The derivative E'(r) of the energy per length or area with respect to the stretch r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaLaw {
+    /// E'(r) = modulus (r - 1).
+    Linear {
+        /// The modulus, >= 0.
+        modulus: f64,
+    },
+    /// E'(r) = modulus max(r - 1, 0): no resistance to compression.
+    OneSided {
+        /// The modulus, >= 0.
+        modulus: f64,
+    },
+    /// E'(r) = tension.
+    Tension {
+        /// The tension, >= 0.
+        tension: f64,
+    },
+}
+
+/// A line through the membrane along which half the distance of its two crossings is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chord {
+    /// The name in results.
+    pub name: String,
+    /// A point of the line.
+    pub through: Vec<f64>,
+    /// The direction of the line, not zero, of any length.
+    pub direction: Vec<f64>,
+}
+
+const LAWS: [&str; 3] = ["linear", "one_sided", "tension"];
+
+/// All membranes, in the order of the scene.
+pub(super) fn read(item: Option<Item>, context: &Context) -> Result<Vec<Membrane>> {
+    let Some(item) = item else { return Ok(Vec::new()) };
+    let mut membranes: Vec<Membrane> = Vec::new();
+    for item in item.list()? {
+        let membrane = Membrane::read(&item, context)?;
+        if membranes.iter().any(|m| m.name == membrane.name) {
+            let named = item.open_table()?.get("name").unwrap_or(item);
+            return Err(named
+                .error(format!("two membranes are named `{}`", membrane.name))
+                .remedy("give each [[membrane]] a name of its own"));
+        }
+        membranes.push(membrane);
+    }
+    Ok(membranes)
+}
+
+impl Membrane {
+    fn read(item: &Item, context: &Context) -> Result<Membrane> {
+        let table = item.table(&["name", "shape", "stretch", "area", "mass", "chords"])?;
+        let shape = "give one: shape.circle = { centre = [1, 1], radius = 0.5 }";
+        let law = "give the elastic law: area.linear = { modulus = 1 }";
+        Ok(Membrane {
+            name: table.optional("name", identifier)?.unwrap_or_else(|| "membrane".to_string()),
+            shape: table.required("shape", shape, |i| Shape::read(i, context))?,
+            stretch: table.optional("stretch", Item::positive)?.unwrap_or(1.0),
+            area: table.required("area", law, AreaLaw::read)?,
+            mass: table.optional("mass", Item::non_negative)?.unwrap_or(0.0),
+            chords: table
+                .optional("chords", |i| named(i, |name, i| Chord::read(name, i, context)))?
+                .unwrap_or_default(),
+        })
+    }
+
+    fn write(&self, out: &mut Writer) {
+        out.header("[[membrane]]");
+        out.entry("name", text(&self.name));
+        out.entry("shape", self.shape.write());
+        out.entry("stretch", number(self.stretch));
+        out.entry("area", self.area.write());
+        out.entry("mass", number(self.mass));
+        for chord in &self.chords {
+            let (through, direction) = (vector(&chord.through), vector(&chord.direction));
+            let name = key(&chord.name);
+            out.entry(&format!("chords.{name}"), format_args!("{{ through = {through}, direction = {direction} }}"));
+        }
+    }
+}
+
+impl AreaLaw {
+    fn read(item: &Item) -> Result<AreaLaw> {
+        let (law, item) = item.table(&LAWS)?.exactly_one(&LAWS)?;
+        let parameter = if law == "tension" { "tension" } else { "modulus" };
+        let remedy = format!("write {law} = {{ {parameter} = 1 }}");
+        let value = item.table(&[parameter])?.required(parameter, &remedy, Item::non_negative)?;
+        Ok(match law {
+            "linear" => AreaLaw::Linear { modulus: value },
+            "one_sided" => AreaLaw::OneSided { modulus: value },
+            _ => AreaLaw::Tension { tension: value },
+        })
+    }
+
+    fn write(&self) -> String {
+        match self {
+            AreaLaw::Linear { modulus } => format!("{{ linear = {{ modulus = {} }} }}", number(*modulus)),
+            AreaLaw::OneSided { modulus } => format!("{{ one_sided = {{ modulus = {} }} }}", number(*modulus)),
+            AreaLaw::Tension { tension } => format!("{{ tension = {{ tension = {} }} }}", number(*tension)),
+        }
+    }
+}
+
+impl Chord {
+    fn read(name: String, item: &Item, context: &Context) -> Result<Chord> {
+        let table = item.table(&["through", "direction"])?;
+        let direction = |i: &Item| {
+            let direction = i.point(context)?;
+            if direction.iter().any(|d| *d != 0.0) {
+                return Ok(direction);
+            }
+            Err(i.error("the direction of a chord is zero").remedy("give a direction such as [1, 0]"))
+        };
+        Ok(Chord {
+            name,
+            through: table.required("through", "give a point: through = [1, 1]", |i| i.point(context))?,
+            direction: table.required("direction", "give a direction: direction = [1, 0]", direction)?,
+        })
+    }
+}
+
+/// The entries of a table whose keys name them; a name becomes part of column and file names.
+pub(super) fn named<T>(item: &Item, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
+    let entries = item.open_table()?;
+    let one = |(name, item): (&str, Item)| match is_identifier(name) {
+        true => read(name.to_string(), &item),
+        false => Err(item.key_error(format!("`{name}` cannot be a name here")).remedy(IDENTIFIER)),
+    };
+    entries.items().map(one).collect()
+}
+
+const IDENTIFIER: &str = "use letters, digits, `_` and `-`, and begin with a letter";
+
+fn identifier(item: &Item) -> Result<String> {
+    let name = item.text()?;
+    if is_identifier(name) {
+        return Ok(name.to_string());
+    }
+    Err(item.error(format!("\"{name}\" cannot be a name here")).remedy(IDENTIFIER))
+}
+
+fn is_identifier(name: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(allowed)
+}
+
+pub(super) fn write(membranes: &[Membrane], out: &mut Writer) {
+    for m in membranes {
+        m.write(out);
+    }
+}

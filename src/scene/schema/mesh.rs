@@ -1,0 +1,161 @@
+//! `[mesh]`: where the mesh comes from.
+
+use super::write::{Writer, list, name, number, text, vector};
+use crate::base::{Error, Result};
+use crate::scene::item::Item;
+use std::path::{Path, PathBuf};
+
+/// Where the mesh comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MeshSource {
+    /// A gmsh file, as an absolute path.
+    File(PathBuf),
+    /// A rectangle of `cells[0] x cells[1]` rectangles, each cut into triangles.
+    Rectangle {
+        /// Lower left corner.
+        min: [f64; 2],
+        /// Upper right corner.
+        max: [f64; 2],
+        /// Rectangles along each axis.
+        cells: [usize; 2],
+        /// How each rectangle is cut.
+        diagonals: Diagonals,
+    },
+    /// A disc.
+    Disc {
+        /// Centre.
+        centre: [f64; 2],
+        /// Radius.
+        radius: f64,
+        /// Cells along a radius.
+        cells: usize,
+    },
+    /// A box of tetrahedra.
+    Box {
+        /// Corner with the smallest coordinates.
+        min: [f64; 3],
+        /// Corner with the largest coordinates.
+        max: [f64; 3],
+        /// Boxes along each axis.
+        cells: [usize; 3],
+    },
+}
+
+/// The diagonals that cut the rectangles of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Diagonals {
+    /// From lower left to upper right.
+    Right,
+    /// From lower right to upper left.
+    Left,
+    /// Alternating like the squares of a chessboard.
+    UnionJack,
+}
+
+const DIAGONALS: [(&str, Diagonals); 3] =
+    [("right", Diagonals::Right), ("left", Diagonals::Left), ("union-jack", Diagonals::UnionJack)];
+/// More cells along an axis exceed any memory.
+const MOST_CELLS: usize = 100_000;
+
+impl MeshSource {
+    pub(super) fn read(item: &Item, folder: &Path) -> Result<MeshSource> {
+        let kinds = ["file", "rectangle", "disc", "box"];
+        let (kind, item) = item.table(&kinds)?.exactly_one(&kinds)?;
+        match kind {
+            "file" => {
+                let file = item.text()?;
+                if file.is_empty() {
+                    return Err(item.error("the name of the mesh file is empty").remedy("name a gmsh file (.msh)"));
+                }
+                Ok(MeshSource::File(absolute(&folder.join(file))))
+            }
+            "rectangle" => {
+                let table = item.table(&["min", "max", "cells", "diagonals"])?;
+                let min = table.required("min", "give the lower left corner: min = [0, 0]", Item::vector)?;
+                Ok(MeshSource::Rectangle {
+                    min,
+                    max: table.required("max", "give the upper right corner: max = [1, 1]", |i| above(i, &min))?,
+                    cells: table.required("cells", "give cells = [30, 30]", |i| i.counts(MOST_CELLS))?,
+                    diagonals: table.optional("diagonals", |i| i.choice(&DIAGONALS))?.unwrap_or(Diagonals::Right),
+                })
+            }
+            "disc" => {
+                let table = item.table(&["centre", "radius", "cells"])?;
+                Ok(MeshSource::Disc {
+                    centre: table.required("centre", "give the centre: centre = [0, 0]", Item::vector)?,
+                    radius: table.required("radius", "give the radius: radius = 1", Item::positive)?,
+                    cells: table
+                        .required("cells", "give the cells along a radius: cells = 20", |i| i.count(1, MOST_CELLS))?,
+                })
+            }
+            _ => {
+                let table = item.table(&["min", "max", "cells"])?;
+                let min = table.required("min", "give the lowest corner: min = [0, 0, 0]", Item::vector)?;
+                Ok(MeshSource::Box {
+                    min,
+                    max: table.required("max", "give the highest corner: max = [1, 1, 1]", |i| above(i, &min))?,
+                    cells: table.required("cells", "give cells = [10, 10, 10]", |i| i.counts(MOST_CELLS))?,
+                })
+            }
+        }
+    }
+
+    /// Components of a vector: 3 for a box, else 2. What a mesh file holds is known when it is read.
+    pub fn dimension(&self) -> usize {
+        if matches!(self, MeshSource::Box { .. }) { 3 } else { 2 }
+    }
+
+    /// Tries to open the mesh file, if there is one. Errors: it is missing or cannot be read.
+    pub fn check_readable(&self) -> Result<()> {
+        let MeshSource::File(path) = self else { return Ok(()) };
+        let failed = |e: std::io::Error| {
+            Error::input(format!("the mesh file cannot be read: {e}"))
+                .value(path.display())
+                .remedy("correct mesh.file; it is looked for relative to the folder of the scene")
+        };
+        let about = std::fs::File::open(path).and_then(|f| f.metadata()).map_err(failed)?;
+        if about.is_dir() { Err(failed(std::io::ErrorKind::IsADirectory.into())) } else { Ok(()) }
+    }
+
+    pub(super) fn write(&self, out: &mut Writer) {
+        out.header("[mesh]");
+        match self {
+            MeshSource::File(path) => out.entry("file", text(&path.to_string_lossy())),
+            MeshSource::Rectangle { min, max, cells, diagonals } => {
+                let (min, max, diagonals) = (vector(min), vector(max), name(*diagonals, &DIAGONALS));
+                let cells = whole(cells);
+                out.entry(
+                    "rectangle",
+                    format_args!("{{ min = {min}, max = {max}, cells = {cells}, diagonals = {diagonals} }}"),
+                );
+            }
+            MeshSource::Disc { centre, radius, cells } => {
+                let (centre, radius) = (vector(centre), number(*radius));
+                out.entry("disc", format_args!("{{ centre = {centre}, radius = {radius}, cells = {cells} }}"));
+            }
+            MeshSource::Box { min, max, cells } => {
+                let (min, max, cells) = (vector(min), vector(max), whole(cells));
+                out.entry("box", format_args!("{{ min = {min}, max = {max}, cells = {cells} }}"));
+            }
+        }
+    }
+}
+
+fn whole(v: &[usize]) -> String {
+    list(v.iter().map(usize::to_string))
+}
+
+/// A corner all of whose coordinates are larger than those of `min`.
+fn above<const N: usize>(item: &Item, min: &[f64; N]) -> Result<[f64; N]> {
+    let max = item.vector::<N>()?;
+    if max.iter().zip(min).all(|(a, b)| a > b) {
+        return Ok(max);
+    }
+    Err(item
+        .error(format!("`{}` must be larger than min = {min:?} in every coordinate", item.key))
+        .remedy("exchange min and max, or widen the mesh"))
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+}

@@ -1,0 +1,129 @@
+//! The tables of a scene: their types, defaults and checks, and how they are written.
+
+mod boundary;
+mod fluid;
+mod membrane;
+mod mesh;
+mod numerics;
+mod output;
+mod polygon;
+mod shape;
+mod time;
+mod write;
+
+pub use boundary::{Boundary, Condition, WALLS};
+pub use fluid::{Contrast, Fluid};
+pub use membrane::{AreaLaw, Chord, Membrane};
+pub use mesh::{Diagonals, MeshSource};
+pub use numerics::{Coupling, Numerics, Transport};
+pub use output::{Flux, Force, Output, Picture, Probe, Profile, Quantity};
+pub use shape::Shape;
+pub use time::Time;
+
+use super::expression::is_reserved;
+use super::item::{Context, Item};
+use crate::base::Result;
+use std::collections::BTreeMap;
+use std::path::Path;
+use write::Writer;
+
+/// All that a scene says, with defaults filled in and every value checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// What the scene is called.
+    pub title: String,
+    /// The units of the scene, in words; may be empty.
+    pub units: String,
+    /// Names that expressions may use, beside x, y, z, t and pi.
+    pub constants: BTreeMap<String, f64>,
+    /// Where the mesh comes from.
+    pub mesh: MeshSource,
+    /// What flows.
+    pub fluid: Fluid,
+    /// Conditions on the boundary, in the order of the scene; never empty.
+    pub boundaries: Vec<Boundary>,
+    /// Elastic interfaces, in the order of the scene.
+    pub membranes: Vec<Membrane>,
+    /// The time grid.
+    pub time: Time,
+    /// How the equations are solved.
+    pub numerics: Numerics,
+    /// What is written.
+    pub output: Output,
+}
+
+const KEYS: [&str; 10] =
+    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "time", "numerics", "output"];
+
+impl Settings {
+    /// Reads a scene whose file lies in `folder` and is called `name`.
+    pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<Settings> {
+        let scene = root.table(&KEYS)?;
+        let constants = scene.optional("constants", constants)?.unwrap_or_default();
+        let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
+        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder))?;
+        let context = Context { dimension: mesh.dimension(), constants };
+        let membranes = membrane::read(scene.get("membrane"), &context)?;
+        let fluid = |i: &Item| Fluid::read(i, membranes.len(), &context);
+        let fluid = scene.required("fluid", "write [fluid] with viscosity = 0.01", fluid)?;
+        let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
+        let text = |i: &Item| i.text().map(str::to_string);
+        Ok(Settings {
+            title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
+            units: scene.optional("units", text)?.unwrap_or_default(),
+            boundaries: boundary::read(scene.get("boundary"), &context)?,
+            numerics: Numerics::read(scene.get("numerics"))?,
+            output: Output::read(scene.get("output"), &time, &membranes, &context)?,
+            constants: context.constants,
+            mesh,
+            fluid,
+            membranes,
+            time,
+        })
+    }
+
+    /// The scene as TOML with every default written out; reads as the same settings.
+    pub(super) fn write(&self) -> String {
+        let mut out = Writer::default();
+        out.entry("title", write::text(&self.title));
+        out.entry("units", write::text(&self.units));
+        if !self.constants.is_empty() {
+            out.header("[constants]");
+            for (name, value) in &self.constants {
+                out.entry(name, write::number(*value));
+            }
+        }
+        self.mesh.write(&mut out);
+        self.fluid.write(&mut out);
+        boundary::write(&self.boundaries, &mut out);
+        membrane::write(&self.membranes, &mut out);
+        self.time.write(&mut out);
+        self.numerics.write(&mut out);
+        self.output.write(&mut out);
+        out.text
+    }
+}
+
+/// Names with numbers, or with expressions of the names before them.
+fn constants(item: &Item) -> Result<BTreeMap<String, f64>> {
+    let mut constants = BTreeMap::new();
+    for (name, item) in item.open_table()?.items() {
+        let letters = name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+        if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') {
+            return Err(item
+                .key_error(format!("`{name}` cannot name a constant"))
+                .remedy("use letters, digits and `_`, and begin with a letter"));
+        }
+        if is_reserved(name) {
+            return Err(item
+                .key_error(format!("`{name}` has a meaning of its own in expressions"))
+                .remedy("choose another name"));
+        }
+        let value = item.expression(&constants)?.is_constant().ok_or_else(|| {
+            item.error(format!("the constant `{name}` depends on x, y, z or t"))
+                .remedy("use numbers and the constants before it")
+        })?;
+        constants.insert(name.to_string(), value);
+    }
+    Ok(constants)
+}

@@ -1,0 +1,322 @@
+//! `[output]`: what is written, and when.
+
+use super::membrane::{Membrane, named};
+use super::time::Time;
+use super::write::{Writer, key, name, number, text, vector};
+use crate::base::Result;
+use crate::scene::item::{Context, Item, Table};
+
+/// What a run writes.
+///
+/// What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`: after every
+/// step when `d` is shorter than the step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Time between rows of the series.
+    pub every: f64,
+    /// Time between field files; `None` for none.
+    pub fields: Option<f64>,
+    /// Time between pictures; `None` for none.
+    pub pictures: Option<f64>,
+    /// Whether the pictures are joined to a film.
+    pub film: bool,
+    /// Seconds of the clock on the wall between checkpoints, 0 for one after each step; `None` for none.
+    pub checkpoint: Option<f64>,
+    /// Values at points, in the series.
+    pub probes: Vec<Probe>,
+    /// Values along lines at given times.
+    pub profiles: Vec<Profile>,
+    /// Forces on boundaries, in the series.
+    pub forces: Vec<Force>,
+    /// Fluxes through boundaries, in the series.
+    pub fluxes: Vec<Flux>,
+    /// How pictures look.
+    pub picture: Picture,
+}
+
+/// A field that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The pressure.
+    Pressure,
+    /// The velocity, one value for each component.
+    Velocity,
+    /// The magnitude of the velocity.
+    Speed,
+    /// The level set of the one membrane.
+    LevelSet,
+    /// The stretch of the one membrane.
+    Stretch,
+}
+
+/// A value at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// The name of its columns.
+    pub name: String,
+    /// The point.
+    pub at: Vec<f64>,
+    /// What is measured.
+    pub of: Quantity,
+}
+
+/// Values along a segment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// The name of its file.
+    pub name: String,
+    /// One end.
+    pub from: Vec<f64>,
+    /// The other end.
+    pub to: Vec<f64>,
+    /// Equidistant points, both ends included, >= 2.
+    pub points: usize,
+    /// What is measured.
+    pub of: Quantity,
+    /// When: at the first step at or after each; rising, from 0 to the end.
+    pub times: Vec<f64>,
+}
+
+/// The force of the fluid on a named boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Force {
+    /// The name of its columns.
+    pub name: String,
+    /// The boundary.
+    pub boundary: String,
+    /// The point about which the moment is taken; `None` for no moment.
+    pub about: Option<Vec<f64>>,
+}
+
+/// The volume that leaves through a named boundary in unit time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flux {
+    /// The name of its column.
+    pub name: String,
+    /// The boundary.
+    pub boundary: String,
+}
+
+/// How pictures look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// The field whose values are the colours; not the velocity, which is a vector.
+    pub field: Quantity,
+    /// Whether the edges of the mesh are drawn.
+    pub mesh: bool,
+    /// Pixels along the longer side.
+    pub size: usize,
+}
+
+const QUANTITIES: [(&str, Quantity); 5] = [
+    ("pressure", Quantity::Pressure),
+    ("velocity", Quantity::Velocity),
+    ("speed", Quantity::Speed),
+    ("level_set", Quantity::LevelSet),
+    ("stretch", Quantity::Stretch),
+];
+const KEYS: [&str; 10] =
+    ["every", "fields", "pictures", "film", "checkpoint", "probes", "profiles", "forces", "fluxes", "picture"];
+/// Without a word from the scene: field files and pictures in a run, and seconds between checkpoints.
+const FIELD_FILES: f64 = 10.0;
+const PICTURES: f64 = 50.0;
+const CHECKPOINT: f64 = 30.0;
+
+impl Output {
+    pub(super) fn read(item: Option<Item>, time: &Time, membranes: &[Membrane], context: &Context) -> Result<Output> {
+        let table = item.as_ref().map(|i| i.table(&KEYS)).transpose()?;
+        let source = Source { table, time, membranes, context };
+        let fields = source.interval_or_none("fields", FIELD_FILES)?;
+        let pictures = source.interval_or_none("pictures", PICTURES)?;
+        let film = source.optional("film", |i| match (i.boolean()?, pictures) {
+            (true, None) => Err(i
+                .error("a film needs pictures, which are off")
+                .remedy("give output.pictures an interval, or write film = false")),
+            (film, _) => Ok(film),
+        })?;
+        let output = Output {
+            every: source.optional("every", Item::positive)?.unwrap_or(time.step),
+            fields,
+            pictures,
+            film: film.unwrap_or(pictures.is_some()),
+            checkpoint: source
+                .optional("checkpoint", |i| unless_false(i, Item::non_negative))?
+                .unwrap_or(Some(CHECKPOINT)),
+            probes: source.named("probes", |name, i| source.probe(name, i))?,
+            profiles: source.named("profiles", |name, i| source.profile(name, i))?,
+            forces: source.named("forces", |name, i| source.force(name, i))?,
+            fluxes: source.named("fluxes", flux)?,
+            picture: source.optional("picture", |i| source.picture(i))?.unwrap_or(Picture::DEFAULT),
+        };
+        source.check_names()?;
+        Ok(output)
+    }
+
+    pub(super) fn write(&self, out: &mut Writer) {
+        let interval = |v: Option<f64>| v.map_or_else(|| "false".to_string(), number);
+        out.header("[output]");
+        out.entry("every", number(self.every));
+        out.entry("fields", interval(self.fields));
+        out.entry("pictures", interval(self.pictures));
+        out.entry("film", self.film);
+        out.entry("checkpoint", interval(self.checkpoint));
+        let Picture { field, mesh, size } = self.picture;
+        let field = name(field, &QUANTITIES);
+        out.entry("picture", format_args!("{{ field = {field}, mesh = {mesh}, size = {size} }}"));
+        for p in &self.probes {
+            let (at, of) = (vector(&p.at), name(p.of, &QUANTITIES));
+            out.entry(&format!("probes.{}", key(&p.name)), format_args!("{{ at = {at}, of = {of} }}"));
+        }
+        for p in &self.profiles {
+            let (from, to, of, times) = (vector(&p.from), vector(&p.to), name(p.of, &QUANTITIES), vector(&p.times));
+            let points = p.points;
+            out.entry(
+                &format!("profiles.{}", key(&p.name)),
+                format_args!("{{ from = {from}, to = {to}, points = {points}, of = {of}, times = {times} }}"),
+            );
+        }
+        for f in &self.forces {
+            let about = f.about.as_ref().map_or_else(String::new, |a| format!(", about = {}", vector(a)));
+            let boundary = text(&f.boundary);
+            out.entry(&format!("forces.{}", key(&f.name)), format_args!("{{ boundary = {boundary}{about} }}"));
+        }
+        for f in &self.fluxes {
+            out.entry(&format!("fluxes.{}", key(&f.name)), format_args!("{{ boundary = {} }}", text(&f.boundary)));
+        }
+    }
+}
+
+impl Picture {
+    const DEFAULT: Picture = Picture { field: Quantity::Speed, mesh: false, size: 800 };
+}
+
+/// The table `[output]`, if there is one, and what its values must agree with.
+struct Source<'a> {
+    table: Option<Table<'a>>,
+    time: &'a Time,
+    membranes: &'a [Membrane],
+    context: &'a Context,
+}
+
+impl<'a> Source<'a> {
+    fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
+        self.table.as_ref().map_or(Ok(None), |t| t.optional(key, read))
+    }
+
+    fn named<T>(&self, key: &str, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
+        Ok(self.optional(key, |i| named(i, read))?.unwrap_or_default())
+    }
+
+    /// An interval or `false`; by default the run is cut into `parts`.
+    fn interval_or_none(&self, key: &str, parts: f64) -> Result<Option<f64>> {
+        let given = self.optional(key, |i| unless_false(i, Item::positive))?;
+        Ok(given.unwrap_or_else(|| Some((self.time.end / parts).max(self.time.step))))
+    }
+
+    fn quantity(&self, item: &Item) -> Result<Quantity> {
+        let quantity = item.choice(&QUANTITIES)?;
+        let n = self.membranes.len();
+        if matches!(quantity, Quantity::LevelSet | Quantity::Stretch) && n != 1 {
+            return Err(item
+                .error(format!("`{}` belongs to one membrane, but the scene has {n}", item.text()?))
+                .remedy("ask for pressure, velocity or speed"));
+        }
+        Ok(quantity)
+    }
+
+    fn probe(&self, name: String, item: &Item) -> Result<Probe> {
+        let table = item.table(&["at", "of"])?;
+        Ok(Probe {
+            name,
+            at: table.required("at", "give the point: at = [1, 1]", |i| i.point(self.context))?,
+            of: table.required("of", "say what to measure: of = \"pressure\"", |i| self.quantity(i))?,
+        })
+    }
+
+    fn profile(&self, name: String, item: &Item) -> Result<Profile> {
+        let table = item.table(&["from", "to", "points", "of", "times"])?;
+        let from = table.required("from", "give one end: from = [0, 1]", |i| i.point(self.context))?;
+        let to = |i: &Item| match i.point(self.context)? {
+            to if to == from => Err(i.error("the profile has no length").remedy("give `to` and `from` that differ")),
+            to => Ok(to),
+        };
+        Ok(Profile {
+            name,
+            to: table.required("to", "give the other end: to = [2, 1]", to)?,
+            from,
+            points: table.optional("points", |i| i.count(2, 1_000_000))?.unwrap_or(200),
+            of: table.required("of", "say what to measure: of = \"pressure\"", |i| self.quantity(i))?,
+            times: table.optional("times", |i| self.times(i))?.unwrap_or_else(|| vec![self.time.end]),
+        })
+    }
+
+    fn times(&self, item: &Item) -> Result<Vec<f64>> {
+        let mut times: Vec<f64> = Vec::new();
+        for item in item.list()? {
+            let t = item.non_negative()?;
+            let end = self.time.end;
+            if t > end || times.last().is_some_and(|last| *last >= t) {
+                return Err(item
+                    .error(format!("the time {t} is after the end {end}, or not after the one before it"))
+                    .remedy(format!("give rising times from 0 to {end}")));
+            }
+            times.push(t);
+        }
+        Ok(times)
+    }
+
+    fn force(&self, name: String, item: &Item) -> Result<Force> {
+        let table = item.table(&["boundary", "about"])?;
+        Ok(Force {
+            name,
+            boundary: table.required("boundary", "name a boundary: boundary = \"cylinder\"", boundary)?,
+            about: table.optional("about", |i| i.point(self.context))?,
+        })
+    }
+
+    fn picture(&self, item: &Item) -> Result<Picture> {
+        let table = item.table(&["field", "mesh", "size"])?;
+        let field = |i: &Item| match self.quantity(i)? {
+            Quantity::Velocity => {
+                Err(i.error("a picture shows one number at each point").remedy("write field = \"speed\""))
+            }
+            field => Ok(field),
+        };
+        Ok(Picture {
+            field: table.optional("field", field)?.unwrap_or(Picture::DEFAULT.field),
+            mesh: table.optional("mesh", Item::boolean)?.unwrap_or(Picture::DEFAULT.mesh),
+            size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
+        })
+    }
+
+    /// Columns of the series begin with the name of what they measure: no two may share it.
+    fn check_names(&self) -> Result<()> {
+        let mut taken: Vec<&str> = self.membranes.iter().map(|m| m.name.as_str()).collect();
+        for key in ["probes", "forces", "fluxes"] {
+            let Some(item) = self.table.as_ref().and_then(|t| t.get(key)) else { continue };
+            for (name, item) in item.open_table()?.items() {
+                if taken.contains(&name) {
+                    return Err(item
+                        .key_error(format!("the name `{name}` is taken by another output or a membrane"))
+                        .remedy("give every membrane, probe, force and flux a name of its own"));
+                }
+                taken.push(name);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn flux(name: String, item: &Item) -> Result<Flux> {
+    let table = item.table(&["boundary"])?;
+    Ok(Flux { name, boundary: table.required("boundary", "name a boundary: boundary = \"right\"", boundary)? })
+}
+
+fn boundary(item: &Item) -> Result<String> {
+    item.text().map(str::to_string)
+}
+
+/// `None` for `false`, else what `read` gives.
+fn unless_false<'a, T>(item: &Item<'a>, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
+    if item.is_false() { Ok(None) } else { read(item).map(Some) }
+}

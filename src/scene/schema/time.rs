@@ -1,0 +1,73 @@
+//! `[time]`: how long, in which steps.
+
+use super::write::{Writer, number};
+use crate::base::Result;
+use crate::scene::item::Item;
+
+/// The time grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Time {
+    /// The end; the start is 0.
+    pub end: f64,
+    /// The time step; `end` is a multiple of it.
+    pub step: f64,
+    /// Order of the backward difference formula, 1 or 2.
+    pub order: usize,
+}
+
+/// Relative rounding that a multiple of the step may have.
+const ROUNDING: f64 = 1e-9;
+const MOST_STEPS: f64 = 1e9;
+
+impl Time {
+    pub(super) fn read(item: &Item) -> Result<Time> {
+        let table = item.table(&["end", "step", "order"])?;
+        let time = Time {
+            end: table.required("end", "give the end: end = 1.0", Item::positive)?,
+            step: table.required("step", "give the time step: step = 1e-3", Item::positive)?,
+            order: table.optional("order", |i| i.count(1, 2))?.unwrap_or(2),
+        };
+        table.optional("end", |i| time.check(i))?;
+        Ok(time)
+    }
+
+    fn check(&self, end: &Item) -> Result<()> {
+        let ratio = self.end / self.step;
+        if ratio > MOST_STEPS {
+            return Err(end
+                .error(format!("{ratio:.1e} time steps are too many"))
+                .remedy(format!("give a larger step or an earlier end; at most {MOST_STEPS:e} steps are made")));
+        }
+        if (ratio - ratio.round()).abs() <= ROUNDING * ratio && ratio.round() >= 1.0 {
+            return Ok(());
+        }
+        let ends: Vec<String> =
+            [ratio.floor(), ratio.ceil()].iter().filter(|n| **n >= 1.0).map(|n| short(n * self.step)).collect();
+        Err(end
+            .error(format!("`time.end` is not a multiple of the step {}", self.step))
+            .remedy(format!("the nearest ends are {}", ends.join(" and "))))
+    }
+
+    /// The number of steps from 0 to `end`.
+    pub fn steps(&self) -> usize {
+        (self.end / self.step).round() as usize
+    }
+
+    /// The first step at or after the time `t`.
+    pub fn step_at(&self, t: f64) -> usize {
+        let ratio = t / self.step;
+        (ratio - ROUNDING * ratio.max(1.0)).ceil().max(0.0) as usize
+    }
+
+    pub(super) fn write(&self, out: &mut Writer) {
+        out.header("[time]");
+        out.entry("end", number(self.end));
+        out.entry("step", number(self.step));
+        out.entry("order", self.order);
+    }
+}
+
+/// A number without the rounding of its last digits.
+fn short(v: f64) -> String {
+    format!("{v:.12e}").parse::<f64>().unwrap_or(v).to_string()
+}

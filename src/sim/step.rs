@@ -1,0 +1,434 @@
+//! The time step.
+
+use super::budget::{Budget, Energies};
+use crate::base::{Error, Result};
+use crate::elastic::Membrane;
+use crate::fem::{Basis, Conditions, Element, Projector, Rule, Space};
+use crate::flow::term::MomentumTerm;
+use crate::flow::{Coefficient, FlowSolver, FlowState, History, Step, StepReport};
+use crate::levelset as band;
+use crate::mesh::{Mesh, Point};
+use crate::transport::{Feet, Method, Tracer, carry_nodal, carry_projected};
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// Whether the force of a structure is taken at the old time level or with its change during the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coupling {
+    /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
+    Explicit,
+    /// Linearised in the velocity of the new time level.
+    Implicit,
+}
+
+/// A property that differs between the two sides of a structure, by (3.19).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoFluids {
+    /// Value where `phi < 0`.
+    pub inside: f64,
+    /// Value where `phi > 0`.
+    pub outside: f64,
+}
+
+impl TwoFluids {
+    /// Whether both sides are the same.
+    pub fn is_uniform(&self) -> bool {
+        self.inside == self.outside
+    }
+}
+
+/// Density and viscosity of the fluids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Materials {
+    /// Density; zero on both sides stands for a flow without inertia.
+    pub density: TwoFluids,
+    /// Dynamic viscosity.
+    pub viscosity: TwoFluids,
+}
+
+/// Force per volume as a function of position and time.
+pub type BodyForce<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
+
+/// What a simulation is told.
+pub struct Settings<const D: usize> {
+    /// Time step.
+    pub dt: f64,
+    /// Order in time, 1 or 2.
+    pub order: usize,
+    /// How level sets are carried.
+    pub transport: Method,
+    /// How elastic forces are coupled.
+    pub coupling: Coupling,
+    /// Whether the flow convects itself.
+    pub convection: bool,
+    /// Weight of the grad-div term, in units of viscosity.
+    pub grad_div: f64,
+    /// Degree of the quadrature rule.
+    pub quadrature: usize,
+    /// The fluids.
+    pub materials: Materials,
+    /// Boundary conditions.
+    pub conditions: Conditions<D>,
+    /// Force per mass.
+    pub gravity: SVector<f64, D>,
+    /// Force per volume.
+    pub body_force: Option<BodyForce<D>>,
+}
+
+/// A structure: its level set (one number a P2 node) and its law.
+pub struct Structure<const D: usize> {
+    /// Name in the scene.
+    pub name: String,
+    /// Level set, negative inside; its slope at the interface is the stretch.
+    pub phi: Vec<f64>,
+    /// The elastic membrane on its zero level.
+    pub membrane: Membrane<D>,
+    /// Mass per area at rest.
+    pub surface_mass: f64,
+}
+
+/// All that changes in time; a checkpoint holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<const D: usize> {
+    /// Steps taken.
+    pub steps: u64,
+    /// Velocity and pressure.
+    pub flow: FlowState<D>,
+    /// Velocity one step earlier.
+    pub earlier: Vec<SVector<f64, D>>,
+    /// Level sets, one a structure.
+    pub phi: Vec<Vec<f64>>,
+    /// Energies now.
+    pub energies: Energies,
+    /// The energy budget.
+    pub budget: Budget,
+}
+
+/// A simulation in progress.
+pub struct Simulation<const D: usize> {
+    settings: Settings<D>,
+    space: Arc<Space<D>>,
+    flow: FlowSolver<D>,
+    tracer: Tracer<D>,
+    projector: Option<Projector<D>>,
+    fine: Option<Basis<D>>,
+    structures: Vec<Structure<D>>,
+    state: State<D>,
+    feet: [Feet; 2],
+    scratch: Vec<f64>,
+}
+
+/// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
+const ENERGY_DEGREE: usize = 8;
+
+impl<const D: usize> Simulation<D> {
+    /// A simulation on `mesh` that starts from `initial` velocity (one vector at a position) and the level sets of `structures`.
+    ///
+    /// Allocates no more than the scene needs: no mass matrix without projected transport, no feet without convection or structures.
+    pub fn new(
+        mesh: &Arc<Mesh<D>>,
+        settings: Settings<D>,
+        structures: Vec<Structure<D>>,
+        initial: impl Fn(&Point<D>) -> SVector<f64, D>,
+    ) -> Result<Simulation<D>> {
+        let space = Arc::new(Space::new(mesh, Element::P2));
+        let pressure = Arc::new(Space::new(mesh, Element::P1));
+        let rule = Arc::new(Rule::simplex(D, settings.quadrature));
+        let flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
+        let translations = flow.numbering().translations();
+        let tracer = Tracer::new(&space, translations);
+        let projected = settings.transport == Method::Projected && !structures.is_empty();
+        let projector = if projected { Some(Projector::new(flow.velocity().clone(), translations)?) } else { None };
+        let fine = (!structures.is_empty())
+            .then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, ENERGY_DEGREE.max(settings.quadrature)))));
+        let mut state_flow = flow.at_rest();
+        state_flow.u = space.interpolate(initial);
+        flow.impose(0.0, &mut state_flow.u);
+        let state = State {
+            steps: 0,
+            earlier: state_flow.u.clone(),
+            flow: state_flow,
+            phi: structures.iter().map(|s| s.phi.clone()).collect(),
+            energies: Energies::default(),
+            budget: Budget::default(),
+        };
+        let mut sim = Simulation {
+            scratch: vec![0.0; space.len()],
+            settings,
+            space,
+            flow,
+            tracer,
+            projector,
+            fine,
+            structures,
+            state,
+            feet: Default::default(),
+        };
+        sim.set_materials();
+        sim.state.energies = sim.measure(0.0);
+        sim.state.budget = Budget::new(&sim.state.energies);
+        Ok(sim)
+    }
+
+    /// One step: explicit force, coupled flow, transport. The scheme of the book's section 3.5, with BDF2 along
+    /// characteristics for order 2.
+    ///
+    /// # Errors
+    /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
+    pub fn step(&mut self) -> Result<StepReport> {
+        let second = self.settings.order == 2 && self.state.steps > 0;
+        let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
+        let inertia = !self.is_stokes();
+        let current = self.state.flow.u.clone();
+        let extrapolated = combine(2.0, &current, -1.0, &self.state.earlier);
+
+        // Where the fluid comes from, and where the interface will be.
+        let halfway = if second { combine(0.5, &current, 0.5, &extrapolated) } else { current.clone() };
+        if inertia && self.settings.convection {
+            let [feet, feet2] = &mut self.feet;
+            self.tracer.from_quadrature(&halfway, dt, self.flow.velocity(), feet);
+            if second {
+                self.tracer.from_quadrature(&current, 2.0 * dt, self.flow.velocity(), feet2);
+            }
+        }
+        let old_phi = self.state.phi.clone();
+        if second && !self.structures.is_empty() {
+            let feet_known = inertia && self.settings.convection;
+            self.carry(&halfway, dt, feet_known)?;
+        }
+
+        // Forces and materials there.
+        self.set_materials();
+        let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
+        for (s, phi) in self.structures.iter_mut().zip(&self.state.phi) {
+            s.membrane.prepare(self.flow.velocity(), phi, implicit);
+        }
+
+        // The coupled system of velocity and pressure.
+        let feet = |k: usize| self.settings.convection.then_some(&self.feet[k]);
+        let history = match (inertia, second) {
+            (false, _) => vec![],
+            (true, false) => vec![History { weight: 1.0, u: &current, feet: feet(0) }],
+            (true, true) => vec![
+                History { weight: 2.0, u: &current, feet: feet(0) },
+                History { weight: -0.5, u: &self.state.earlier, feet: feet(1) },
+            ],
+        };
+        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(|s| &s.membrane as _).collect();
+        let step = Step {
+            time,
+            dt,
+            weight: if !inertia {
+                0.0
+            } else if second {
+                1.5
+            } else {
+                1.0
+            },
+            history: &history,
+            terms: &terms,
+            predicted: second.then_some(&extrapolated[..]),
+            body_force: self.settings.body_force.as_ref().map(|f| f.as_ref() as _),
+            gravity: self.settings.gravity,
+        };
+        let mut flow = self.state.flow.clone();
+        let report = self.flow.step(&step, &mut flow)?;
+        let wall_power = self.flow.wall_power(&step, &flow);
+        self.check_speed(&flow.u, time)?;
+
+        // The interface follows the mean velocity of the step (order 2) or the new one (order 1).
+        let carrier = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
+        self.state.phi = old_phi;
+        if !self.structures.is_empty() {
+            self.carry(&carrier, dt, false)?;
+        }
+        self.state.flow = flow;
+        self.state.earlier = current;
+        self.state.steps += 1;
+        let now = self.measure(wall_power);
+        self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
+        self.state.energies = now;
+        Ok(report)
+    }
+
+    /// Carries all level sets over `dt` with velocity `u`; `feet_known` when the feet of the quadrature points are in place.
+    fn carry(&mut self, u: &[SVector<f64, D>], dt: f64, feet_known: bool) -> Result<()> {
+        let feet = &mut self.feet[0];
+        match &mut self.projector {
+            Some(projector) => {
+                if !feet_known {
+                    self.tracer.from_quadrature(u, dt, projector.basis(), feet);
+                }
+                for phi in &mut self.state.phi {
+                    carry_projected(projector, phi, feet, &mut self.scratch)?;
+                    phi.copy_from_slice(&self.scratch);
+                }
+            }
+            None => {
+                let mut nodes = Feet::default();
+                self.tracer.from_nodes(u, dt, &mut nodes);
+                for phi in &mut self.state.phi {
+                    carry_nodal(&self.space, phi, &nodes, &mut self.scratch);
+                    phi.copy_from_slice(&self.scratch);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.
+    fn set_materials(&mut self) {
+        let Materials { density, viscosity } = self.settings.materials;
+        let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
+        if density.is_uniform() && viscosity.is_uniform() && !heavy {
+            let (density, viscosity) = (density.outside, viscosity.outside);
+            return self.flow.set_materials(Coefficient::Constant(density), Coefficient::Constant(viscosity));
+        }
+        let basis = self.flow.velocity();
+        let points = basis.rule().len();
+        let count = self.space.mesh().cell_count();
+        let pointwise = |value: &(dyn Fn(&crate::fem::At<D>) -> f64 + Sync)| {
+            let mut values = vec![0.0; count * points];
+            crate::base::parallel::fill(&mut values, points, |first, part| {
+                for (i, values) in part.chunks_exact_mut(points).enumerate() {
+                    for (q, v) in values.iter_mut().enumerate() {
+                        *v = value(&basis.at(first + i, q));
+                    }
+                }
+            });
+            Coefficient::Pointwise { points, values }
+        };
+        let eps = |k: usize| self.structures[k].membrane.thickness();
+        let rho = pointwise(&|at| {
+            let phi = |k: usize| basis.value(at, &self.state.phi[k]);
+            let bulk = band::density(phi(0), eps(0), density.inside, density.outside, 0.0);
+            self.structures
+                .iter()
+                .enumerate()
+                .fold(bulk, |rho, (k, s)| rho + band::density(phi(k), eps(k), 0.0, 0.0, s.surface_mass))
+        });
+        let mu = if viscosity.is_uniform() {
+            Coefficient::Constant(viscosity.outside)
+        } else {
+            pointwise(&|at| {
+                let phi = basis.value(at, &self.state.phi[0]);
+                band::viscosity(phi, eps(0), viscosity.inside, viscosity.outside)
+            })
+        };
+        self.flow.set_materials(rho, mu);
+    }
+
+    /// Energies and rates of the current state.
+    fn measure(&self, wall_power: f64) -> Energies {
+        let [kinetic, dissipation, grad_div, div2] = self.flow.energies(&self.state.flow);
+        let elastic = match &self.fine {
+            Some(fine) => self.structures.iter().zip(&self.state.phi).map(|(s, p)| s.membrane.energy(fine, p)).sum(),
+            None => 0.0,
+        };
+        Energies {
+            kinetic,
+            elastic,
+            dissipation,
+            grad_div,
+            power: wall_power + self.body_power(),
+            divergence: div2.sqrt(),
+        }
+    }
+
+    /// Power of gravity and body force.
+    fn body_power(&self) -> f64 {
+        let gravity = self.settings.gravity;
+        if gravity.norm() == 0.0 && self.settings.body_force.is_none() {
+            return 0.0;
+        }
+        let (basis, time) = (self.flow.velocity(), self.time());
+        let [power] = crate::fem::integrate(basis, crate::fem::Cells::All, |at| {
+            let force = self.settings.body_force.as_ref().map_or(SVector::zeros(), |f| f(&at.x, time));
+            [(gravity * self.flow.density().at(at) + force).dot(&basis.value(at, &self.state.flow.u))]
+        });
+        power
+    }
+
+    fn check_speed(&self, u: &[SVector<f64, D>], time: f64) -> Result<()> {
+        let (lo, hi) = self.space.mesh().bounding_box();
+        let size = (hi - lo).norm();
+        let speed = largest(u);
+        if speed.is_finite() && speed * self.settings.dt < size {
+            return Ok(());
+        }
+        Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
+            .at(format!("time {time}"))
+            .value(format!("largest velocity {speed:e}"))
+            .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
+    }
+
+    /// Current time.
+    pub fn time(&self) -> f64 {
+        self.state.steps as f64 * self.settings.dt
+    }
+    /// Whether the flow has no inertia.
+    pub fn is_stokes(&self) -> bool {
+        let d = self.settings.materials.density;
+        d.inside == 0.0 && d.outside == 0.0 && self.structures.iter().all(|s| s.surface_mass == 0.0)
+    }
+    /// What it was told.
+    pub fn settings(&self) -> &Settings<D> {
+        &self.settings
+    }
+    /// The P2 space of velocity and level sets.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.space
+    }
+    /// The flow solver.
+    pub fn flow(&self) -> &FlowSolver<D> {
+        &self.flow
+    }
+    /// The structures; their current level sets are in [`State::phi`].
+    pub fn structures(&self) -> &[Structure<D>] {
+        &self.structures
+    }
+    /// The state.
+    pub fn state(&self) -> &State<D> {
+        &self.state
+    }
+    /// Goes on from a state of the same simulation.
+    ///
+    /// # Errors
+    /// The sizes do not fit.
+    pub fn restore(&mut self, state: State<D>) -> Result<()> {
+        let sizes = |s: &State<D>| {
+            (s.flow.u.len(), s.flow.p.len(), s.earlier.len(), s.phi.iter().map(Vec::len).collect::<Vec<_>>())
+        };
+        if sizes(&state) != sizes(&self.state) {
+            return Err(Error::input("the checkpoint does not belong to this scene")
+                .value(format!("{:?} instead of {:?}", sizes(&state), sizes(&self.state)))
+                .remedy("resume with the scene that the run was started with, or start afresh without --resume"));
+        }
+        self.state = state;
+        self.set_materials();
+        Ok(())
+    }
+    /// Largest speed at a node.
+    pub fn largest_speed(&self) -> f64 {
+        largest(&self.state.flow.u)
+    }
+    /// Courant number `max |u| dt / h`.
+    pub fn courant(&self) -> f64 {
+        self.tracer.courant(&self.state.flow.u, self.settings.dt)
+    }
+    /// Bytes of the factors that are held.
+    pub fn factor_bytes(&self) -> usize {
+        self.flow.factor().map_or(0, |f| f.bytes()) + self.projector.as_ref().map_or(0, Projector::bytes)
+    }
+}
+
+/// `a x + b y`.
+fn combine<const D: usize>(a: f64, x: &[SVector<f64, D>], b: f64, y: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+    x.iter().zip(y).map(|(x, y)| x * a + y * b).collect()
+}
+
+/// Largest norm; NaN if any is NaN.
+fn largest<const D: usize>(u: &[SVector<f64, D>]) -> f64 {
+    let square = u.iter().map(|v| v.norm_squared()).fold(0.0, |m: f64, v| if v.is_nan() { v } else { m.max(v) });
+    if u.iter().any(|v| v.iter().any(|c| c.is_nan())) { f64::NAN } else { square.sqrt() }
+}

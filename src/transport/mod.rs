@@ -1,0 +1,48 @@
+//! Transport along characteristics: where a particle was, and fields carried from there.
+//!
+//! `d_t f + u . grad f = 0` is solved by `f(x, t + dt) = f(X(x), t)`, where `X(x)` is the foot at time `t` of the
+//! characteristic that arrives at `x` at `t + dt` (book, section 2.1.1; FreeFEM's `convect`).
+
+mod feet;
+
+pub use feet::{Feet, Tracer};
+
+use crate::base::Result;
+use crate::fem::{Projector, Space};
+
+/// How a scalar field is brought back onto its space after it has been followed along the characteristics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Values at the feet of the nodes: the book's `convect`. Each step costs one interpolation.
+    Nodal,
+    /// L2 projection of the values at the feet of the quadrature points (Lagrange-Galerkin; Douglas and Russell 1982).
+    Projected,
+}
+
+/// Values of `f` at the feet of the nodes.
+pub fn carry_nodal<const D: usize>(space: &Space<D>, f: &[f64], feet: &Feet, out: &mut [f64]) {
+    crate::base::parallel::fill(out, 1, |first, part| {
+        for (i, v) in part.iter_mut().enumerate() {
+            let foot = feet.get(first + i);
+            *v = space.value(f, foot.cell as usize, &foot.barycentric);
+        }
+    });
+}
+
+/// L2 projection of `f o X`; `feet` belong to the quadrature points of the projector's basis.
+pub fn carry_projected<const D: usize>(
+    projector: &mut Projector<D>,
+    f: &[f64],
+    feet: &Feet,
+    out: &mut [f64],
+) -> Result<()> {
+    let space = projector.basis().space().clone();
+    let points = projector.basis().rule().len();
+    projector.project(
+        |at| {
+            let foot = feet.get(at.cell * points + at.q);
+            space.value(f, foot.cell as usize, &foot.barycentric)
+        },
+        out,
+    )
+}
