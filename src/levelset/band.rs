@@ -1,0 +1,246 @@
+//! The regularised interface: delta, Heaviside function, and what is mixed with them.
+
+use crate::base::{Error, Result, Warning};
+use crate::fem::Space;
+use std::f64::consts::PI;
+
+/// The cut-off function `zeta(s) = (1 + cos(pi s)) / 2` for `|s| < 1`, 0 elsewhere (book, section 3.6). Its integral is 1.
+pub fn zeta(s: f64) -> f64 {
+    if s.abs() < 1.0 { 0.5 * (1.0 + (PI * s).cos()) } else { 0.0 }
+}
+
+/// The integral of [`zeta`] from -1 to `s`: 0 for `s <= -1`, 1 for `s >= 1`.
+pub fn heaviside(s: f64) -> f64 {
+    let s = s.clamp(-1.0, 1.0);
+    (0.5 * (1.0 + s + (PI * s).sin() / PI)).clamp(0.0, 1.0)
+}
+
+/// The renormalised weight `w = zeta(phi / (r eps)) / (r eps)` of the membrane stress (3.16), with `r = |grad phi|`.
+///
+/// `phi / r` is a distance to first order whatever the stretch (the renormalisation of (1.32)-(1.35)), so
+/// `w r = zeta(phi / (r eps)) / eps` is the surface delta of half-width `eps` in space.
+///
+/// Where `r` goes to 0 (kinks of the distance on the medial axis, where a `P2` gradient passes through 0) the band
+/// `|phi| < r eps` closes and the weight is 0; it is never NaN. It grows without bound only where `phi` and its gradient
+/// vanish together, that is where two interfaces merge.
+pub fn surface_weight(phi: f64, r: f64, eps: f64) -> f64 {
+    let width = r * eps;
+    // False for width = 0 and for NaN.
+    if phi.abs() < width { zeta(phi / width) / width } else { 0.0 }
+}
+
+/// Regularised density (3.19): `inside + H(phi/eps) (outside - inside) + zeta(phi/eps) surface_mass / eps`.
+///
+/// `surface_mass` is the mass of the membrane per unit length (2-D) or area (3-D) at rest; `|grad phi| zeta(phi/eps) / eps`
+/// is the surface delta, so stretching the membrane by `|grad phi|` thins it by the same factor and keeps its mass.
+pub fn density(phi: f64, eps: f64, inside: f64, outside: f64, surface_mass: f64) -> f64 {
+    inside + heaviside(phi / eps) * (outside - inside) + zeta(phi / eps) / eps * surface_mass
+}
+
+/// Regularised viscosity: `inside + H(phi/eps) (outside - inside)`.
+pub fn viscosity(phi: f64, eps: f64, inside: f64, outside: f64) -> f64 {
+    inside + heaviside(phi / eps) * (outside - inside)
+}
+
+/// Half-widths of the band, in edge lengths, below which a run is refused and below which it is warned about.
+const REFUSED: f64 = 1.5;
+const DOUBTFUL: f64 = 2.5;
+
+/// Checks that the mesh resolves the band of half-width `eps`.
+///
+/// `h` is the largest edge length of the cells that the band `|phi| < eps |grad phi|` meets at one of their nodes, or that
+/// the interface crosses. The edge length of a cell is the `D`-th shortest of its edges: that of an equilateral triangle,
+/// the leg of a right-angled one. Below `eps = 2.5 h` there is a warning, below `1.5 h` an error: the thinner the band, the
+/// more its weight depends on its place in the mesh (error of the perimeter of a circle by the rule of degree 4: 8e-6 at
+/// `2.5 h`, 7e-5 at `1.5 h`, 3e-4 at `h`, 4e-3 at `h/2`, 4e-2 at `h/4`), and such a force does work of its own.
+///
+/// # Errors
+/// Names the cell, its place, `eps`, `h`, and the thickness or the refinement that would do.
+pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Result<Option<Warning>> {
+    if !(eps > 0.0 && eps.is_finite()) {
+        return Err(Error::scene("the thickness of the band must be positive").value(eps));
+    }
+    let mut worst: Option<(f64, usize)> = None;
+    for c in 0..space.mesh().cell_count() {
+        if meets_band(space, phi, eps, c) {
+            let h = edge_length(space, c);
+            if worst.is_none_or(|(w, _)| h > w) {
+                worst = Some((h, c));
+            }
+        }
+    }
+    let Some((h, cell)) = worst else { return Ok(None) };
+    // A ratio on the limit, as 0.1 on a mesh of 2/30, may come out below it by rounding.
+    let ratio = eps / h * (1.0 + 1e-12);
+    if ratio >= DOUBTFUL {
+        return Ok(None);
+    }
+    let vertices = space.mesh().cell(cell);
+    let centre =
+        vertices.iter().map(|&v| space.mesh().points()[v as usize]).sum::<crate::mesh::Point<D>>() / (D as f64 + 1.0);
+    let place = format!("cell {cell} (counted from 0) at {:.4?}", centre.as_slice());
+    let value = format!("half-width eps = {eps}, edge length h = {h:.4}, eps / h = {:.3}", eps / h);
+    let remedy = |limit: f64| {
+        format!(
+            "set thickness >= {:.4}, or refine the mesh around the interface to edges <= {:.4} (for a generated mesh: {:.2} times as many cells in each direction)",
+            limit * h,
+            eps / limit,
+            limit * h / eps
+        )
+    };
+    if ratio < REFUSED {
+        return Err(Error::scene(format!(
+            "the band is thinner than the mesh allows: eps must be at least {REFUSED} h"
+        ))
+        .at(place)
+        .value(value)
+        .remedy(remedy(DOUBTFUL)));
+    }
+    Ok(Some(Warning::new(
+        format!("the band is barely resolved: eps should be at least {DOUBTFUL} h; {value}, {place}"),
+        remedy(DOUBTFUL),
+    )))
+}
+
+/// Whether a node of cell `c` lies in the band, or the interface passes between its nodes.
+fn meets_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64, c: usize) -> bool {
+    let nodes = space.cell_nodes(c);
+    let negative = phi[nodes[0] as usize] < 0.0;
+    nodes.iter().enumerate().any(|(a, &node)| {
+        let value = phi[node as usize];
+        (value < 0.0) != negative || value.abs() < eps * space.gradient(phi, c, &space.element().node(a, D)).norm()
+    })
+}
+
+/// The `D`-th shortest edge of cell `c`.
+fn edge_length<const D: usize>(space: &Space<D>, c: usize) -> f64 {
+    let (mesh, v) = (space.mesh(), space.mesh().cell(c));
+    let mut edges: Vec<f64> = (0..=D)
+        .flat_map(|a| (0..a).map(move |b| (a, b)))
+        .map(|(a, b)| (mesh.points()[v[a] as usize] - mesh.points()[v[b] as usize]).norm())
+        .collect();
+    edges.sort_by(f64::total_cmp);
+    edges[D - 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::{Element, Rule};
+    use crate::levelset::{Circle, signed_distance};
+    use crate::mesh::{Diagonals, Point, rectangle};
+    use proptest::prelude::*;
+    use std::sync::Arc;
+
+    fn circle(n: usize, stretch: f64) -> (Space<2>, Vec<f64>) {
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap());
+        let space = Space::new(&mesh, Element::P2);
+        let shape = Circle::new(Point::<2>::new(1.02, 0.97), 0.6).unwrap();
+        let phi = signed_distance(&space, &shape).iter().map(|d| stretch * d).collect();
+        (space, phi)
+    }
+
+    #[test]
+    fn the_band_of_a_stretched_circle_weighs_its_perimeter() {
+        // Renormalisation: the result must not depend on the stretch.
+        for stretch in [0.5, 1.0, 1.7] {
+            let (space, phi) = circle(60, stretch);
+            let rule = Rule::simplex(2, 6);
+            let mut sum = 0.0;
+            for c in 0..space.mesh().cell_count() {
+                for (l, w) in rule.points.iter().zip(&rule.weights) {
+                    let r = space.gradient(&phi, c, l).norm();
+                    sum += w * space.mesh().map(c).volume * surface_weight(space.value(&phi, c, l), r, 0.1) * r;
+                }
+            }
+            let exact = std::f64::consts::TAU * 0.6;
+            assert!((sum / exact - 1.0).abs() < 2e-5, "{stretch}: {}", sum / exact - 1.0);
+        }
+    }
+
+    /// Largest error of the weight of the band around circles in ten places of the mesh, by the rule of degree 4.
+    fn error_of_the_weight(eps_over_h: f64) -> f64 {
+        let rule = Rule::simplex(2, 4);
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30], Diagonals::Right).unwrap());
+        let space = Space::new(&mesh, Element::P2);
+        let error = |i: i32| {
+            let centre = Point::<2>::new(1.0 + 0.0067 * f64::from(i), 1.0 - 0.011 * f64::from(i));
+            let phi = signed_distance(&space, &Circle::new(centre, 0.6).unwrap());
+            let weight = |c: usize, l: &[f64; 4]| {
+                let r = space.gradient(&phi, c, l).norm();
+                surface_weight(space.value(&phi, c, l), r, eps_over_h / 15.0) * r * mesh.map(c).volume
+            };
+            let cell = |c| rule.points.iter().zip(&rule.weights).map(|(l, w)| w * weight(c, l)).sum::<f64>();
+            ((0..mesh.cell_count()).map(cell).sum::<f64>() / (1.2 * PI) - 1.0).abs()
+        };
+        (0..10).map(error).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_thin_band_weighs_what_its_place_in_the_mesh_makes_it() {
+        let errors = [0.25, 0.5, 1.0, 1.5, 2.5].map(error_of_the_weight);
+        for (error, (low, high)) in
+            errors.into_iter().zip([(0.02, 0.1), (2e-3, 1e-2), (1e-4, 1e-3), (2e-5, 2e-4), (0.0, 2e-5)])
+        {
+            assert!(error >= low && error < high, "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn density_and_viscosity_take_their_values_far_away() {
+        assert_eq!(density(-0.2, 0.1, 1.0, 3.0, 5.0), 1.0);
+        assert_eq!(density(0.2, 0.1, 1.0, 3.0, 5.0), 3.0);
+        assert_eq!(density(0.0, 0.1, 1.0, 3.0, 5.0), 2.0 + 50.0);
+        assert_eq!(viscosity(-1.0, 0.1, 0.01, 0.1), 0.01);
+        assert_eq!(viscosity(1.0, 0.1, 0.01, 0.1), 0.1);
+    }
+
+    #[test]
+    fn a_vanishing_gradient_gives_no_weight() {
+        for (phi, r) in [(0.0, 0.0), (1e-3, 0.0), (0.3, 1e-300), (f64::NAN, 1.0), (0.0, f64::NAN)] {
+            assert_eq!(surface_weight(phi, r, 0.1), 0.0);
+        }
+        assert_eq!(surface_weight(0.0, 2.0, 0.25), 2.0);
+    }
+
+    #[test]
+    fn a_band_thinner_than_the_mesh_allows_is_refused_where_it_is() {
+        let (space, phi) = circle(20, 1.0);
+        // h = 0.1: refused below 0.15, doubtful below 0.25.
+        let error = check_band(&space, &phi, 0.149).unwrap_err().to_string();
+        for part in ["cell ", "eps = 0.149", "h = 0.1000", "thickness >= 0.2500", "edges <= 0.0596"] {
+            assert!(error.contains(part), "{part} is missing in {error}");
+        }
+        assert!(check_band(&space, &phi, 0.15).unwrap().unwrap().to_string().contains("2.5 h"));
+        assert!(check_band(&space, &phi, 0.249).unwrap().is_some());
+        assert!(check_band(&space, &phi, 0.25).unwrap().is_none());
+        assert!(check_band(&space, &phi, 0.0).is_err());
+        assert!(check_band(&space, &phi, f64::NAN).is_err());
+        // A band that passes between the nodes is seen by the change of sign.
+        assert!(check_band(&space, &phi, 1e-6).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn the_heaviside_function_integrates_the_delta(s in -1.5..1.5f64) {
+            let n = 400;
+            let h = (s + 1.0) / n as f64;
+            let sum: f64 = (0..n).map(|k| zeta(-1.0 + (k as f64 + 0.5) * h) * h).sum();
+            let integral = if s < -1.0 { 0.0 } else { sum };
+            prop_assert!((heaviside(s) - integral).abs() < 1e-4);
+            prop_assert!((heaviside(s) + heaviside(-s) - 1.0).abs() < 1e-15);
+        }
+
+        /// The mass of the membrane does not change when it is stretched.
+        #[test]
+        fn the_surface_mass_follows_the_stretch(r in 0.3..3.0f64, m in 0.0..10.0f64) {
+            let (n, eps) = (2000, 0.1);
+            let width = 2.0 * eps / r;
+            let mass: f64 = (0..n)
+                .map(|k| (k as f64 + 0.5) / n as f64 * width - 0.5 * width)
+                .map(|d| (density(r * d, eps, 0.0, 0.0, m)) * width / n as f64)
+                .sum();
+            prop_assert!((mass - m / r).abs() < 1e-9 * (1.0 + m));
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Level sets: shapes and their signed distances, the regularised band, the contour `phi = 0` and what is measured on it.
+//!
+//! `phi < 0` inside, and a fresh level set is the signed distance of a [`Shape`] times the initial stretch, so that
+//! `|grad phi|` on the contour is the stretch of the membrane.
+
+mod band;
+mod chord;
+mod contour;
+mod distance;
+mod ellipse;
+mod function;
+mod measures;
+mod polygon;
+mod quadratic;
+mod shape;
+mod union;
+
+pub use band::{check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use contour::{Contour, Line, Segment};
+pub use ellipse::Ellipse;
+pub use function::LevelFunction;
+pub use measures::{ContourPoint, Measures};
+pub use polygon::Polygon;
+pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
+pub use union::Union;

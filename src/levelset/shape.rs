@@ -1,0 +1,244 @@
+//! Shapes with a true signed distance: the trait, balls, rounded boxes, and the check that a shape fits its domain.
+
+use crate::base::{Error, Result, parallel};
+use crate::fem::Space;
+use crate::mesh::Point;
+use nalgebra::{Rotation2, SVector};
+
+/// A closed set with a boundary to which the distance can be computed.
+pub trait Shape<const D: usize>: Send + Sync {
+    /// Signed Euclidean distance from `x` to the boundary, negative inside.
+    fn distance(&self, x: &Point<D>) -> f64;
+    /// Lower and upper corner of the smallest axis-aligned box around the shape.
+    fn bounds(&self) -> (Point<D>, Point<D>);
+}
+
+/// The signed distance of `shape` at the nodes of `space`. Multiply by the initial stretch to get the initial `phi`.
+pub fn signed_distance<const D: usize>(space: &Space<D>, shape: &dyn Shape<D>) -> Vec<f64> {
+    let mut phi = vec![0.0; space.len()];
+    parallel::fill(&mut phi, 1, |first, part| {
+        for (v, x) in part.iter_mut().zip(&space.nodes()[first..]) {
+            *v = shape.distance(x);
+        }
+    });
+    phi
+}
+
+/// Refuses a shape that comes nearer than `margin` to the sides of the domain.
+///
+/// `bounds` are those of the shape, `domain` is the bounding box of the mesh, `margin` is usually the half-width of the
+/// band: a band cut by a wall has lost part of its weight.
+///
+/// # Errors
+/// Names the side, the box of the shape and by how much it has to move or shrink.
+pub fn check_inside<const D: usize>(
+    bounds: (Point<D>, Point<D>),
+    domain: (Point<D>, Point<D>),
+    margin: f64,
+) -> Result<()> {
+    for axis in 0..D {
+        let excess = [domain.0[axis] + margin - bounds.0[axis], bounds.1[axis] - domain.1[axis] + margin];
+        for (side, excess) in ["lower", "upper"].into_iter().zip(excess) {
+            if excess > 0.0 || excess.is_nan() {
+                let name = ["x", "y", "z"][axis.min(2)];
+                return Err(Error::scene("the shape does not lie inside the domain")
+                    .at(format!("{side} side in {name}"))
+                    .value(format!(
+                        "the shape spans {name} = {} to {}, the domain {} to {}, and a margin of {margin} is kept free",
+                        bounds.0[axis], bounds.1[axis], domain.0[axis], domain.1[axis]
+                    ))
+                    .remedy(format!("move or shrink the shape by {excess}, or enlarge the mesh")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a point that is not finite.
+pub(super) fn check_point<const D: usize>(what: &str, x: &Point<D>) -> Result<()> {
+    if x.iter().all(|c| c.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::scene(format!("{what} must be finite numbers")).value(format!("{:?}", x.as_slice())))
+}
+
+/// Refuses lengths that are not positive and finite.
+pub(super) fn check_lengths(what: &str, lengths: &[f64]) -> Result<()> {
+    if lengths.iter().all(|&l| l > 0.0 && l.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::scene(format!("{what} must be positive"))
+        .value(format!("{lengths:?}"))
+        .remedy("give finite lengths > 0, in the units of the mesh"))
+}
+
+/// The frame of a shape that is centred somewhere and turned by an angle.
+#[derive(Clone, Debug)]
+pub(super) struct Frame {
+    centre: Point<2>,
+    rotation: Rotation2<f64>,
+}
+
+impl Frame {
+    /// `angle` in degrees, counterclockwise.
+    pub(super) fn new(centre: Point<2>, angle: f64) -> Result<Frame> {
+        check_point("the centre and the angle of a shape", &SVector::<f64, 3>::new(centre[0], centre[1], angle))?;
+        Ok(Frame { centre, rotation: Rotation2::new(angle.to_radians()) })
+    }
+    /// Absolute values of the coordinates of `x` in the frame: the shapes here have both symmetries.
+    pub(super) fn quadrant(&self, x: &Point<2>) -> Point<2> {
+        self.rotation.inverse_transform_vector(&(x - self.centre)).abs()
+    }
+    /// The box around the set whose support function in the frame is `support`.
+    pub(super) fn bounds(&self, support: impl Fn(&Point<2>) -> f64) -> (Point<2>, Point<2>) {
+        let half = Point::<2>::from_fn(|axis, _| {
+            let axis = Point::<2>::from_fn(|i, _| if i == axis { 1.0 } else { 0.0 });
+            support(&self.rotation.inverse_transform_vector(&axis).abs())
+        });
+        (self.centre - half, self.centre + half)
+    }
+}
+
+/// A disc (2-D) or ball (3-D).
+#[derive(Clone, Debug)]
+pub struct Circle<const D: usize> {
+    centre: Point<D>,
+    radius: f64,
+}
+
+impl<const D: usize> Circle<D> {
+    /// # Errors
+    /// A centre that is not finite, a radius that is not positive.
+    pub fn new(centre: Point<D>, radius: f64) -> Result<Circle<D>> {
+        check_point("the centre of a circle", &centre)?;
+        check_lengths("the radius of a circle", &[radius])?;
+        Ok(Circle { centre, radius })
+    }
+}
+
+impl<const D: usize> Shape<D> for Circle<D> {
+    fn distance(&self, x: &Point<D>) -> f64 {
+        (x - self.centre).norm() - self.radius
+    }
+    fn bounds(&self) -> (Point<D>, Point<D>) {
+        (self.centre.add_scalar(-self.radius), self.centre.add_scalar(self.radius))
+    }
+}
+
+/// A rectangle with corners rounded by circular arcs.
+#[derive(Clone, Debug)]
+pub struct RoundedBox {
+    frame: Frame,
+    half_size: Point<2>,
+    radius: f64,
+}
+
+impl RoundedBox {
+    /// `half_size` is half the width and height including the rounding, `radius` that of the corners (0: sharp),
+    /// `angle` in degrees, counterclockwise.
+    ///
+    /// # Errors
+    /// Sizes that are not positive, a radius that is negative or larger than the smaller half size.
+    pub fn new(centre: Point<2>, half_size: Point<2>, radius: f64, angle: f64) -> Result<RoundedBox> {
+        check_lengths("the half sizes of a rounded box", half_size.as_slice())?;
+        if !(radius >= 0.0 && radius <= half_size.min()) {
+            return Err(Error::scene(
+                "the corner radius of a rounded box must lie between 0 and its smaller half size",
+            )
+            .value(radius)
+            .remedy(format!("give a radius in [0, {}]", half_size.min())));
+        }
+        Ok(RoundedBox { frame: Frame::new(centre, angle)?, half_size, radius })
+    }
+}
+
+impl Shape<2> for RoundedBox {
+    fn distance(&self, x: &Point<2>) -> f64 {
+        let q = self.frame.quadrant(x) - self.half_size.add_scalar(-self.radius);
+        q.sup(&Point::<2>::zeros()).norm() + q.max().min(0.0) - self.radius
+    }
+    fn bounds(&self) -> (Point<2>, Point<2>) {
+        let core = self.half_size.add_scalar(-self.radius);
+        self.frame.bounds(|axis| core.dot(axis) + self.radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn p(x: f64, y: f64) -> Point<2> {
+        Point::<2>::new(x, y)
+    }
+
+    #[test]
+    fn wrong_sizes_are_refused_with_the_value() {
+        assert!(Circle::new(p(0.0, 0.0), 0.0).unwrap_err().to_string().contains("positive"));
+        assert!(Circle::new(p(f64::NAN, 0.0), 1.0).unwrap_err().to_string().contains("NaN"));
+        assert!(RoundedBox::new(p(0.0, 0.0), p(1.0, 0.5), 0.6, 0.0).unwrap_err().to_string().contains("[0, 0.5]"));
+        assert!(RoundedBox::new(p(0.0, 0.0), p(1.0, -0.5), 0.0, 0.0).is_err());
+        assert!(RoundedBox::new(p(0.0, 0.0), p(1.0, 0.5), 0.0, f64::INFINITY).is_err());
+    }
+
+    #[test]
+    fn a_shape_near_a_wall_is_refused_with_the_side_and_the_excess() {
+        let domain = (p(0.0, 0.0), p(2.0, 1.0));
+        let shape = Circle::new(p(1.0, 0.5), 0.375).unwrap();
+        assert!(check_inside(shape.bounds(), domain, 0.125).is_ok());
+        let text = check_inside(shape.bounds(), domain, 0.25).unwrap_err().to_string();
+        assert!(text.contains("in y") && text.contains("0.125"), "{text}");
+        assert!(check_inside((p(f64::NAN, 0.0), p(1.0, 1.0)), domain, 0.0).is_err());
+    }
+
+    #[test]
+    fn a_sphere_in_space() {
+        let ball = Circle::<3>::new(Point::<3>::new(0.0, 0.0, 1.0), 2.0).unwrap();
+        assert_eq!(ball.distance(&Point::<3>::new(2.0, 2.0, 0.0)), 1.0);
+        assert_eq!(ball.bounds().0, Point::<3>::new(-2.0, -2.0, -1.0));
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_agrees_with_its_sampled_boundary(
+            x in -2.0..2.0f64, y in -2.0..2.0f64, hx in 0.2..1.0f64, hy in 0.2..1.0f64, r in 0.0..1.0f64, angle in -180.0..180.0f64,
+        ) {
+            let radius = r * hx.min(hy);
+            let shape = RoundedBox::new(p(0.1, -0.2), p(hx, hy), radius, angle).unwrap();
+            let (core, turn) = (p(hx - radius, hy - radius), Rotation2::new(angle.to_radians()));
+            let (n, mut nearest) = (4000, f64::INFINITY);
+            let mut see = |q: Point<2>| nearest = nearest.min((turn * q + p(0.1, -0.2) - p(x, y)).norm());
+            for k in 0..=n {
+                let s = 2.0 * k as f64 / n as f64 - 1.0;
+                let a = s * std::f64::consts::PI;
+                for sign in [1.0, -1.0] {
+                    see(p(s * core[0], sign * hy));
+                    see(p(sign * hx, s * core[1]));
+                }
+                see(p(a.cos().signum() * core[0] + radius * a.cos(), a.sin().signum() * core[1] + radius * a.sin()));
+            }
+            prop_assert!((shape.distance(&p(x, y)).abs() - nearest).abs() < 2e-3);
+            let far = shape.bounds();
+            prop_assert!(shape.distance(&p(far.1[0] + 0.1, 0.0)) > 0.0);
+            prop_assert!(shape.distance(&p(0.1, -0.2)) < 0.0);
+        }
+
+        #[test]
+        fn the_bounds_of_a_box_touch_it(hx in 0.2..1.0f64, hy in 0.2..1.0f64, r in 0.0..1.0f64, angle in -180.0..180.0f64) {
+            let shape = RoundedBox::new(p(0.0, 0.0), p(hx, hy), r * hx.min(hy), angle).unwrap();
+            let half = shape.bounds().1;
+            // The distance from a far point on the axis to the supporting line is the smallest along that line.
+            for axis in 0..2 {
+                let nearest = (0..4000)
+                    .map(|k| {
+                        let mut q = p(0.0, 0.0);
+                        q[axis] = half[axis];
+                        q[1 - axis] = 3.0 * (k as f64 / 2000.0 - 1.0);
+                        shape.distance(&q)
+                    })
+                    .fold(f64::INFINITY, f64::min);
+                prop_assert!((0.0..2e-3).contains(&(nearest + 1e-12)), "{nearest}");
+            }
+        }
+    }
+}
