@@ -11,6 +11,7 @@ pub mod cli;
 pub mod elastic;
 pub mod fem;
 pub mod flow;
+pub mod levelset;
 pub mod linalg;
 pub mod mesh;
 pub mod scene;
