@@ -19,7 +19,7 @@ impl<const D: usize> State<D> {
         for n in [self.flow.u.len(), self.flow.p.len(), self.phi.len()] {
             integer(n as u64);
         }
-        let vectors = self.flow.u.iter().chain(&self.earlier).flat_map(|v| v.iter());
+        let vectors = self.flow.u.iter().chain(&self.earlier_u).flat_map(|v| v.iter());
         let numbers = vectors.chain(&self.flow.p).chain(self.phi.iter().flatten());
         for v in numbers {
             out.extend(v.to_le_bytes());
@@ -66,7 +66,7 @@ impl<const D: usize> State<D> {
         let mut numbers = words.map(|w| f64::from_le_bytes(*w));
         let mut next = || numbers.next().unwrap_or(f64::NAN);
         let mut vectors = || (0..nodes).map(|_| SVector::<f64, D>::from_fn(|_, _| next())).collect::<Vec<_>>();
-        let (u, earlier) = (vectors(), vectors());
+        let (u, earlier_u) = (vectors(), vectors());
         let p = (0..pressures).map(|_| next()).collect();
         let phi = (0..structures).map(|_| (0..nodes).map(|_| next()).collect()).collect();
         let energies = Energies {
@@ -78,7 +78,7 @@ impl<const D: usize> State<D> {
             divergence: next(),
         };
         let budget = Budget { initial: next(), dissipated: next(), work: next(), exchanged: next() };
-        Ok(State { steps, flow: FlowState { u, p }, earlier, phi, energies, budget })
+        Ok(State { steps, flow: FlowState { u, p }, phi, earlier_u, energies, budget })
     }
 }
 
@@ -95,8 +95,8 @@ mod tests {
         State {
             steps: 7,
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
-            earlier: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             phi: vec![vec![0.1, 0.2, 0.3]],
+            earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             energies: Energies { kinetic: 1.5, ..Energies::default() },
             budget: Budget { work: 0.25, ..Budget::default() },
         }

@@ -94,10 +94,10 @@ pub struct State<const D: usize> {
     pub steps: u64,
     /// Velocity and pressure.
     pub flow: FlowState<D>,
-    /// Velocity one step earlier.
-    pub earlier: Vec<SVector<f64, D>>,
     /// Level sets, one a structure.
     pub phi: Vec<Vec<f64>>,
+    /// Velocity one step earlier.
+    pub earlier_u: Vec<SVector<f64, D>>,
     /// Energies now.
     pub energies: Energies,
     /// The energy budget.
@@ -115,7 +115,6 @@ pub struct Simulation<const D: usize> {
     structures: Vec<Structure<D>>,
     state: State<D>,
     feet: [Feet; 2],
-    scratch: Vec<f64>,
 }
 
 /// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
@@ -146,88 +145,76 @@ impl<const D: usize> Simulation<D> {
         flow.impose(0.0, &mut state_flow.u);
         let state = State {
             steps: 0,
-            earlier: state_flow.u.clone(),
+            earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
             energies: Energies::default(),
             budget: Budget::default(),
         };
-        let mut sim = Simulation {
-            scratch: vec![0.0; space.len()],
-            settings,
-            space,
-            flow,
-            tracer,
-            projector,
-            fine,
-            structures,
-            state,
-            feet: Default::default(),
-        };
-        sim.set_materials();
+        let mut sim =
+            Simulation { settings, space, flow, tracer, projector, fine, structures, state, feet: Default::default() };
+        let level_sets = sim.state.phi.clone();
+        sim.set_materials(&level_sets);
         sim.state.energies = sim.measure(0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
         Ok(sim)
     }
 
-    /// One step: explicit force, coupled flow, transport. The scheme of the book's section 3.5, with BDF2 along
-    /// characteristics for order 2.
+    /// One step: predict the interface, solve the flow with the force that it exerts, move the interface with the new velocity.
+    ///
+    /// Order 1 is the book's scheme (section 3.6.1): the force of `phi^n`, backward Euler along the characteristics of `u^n`, transport
+    /// by `u^{n+1}`; implicit, the force is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
+    /// linearised in `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All three are
+    /// of second order, and the scheme is stable for any step when the stiffness in the matrix is at least half the
+    /// true one; with the extrapolated velocity in place of `u^n` it is not (book page on stability).
     ///
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
     pub fn step(&mut self) -> Result<StepReport> {
         let second = self.settings.order == 2 && self.state.steps > 0;
         let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
-        let inertia = !self.is_stokes();
+        let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
+        let convection = inertia && self.settings.convection;
         let current = self.state.flow.u.clone();
-        let extrapolated = combine(2.0, &current, -1.0, &self.state.earlier);
 
-        // Where the fluid comes from, and where the interface will be.
-        let halfway = if second { combine(0.5, &current, 0.5, &extrapolated) } else { current.clone() };
-        if inertia && self.settings.convection {
-            let [feet, feet2] = &mut self.feet;
-            self.tracer.from_quadrature(&halfway, dt, self.flow.velocity(), feet);
-            if second {
-                self.tracer.from_quadrature(&current, 2.0 * dt, self.flow.velocity(), feet2);
-            }
-        }
-        let old_phi = self.state.phi.clone();
-        if second && !self.structures.is_empty() {
-            let feet_known = inertia && self.settings.convection;
-            self.carry(&halfway, dt, feet_known)?;
+        // Where the interface will be.
+        let predicted = if second && structures { self.carried(&current)? } else { self.state.phi.clone() };
+
+        // Where the fluid comes from.
+        if convection && second {
+            let halfway = combine(1.5, &current, -0.5, &self.state.earlier_u);
+            self.tracer.from_quadrature(&halfway, dt, self.flow.velocity(), &mut self.feet[0]);
+            self.tracer.from_quadrature(&current, 2.0 * dt, self.flow.velocity(), &mut self.feet[1]);
+        } else if convection {
+            self.tracer.from_quadrature(&current, dt, self.flow.velocity(), &mut self.feet[0]);
         }
 
         // Forces and materials there.
-        self.set_materials();
+        self.set_materials(&predicted);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(&self.state.phi) {
+        for (s, phi) in self.structures.iter_mut().zip(&predicted) {
             s.membrane.prepare(self.flow.velocity(), phi, implicit);
         }
 
         // The coupled system of velocity and pressure.
-        let feet = |k: usize| self.settings.convection.then_some(&self.feet[k]);
+        let feet = |k: usize| convection.then_some(&self.feet[k]);
         let history = match (inertia, second) {
             (false, _) => vec![],
             (true, false) => vec![History { weight: 1.0, u: &current, feet: feet(0) }],
             (true, true) => vec![
                 History { weight: 2.0, u: &current, feet: feet(0) },
-                History { weight: -0.5, u: &self.state.earlier, feet: feet(1) },
+                History { weight: -0.5, u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
         let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(|s| &s.membrane as _).collect();
+        let weight = if second { 1.5 } else { 1.0 };
         let step = Step {
             time,
             dt,
-            weight: if !inertia {
-                0.0
-            } else if second {
-                1.5
-            } else {
-                1.0
-            },
+            weight: if inertia { weight } else { 0.0 },
             history: &history,
             terms: &terms,
-            predicted: second.then_some(&extrapolated[..]),
+            predicted: second.then_some(&current[..]),
             body_force: self.settings.body_force.as_ref().map(|f| f.as_ref() as _),
             gravity: self.settings.gravity,
         };
@@ -236,14 +223,13 @@ impl<const D: usize> Simulation<D> {
         let wall_power = self.flow.wall_power(&step, &flow);
         self.check_speed(&flow.u, time)?;
 
-        // The interface follows the mean velocity of the step (order 2) or the new one (order 1).
-        let carrier = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
-        self.state.phi = old_phi;
-        if !self.structures.is_empty() {
-            self.carry(&carrier, dt, false)?;
+        // The interface follows.
+        if structures {
+            let mean = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
+            self.state.phi = self.carried(&mean)?;
         }
         self.state.flow = flow;
-        self.state.earlier = current;
+        self.state.earlier_u = current;
         self.state.steps += 1;
         let now = self.measure(wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
@@ -251,33 +237,27 @@ impl<const D: usize> Simulation<D> {
         Ok(report)
     }
 
-    /// Carries all level sets over `dt` with velocity `u`; `feet_known` when the feet of the quadrature points are in place.
-    fn carry(&mut self, u: &[SVector<f64, D>], dt: f64, feet_known: bool) -> Result<()> {
-        let feet = &mut self.feet[0];
-        match &mut self.projector {
-            Some(projector) => {
-                if !feet_known {
-                    self.tracer.from_quadrature(u, dt, projector.basis(), feet);
-                }
-                for phi in &mut self.state.phi {
-                    carry_projected(projector, phi, feet, &mut self.scratch)?;
-                    phi.copy_from_slice(&self.scratch);
-                }
-            }
-            None => {
-                let mut nodes = Feet::default();
-                self.tracer.from_nodes(u, dt, &mut nodes);
-                for phi in &mut self.state.phi {
-                    carry_nodal(&self.space, phi, &nodes, &mut self.scratch);
-                    phi.copy_from_slice(&self.scratch);
-                }
-            }
+    /// The level sets carried over one step with velocity `w`.
+    fn carried(&mut self, w: &[SVector<f64, D>]) -> Result<Vec<Vec<f64>>> {
+        let (feet, dt) = (&mut self.feet[0], self.settings.dt);
+        match &self.projector {
+            Some(projector) => self.tracer.from_quadrature(w, dt, projector.basis(), feet),
+            None => self.tracer.from_nodes(w, dt, feet),
         }
-        Ok(())
+        let mut moved = Vec::with_capacity(self.structures.len());
+        for phi in &self.state.phi {
+            let mut out = vec![0.0; phi.len()];
+            match &mut self.projector {
+                Some(projector) => carry_projected(projector, phi, feet, &mut out)?,
+                None => carry_nodal(&self.space, phi, feet, &mut out),
+            }
+            moved.push(out);
+        }
+        Ok(moved)
     }
 
     /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.
-    fn set_materials(&mut self) {
+    fn set_materials(&mut self, level_sets: &[Vec<f64>]) {
         let Materials { density, viscosity } = self.settings.materials;
         let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
         if density.is_uniform() && viscosity.is_uniform() && !heavy {
@@ -300,7 +280,7 @@ impl<const D: usize> Simulation<D> {
         };
         let eps = |k: usize| self.structures[k].membrane.thickness();
         let rho = pointwise(&|at| {
-            let phi = |k: usize| basis.value(at, &self.state.phi[k]);
+            let phi = |k: usize| basis.value(at, &level_sets[k]);
             let bulk = band::density(phi(0), eps(0), density.inside, density.outside, 0.0);
             self.structures
                 .iter()
@@ -311,7 +291,7 @@ impl<const D: usize> Simulation<D> {
             Coefficient::Constant(viscosity.outside)
         } else {
             pointwise(&|at| {
-                let phi = basis.value(at, &self.state.phi[0]);
+                let phi = basis.value(at, &level_sets[0]);
                 band::viscosity(phi, eps(0), viscosity.inside, viscosity.outside)
             })
         };
@@ -397,15 +377,16 @@ impl<const D: usize> Simulation<D> {
     /// The sizes do not fit.
     pub fn restore(&mut self, state: State<D>) -> Result<()> {
         let sizes = |s: &State<D>| {
-            (s.flow.u.len(), s.flow.p.len(), s.earlier.len(), s.phi.iter().map(Vec::len).collect::<Vec<_>>())
+            let level_sets = s.phi.iter().map(Vec::len);
+            (s.flow.u.len(), s.flow.p.len(), s.earlier_u.len(), level_sets.collect::<Vec<_>>())
         };
         if sizes(&state) != sizes(&self.state) {
             return Err(Error::input("the checkpoint does not belong to this scene")
                 .value(format!("{:?} instead of {:?}", sizes(&state), sizes(&self.state)))
                 .remedy("resume with the scene that the run was started with, or start afresh without --resume"));
         }
+        self.set_materials(&state.phi);
         self.state = state;
-        self.set_materials();
         Ok(())
     }
     /// Largest speed at a node.

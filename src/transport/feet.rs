@@ -21,8 +21,7 @@ impl Feet {
 /// Traces characteristics of a P2 velocity back in time.
 ///
 /// Each is followed by steps of the midpoint rule, as many as keep the Courant number of one below 1, through a
-/// velocity that is frozen in time; the caller gives the velocity at the middle of the interval, which makes the foot accurate to
-/// the third order in `dt`. A characteristic that would leave the domain ends on its boundary; through a periodic
+/// velocity that is frozen in time. A characteristic that would leave the domain ends on its boundary; through a periodic
 /// side it goes on at the other one.
 #[derive(Clone, Debug)]
 pub struct Tracer<const D: usize> {
