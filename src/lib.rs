@@ -9,3 +9,4 @@
 pub mod base;
 pub mod fem;
 pub mod mesh;
+pub mod output;

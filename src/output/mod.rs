@@ -1,0 +1,17 @@
+//! Files for people and for other programs: VTU and PVD, CSV series, SVG charts, PNG pictures, films, the report page.
+//!
+//! Everything takes plain data, so that a run and a later `render` of its folder call the same functions. Files that
+//! replace an older one are written beside it and renamed: a stop at any moment leaves the old or the new one.
+
+mod file;
+mod markup;
+mod pvd;
+mod series;
+mod vtu;
+mod vtu_read;
+
+pub use file::write_file;
+pub use pvd::{read_pvd, write_pvd};
+pub use series::{Series, Table};
+pub use vtu::{FieldData, write_vtu};
+pub use vtu_read::{Snapshot, Values, read_vtu};
