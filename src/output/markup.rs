@@ -41,9 +41,44 @@ pub(super) fn attribute(tag: &str, name: &str) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Fails unless every tag is closed in order, attributes are quoted and `&` only begins an entity.
+    pub fn assert_well_formed(xml: &str) {
+        let mut open = Vec::new();
+        let mut rest = xml;
+        while let Some(at) = rest.find('<') {
+            assert_entities(&rest[..at]);
+            rest = &rest[at..];
+            if let Some(comment) = rest.strip_prefix("<!--") {
+                rest = &comment[comment.find("-->").expect("end of comment") + 3..];
+                continue;
+            }
+            let end = rest.find('>').unwrap_or_else(|| panic!("no end of tag: {rest:.80}"));
+            let (tag, after) = (&rest[1..end], &rest[end + 1..]);
+            assert_eq!(tag.matches('"').count() % 2, 0, "quotes of <{tag:.80}>");
+            assert!(!tag.contains('<'), "< within <{tag:.80}>");
+            assert_entities(tag);
+            let name = tag.trim_start_matches('/').split([' ', '\n', '/']).next().unwrap_or_default();
+            if tag.starts_with('/') {
+                assert_eq!(open.pop(), Some(name), "closing tags in order");
+            } else if !tag.ends_with('/') && !tag.starts_with(['!', '?']) {
+                open.push(name);
+            }
+            rest = after;
+        }
+        assert_entities(rest);
+        assert!(open.is_empty(), "tags left open: {open:?}");
+    }
+
+    fn assert_entities(text: &str) {
+        for piece in text.split('&').skip(1) {
+            let name = piece.split(';').next().unwrap_or_default();
+            assert!(name.len() < 8 && name.len() < piece.len(), "a bare & before {piece:.40}");
+        }
+    }
 
     #[test]
     fn attributes_are_found_by_their_whole_name() {

@@ -3,6 +3,7 @@
 //! Everything takes plain data, so that a run and a later `render` of its folder call the same functions. Files that
 //! replace an older one are written beside it and renamed: a stop at any moment leaves the old or the new one.
 
+mod chart;
 mod file;
 mod markup;
 mod pvd;
@@ -10,6 +11,7 @@ mod series;
 mod vtu;
 mod vtu_read;
 
+pub use chart::{Chart, Curve, Stroke};
 pub use file::write_file;
 pub use pvd::{read_pvd, write_pvd};
 pub use series::{Series, Table};
