@@ -4,6 +4,7 @@
 //! can tell apart (Okabe and Ito) and that show on white and on black: one chart serves a light and a dark page.
 
 use super::markup::escape;
+use super::numbers::{tick_text, trimmed};
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::line::LinePlot;
 use kuva::plot::scatter::ScatterPlot;
@@ -235,27 +236,6 @@ impl Axis {
     }
 }
 
-/// A number on an axis with ticks about `step` apart and numbers up to `largest`: as many digits as tell ticks apart.
-pub(super) fn tick_text(v: f64, step: f64, largest: f64) -> String {
-    let decade = |x: f64| if x > 0.0 { x.log10().floor() } else { 0.0 };
-    // Ticks are multiples of 1, 2, 2.5 or 5 times a power of ten: one digit more than the step has.
-    let digits = 1.0 - decade(step);
-    if (1e-3..1e6).contains(&largest) {
-        return trimmed(&format!("{v:.*}", digits.clamp(0.0, 15.0) as usize));
-    }
-    let text = format!("{v:.*e}", (digits + decade(v.abs())).clamp(0.0, 15.0) as usize);
-    match text.split_once('e') {
-        Some((mantissa, exponent)) if v.abs() > 1e-9 * step => format!("{}e{exponent}", trimmed(mantissa)),
-        _ => "0".into(),
-    }
-}
-
-/// Without zeros at the end of the decimals, and without a negative zero.
-fn trimmed(text: &str) -> String {
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text };
-    if text == "-0" { "0".into() } else { text.into() }
-}
-
 /// A number on a logarithmic axis, `v * 10^-shift`.
 fn power_text(v: f64, shift: i32) -> String {
     let exponent = (v.log10() + 1e-9).floor() as i32;
@@ -342,12 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_on_axes_tell_ticks_apart() {
-        assert_eq!(tick_text(0.05, 0.05, 1.0), "0.05");
-        assert_eq!(tick_text(1.1780974, 2e-7, 1.2), "1.1780974");
-        assert_eq!(tick_text(-2e-10, 2e-10, 5e-10), "-2e-10");
-        assert_eq!(tick_text(2.5e7, 2.5e6, 3e7), "2.5e7");
-        assert_eq!(tick_text(-1e-30, 0.5, 1.0), "0");
+    fn numbers_on_logarithmic_axes_are_powers() {
         assert_eq!(power_text(1.0, 14), "10⁻¹⁴");
         assert_eq!(power_text(5e3, 14), "5·10⁻¹¹");
         assert_eq!(power_text(0.05, 0), "0.05");

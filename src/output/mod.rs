@@ -4,16 +4,27 @@
 //! replace an older one are written beside it and renamed: a stop at any moment leaves the old or the new one.
 
 mod chart;
+mod colours;
+mod field;
 mod file;
+mod lettering;
 mod markup;
+mod numbers;
+mod picture;
 mod pvd;
+mod raster;
+mod sampling;
 mod series;
 mod vtu;
 mod vtu_read;
 
 pub use chart::{Chart, Curve, Stroke};
+pub use colours::Scale;
+pub use field::FieldData;
 pub use file::write_file;
+pub use picture::{Arrows, Picture};
 pub use pvd::{read_pvd, write_pvd};
+pub use raster::Image;
 pub use series::{Series, Table};
-pub use vtu::{FieldData, write_vtu};
+pub use vtu::write_vtu;
 pub use vtu_read::{Snapshot, Values, read_vtu};

@@ -4,29 +4,20 @@
 //! VTK file formats, <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>. P2 fields are written as
 //! quadratic cells, so nothing is lost.
 
+use super::field::{FieldData, on_nodes};
 use super::file::write_file;
 use super::markup::escape;
 use crate::base::{Error, Result};
-use crate::fem::{EDGES, Element, Space};
+use crate::fem::{Element, Space};
 use flate2::{Compression, write::ZlibEncoder};
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::ops::{Add, Mul};
 use std::path::Path;
 
 /// Bytes that are compressed together.
 pub(super) const BLOCK: usize = 32 * 1024;
-
-/// The values of a field, one a node of the space; on a P2 space also one a point of the mesh, for a P1 field.
-#[derive(Clone, Copy, Debug)]
-pub enum FieldData<'a, const D: usize> {
-    /// A number a node.
-    Scalar(&'a [f64]),
-    /// A vector a node.
-    Vector(&'a [SVector<f64, D>]),
-}
 
 /// The type number that VTK gives to a cell of `element` in dimension `d`.
 pub(super) fn cell_type(element: Element, d: usize) -> u8 {
@@ -87,32 +78,6 @@ pub fn write_vtu<const D: usize>(
 }
 
 const THREE: &str = " NumberOfComponents=\"3\"";
-
-/// The values at the nodes of `space`, those of a P1 field interpolated.
-fn on_nodes<const D: usize, T>(space: &Space<D>, name: &str, f: &[T]) -> Result<Vec<T>>
-where
-    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
-{
-    let points = space.mesh().points().len();
-    if f.len() == space.len() {
-        return Ok(f.to_vec());
-    }
-    if f.len() != points {
-        return Err(Error::internal("a field to be written has the wrong length")
-            .at(format!("field {name}"))
-            .value(format!("{} values for {} nodes and {points} points", f.len(), space.len())));
-    }
-    let mut values = f.to_vec();
-    values.resize(space.len(), f[0]);
-    for c in 0..space.mesh().cell_count() {
-        let nodes = space.cell_nodes(c);
-        for (e, &node) in nodes[D + 1..].iter().enumerate() {
-            let (i, j) = EDGES[e];
-            values[node as usize] = (f[nodes[i] as usize] + f[nodes[j] as usize]) * 0.5;
-        }
-    }
-    Ok(values)
-}
 
 /// Vectors with three components.
 fn padded<const D: usize>(f: &[SVector<f64, D>]) -> Vec<f64> {
