@@ -182,7 +182,7 @@ impl<'a> Picture<'a> {
         for axis in 0..2 {
             let (low, high) = (frame.low[axis], frame.low[axis] + frame.length[axis]);
             let room = frame.size[axis] as f64 / 90.0;
-            for v in ticks(low, high, room.clamp(1.0, 8.0)) {
+            for v in ticks(low, high, room.clamp(2.0, 8.0)) {
                 let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
                 let mut at = SVector::<f64, 2>::from(frame.low);
                 at[axis] = v;
