@@ -41,7 +41,7 @@ pub struct Curve<'a> {
 /// A chart of one or more curves.
 #[derive(Clone, Debug, Default)]
 pub struct Chart<'a> {
-    /// Title.
+    /// Title; may be empty.
     pub title: &'a str,
     /// Label of the horizontal axis, with the unit if there is one.
     pub x_label: &'a str,
@@ -55,10 +55,10 @@ pub struct Chart<'a> {
     pub curves: Vec<Curve<'a>>,
 }
 
-const WIDTH: f64 = 720.0;
-const HEIGHT: f64 = 380.0;
-/// Okabe and Ito (2008), those with the least contrast to white last.
-const COLOURS: [&str; 6] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
+const WIDTH: f64 = 620.0;
+const HEIGHT: f64 = 350.0;
+/// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last.
+const COLOURS: [&str; 6] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
 /// A line of more points is thinned; no screen shows more.
 const MOST_POINTS: usize = 4000;
 
@@ -80,7 +80,6 @@ impl Chart<'_> {
             }
         }
         let mut layout = Layout::auto_from_plots(&plots)
-            .with_title(self.title)
             .with_x_label(self.x_label)
             .with_y_label(self.y_label)
             .with_theme(theme())
@@ -98,6 +97,9 @@ impl Chart<'_> {
             .with_y_axis_max(y.scaled(y.high))
             .with_x_tick_format(x.format())
             .with_y_tick_format(y.format());
+        if !self.title.is_empty() {
+            layout = layout.with_title(self.title);
+        }
         // The room for numbers and labels is measured on these ranges.
         layout.x_range = (x.scaled(x.low), x.scaled(x.high));
         layout.y_range = (y.scaled(y.low), y.scaled(y.high));

@@ -1,6 +1,7 @@
 //! Films from pictures: GIF always, MP4 if the program `ffmpeg` is on the PATH.
 
 use super::file::{cannot_write, write_file};
+use super::palette;
 use super::raster::Image;
 use crate::base::{Error, Result, Warning};
 use std::fs;
@@ -76,7 +77,8 @@ impl Gif {
         Ok(Gif { encoder, size, delay: (100.0 / per_second).round().clamp(2.0, 1000.0) as u16 })
     }
     fn add(&mut self, picture: &Image, last: bool) -> Result<()> {
-        let mut frame = gif::Frame::from_rgb_speed(self.size[0], self.size[1], picture.rgb(), 10);
+        let (palette, pixels) = palette::reduce(picture.rgb());
+        let mut frame = gif::Frame::from_palette_pixels(self.size[0], self.size[1], pixels, palette, None);
         frame.delay = if last { self.delay.max(150) } else { self.delay };
         self.encoder.write_frame(&frame).map_err(failed)
     }

@@ -11,6 +11,7 @@ mod film;
 mod lettering;
 mod markup;
 mod numbers;
+mod palette;
 mod picture;
 mod pvd;
 mod raster;

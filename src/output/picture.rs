@@ -1,6 +1,6 @@
 //! Pictures of fields in the plane: colours, colour bar, level sets, arrows, mesh.
 
-use super::colours::Scale;
+use super::colours::{Colours, Scale};
 use super::field::{FieldData, on_nodes};
 use super::lettering::{self, Align};
 use super::numbers::{short, tick_text, ticks};
@@ -17,7 +17,7 @@ pub struct Picture<'a> {
     pub space: &'a Space<2>,
     /// What is coloured; a vector field by its length.
     pub field: FieldData<'a, 2>,
-    /// Which colours; [`Scale::of`] the field, or one scale for all frames of a film.
+    /// The range of the colours; [`Scale::of`] the field, or one for all frames of a film.
     pub scale: Scale,
     /// Title, with the unit if there is one.
     pub title: &'a str,
@@ -57,7 +57,7 @@ const QUIET: Ink = Ink::solid([96, 102, 110]);
 const LINE: Ink = Ink::solid([12, 12, 16]);
 
 impl<'a> Picture<'a> {
-    /// A picture of `field` alone, in the scale that fits it, at most 900 by 800 pixels.
+    /// A picture of `field` alone, in the scale that fits it, at most 760 by 680 pixels.
     pub fn new(space: &'a Space<2>, field: FieldData<'a, 2>, title: &'a str) -> Picture<'a> {
         let scale = Scale::of(field);
         Picture {
@@ -69,7 +69,7 @@ impl<'a> Picture<'a> {
             interfaces: Vec::new(),
             arrows: None,
             mesh: false,
-            size: [900, 800],
+            size: [760, 680],
         }
     }
     /// Draws it.
@@ -79,28 +79,28 @@ impl<'a> Picture<'a> {
     pub fn draw(&self) -> Result<Image> {
         let frame = Frame::of(self);
         let mut image = Image::white(frame.image[0], frame.image[1]);
-        self.colour(&frame, &mut image)?;
+        let colours = Colours::new(self.scale);
+        self.colour(&frame, &colours, &mut image)?;
         if self.mesh {
             image.stroke(&self.edges(&frame, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
         }
         if let Some(arrows) = &self.arrows {
-            self.draw_arrows(&frame, arrows, &mut image)?;
+            self.draw_arrows(&frame, arrows, colours.signed, &mut image)?;
         }
         for phi in &self.interfaces {
             self.draw_interface(&frame, &on_nodes(self.space, "level set", phi)?, &mut image);
         }
         image.stroke(&self.edges(&frame, true), 1.2, QUIET);
         self.draw_axes(&frame, &mut image);
-        self.draw_bar(&frame, &mut image);
+        draw_bar(&frame, &colours, &mut image);
         self.draw_title(&frame, &mut image);
         Ok(image)
     }
     /// Fills the domain with colours.
-    fn colour(&self, frame: &Frame, image: &mut Image) -> Result<()> {
-        let table = self.scale.table();
-        let opaque = |v: f64| match self.scale.entry(v) {
-            Some(k) => [table[k][0], table[k][1], table[k][2], 255],
-            None => [128, 128, 128, 255],
+    fn colour(&self, frame: &Frame, colours: &Colours, image: &mut Image) -> Result<()> {
+        let opaque = |v: f64| {
+            let [r, g, b] = colours.of(v);
+            [r, g, b, 255]
         };
         let (mesh, lattice) = (self.space.mesh(), frame.lattice(2.0));
         let samples = match self.field {
@@ -156,7 +156,7 @@ impl<'a> Picture<'a> {
             }
         }
     }
-    fn draw_arrows(&self, frame: &Frame, arrows: &Arrows, image: &mut Image) -> Result<()> {
+    fn draw_arrows(&self, frame: &Frame, arrows: &Arrows, dark: bool, image: &mut Image) -> Result<()> {
         let u = on_nodes(self.space, "velocity", arrows.velocity)?;
         if !(arrows.fastest > 0.0 && arrows.fastest.is_finite()) {
             return Ok(());
@@ -173,7 +173,7 @@ impl<'a> Picture<'a> {
                 segments.extend(arrow(middle, d, length));
             }
         }
-        let rgb = if self.scale.signed { [30, 34, 40] } else { [255; 3] };
+        let rgb = if dark { [30, 34, 40] } else { [255; 3] };
         image.stroke(&segments, 1.3, Ink { rgb, opacity: 0.85 });
         Ok(())
     }
@@ -197,24 +197,6 @@ impl<'a> Picture<'a> {
             }
         }
     }
-    fn draw_bar(&self, frame: &Frame, image: &mut Image) {
-        let table = self.scale.table();
-        let [x, width] = [frame.image[0] - RIGHT as usize + 24, 17];
-        let height = frame.size[1].max(SMALLEST as usize);
-        let top = TOP as usize;
-        for row in 0..height {
-            let k = (table.len() - 1) * (height - 1 - row) / (height - 1).max(1);
-            image.fill([x, top + row], [width, 1], table[k]);
-        }
-        let Scale { low, high, .. } = self.scale;
-        let right = (x + width) as f64;
-        for v in ticks(low, high, (height as f64 / 70.0).clamp(2.0, 8.0)) {
-            let y = top as f64 + height as f64 * (high - v) / (high - low);
-            let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
-            image.stroke(&[[[right + 2.0, y], [right + 6.0, y]]], 1.0, QUIET);
-            lettering::draw(image, &text, [right + 11.0, y + 4.5], 9.0, Align::Left, TEXT);
-        }
-    }
     fn draw_title(&self, frame: &Frame, image: &mut Image) {
         let left = LEFT;
         let right = frame.image[0] as f64 - 20.0;
@@ -223,6 +205,25 @@ impl<'a> Picture<'a> {
         let fit = ((right - left) / wanted).min(1.0);
         lettering::draw(image, self.title, [left, 30.0], 12.5 * fit, Align::Left, TEXT);
         lettering::draw(image, &time, [right, 30.0], 11.0 * fit, Align::Right, TEXT);
+    }
+}
+
+/// The colour bar and its numbers.
+fn draw_bar(frame: &Frame, colours: &Colours, image: &mut Image) {
+    let Colours { low, high, ref table, .. } = *colours;
+    let [x, width] = [frame.image[0] - RIGHT as usize + 24, 17];
+    let height = frame.size[1].max(SMALLEST as usize);
+    let top = TOP as usize;
+    for row in 0..height {
+        let k = (table.len() - 1) * (height - 1 - row) / (height - 1).max(1);
+        image.fill([x, top + row], [width, 1], table[k]);
+    }
+    let right = (x + width) as f64;
+    for v in ticks(low, high, (height as f64 / 70.0).clamp(2.0, 8.0)) {
+        let y = top as f64 + height as f64 * (high - v) / (high - low);
+        let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
+        image.stroke(&[[[right + 2.0, y], [right + 6.0, y]]], 1.0, QUIET);
+        lettering::draw(image, &text, [right + 11.0, y + 4.5], 9.0, Align::Left, TEXT);
     }
 }
 
@@ -395,8 +396,8 @@ mod tests {
                 )
             };
             let image = picture.draw().unwrap();
-            assert!(image.width() <= 900 && image.height() <= 800, "{} x {}", image.width(), image.height());
-            assert!(image.width() % 2 == 0 && image.height() % 2 == 0);
+            assert!(image.width() <= 760 && image.height() <= 680, "{} x {}", image.width(), image.height());
+            assert!(image.width().is_multiple_of(2) && image.height().is_multiple_of(2));
         }
     }
 }

@@ -138,7 +138,8 @@ impl Table {
         }
         write_file(path, text.as_bytes())
     }
-    /// Reads a CSV file of numbers under a line of names. A last row that was cut off in writing is ignored.
+    /// Reads a CSV file of numbers under a line of names. Empty lines, and a last row that was cut off in
+    /// writing, are ignored.
     ///
     /// # Errors
     /// The file cannot be read, a row has too few or too many entries, or an entry is not a number.
@@ -148,6 +149,9 @@ impl Table {
         let names = lines.next().map(|(_, l)| split(l)).unwrap_or_default();
         let mut columns = vec![Vec::new(); names.len()];
         for (i, line) in lines {
+            if line.trim().is_empty() {
+                continue;
+            }
             let entries = split(line);
             if entries.len() != names.len() {
                 if !line.ends_with('\n') {
@@ -254,6 +258,8 @@ mod tests {
     fn rows_that_are_no_numbers_are_named_by_their_line() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.csv");
+        fs::write(&path, "x,y\n1,2\n\n3,4\n\n").unwrap();
+        assert_eq!(Table::read(&path).unwrap().columns, [[1.0, 3.0], [2.0, 4.0]]);
         for text in ["x,y\n1,2\n3\n4,5\n", "x,y\n1,2\n3,four\n4,5\n"] {
             fs::write(&path, text).unwrap();
             assert!(Table::read(&path).unwrap_err().place().contains("line 3"));
