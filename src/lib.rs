@@ -14,6 +14,7 @@ pub mod flow;
 pub mod levelset;
 pub mod linalg;
 pub mod mesh;
+pub mod output;
 pub mod scene;
 pub mod sim;
 pub mod transport;

@@ -1,0 +1,35 @@
+//! Files for people and for other programs: VTU and PVD, CSV series, SVG charts, PNG pictures, films, the report page.
+//!
+//! Everything takes plain data, so that a run and a later `render` of its folder call the same functions. Files that
+//! replace an older one are written beside it and renamed: a stop at any moment leaves the old or the new one.
+
+mod chart;
+mod colours;
+mod field;
+mod file;
+mod film;
+mod lettering;
+mod markup;
+mod numbers;
+mod palette;
+mod picture;
+mod pvd;
+mod raster;
+mod report;
+mod sampling;
+mod series;
+mod vtu;
+mod vtu_read;
+
+pub use chart::{Chart, Curve, Stroke};
+pub use colours::Scale;
+pub use field::FieldData;
+pub use file::write_file;
+pub use film::{Film, write_film};
+pub use picture::{Arrows, Picture};
+pub use pvd::{read_pvd, write_pvd};
+pub use raster::Image;
+pub use report::{Content, Figure, Listing, Number, Report};
+pub use series::{Series, Table};
+pub use vtu::write_vtu;
+pub use vtu_read::{Snapshot, Values, read_vtu};

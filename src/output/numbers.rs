@@ -1,0 +1,85 @@
+//! Numbers on axes and colour bars.
+
+/// Round numbers in `[low, high]`, about `count` of them.
+pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
+    let rough = (high - low) / count;
+    if !(rough.is_finite() && rough > 0.0) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * decade).find(|s| *s >= rough).unwrap_or(rough);
+    let first = (low / step - 1e-9).ceil();
+    (0..=(2.0 * count) as usize).map(|k| (first + k as f64) * step).take_while(|v| *v <= high + 1e-9 * step).collect()
+}
+
+/// A number on an axis with ticks about `step` apart and numbers up to `largest`: as many digits as tell ticks apart.
+pub(super) fn tick_text(v: f64, step: f64, largest: f64) -> String {
+    let decade = |x: f64| if x > 0.0 { x.log10().floor() } else { 0.0 };
+    // Ticks are multiples of 1, 2, 2.5 or 5 times a power of ten: one digit more than the step has.
+    let digits = 1.0 - decade(step);
+    if (1e-3..1e6).contains(&largest) {
+        return trimmed(&format!("{v:.*}", digits.clamp(0.0, 15.0) as usize));
+    }
+    let text = format!("{v:.*e}", (digits + decade(v.abs())).clamp(0.0, 15.0) as usize);
+    match text.split_once('e') {
+        Some((mantissa, exponent)) if v.abs() > 1e-9 * step => format!("{}e{exponent}", trimmed(mantissa)),
+        _ => "0".into(),
+    }
+}
+
+/// Without zeros at the end of the decimals, and without a negative zero.
+pub(super) fn trimmed(text: &str) -> String {
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text };
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
+/// A number for people: six digits, without zeros at the end.
+pub(super) fn short(v: f64) -> String {
+    if v == 0.0 || (1e-3..1e6).contains(&v.abs()) {
+        let decimals = if v == 0.0 { 0.0 } else { 5.0 - v.abs().log10().floor() };
+        return trimmed(&format!("{v:.*}", decimals.clamp(0.0, 8.0) as usize));
+    }
+    match format!("{v:.5e}").split_once('e') {
+        Some((mantissa, exponent)) => format!("{}e{exponent}", trimmed(mantissa)),
+        None => v.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let text = |low, high| ticks(low, high, 5.0).iter().map(|&v| short(v)).collect::<Vec<_>>().join(" ");
+        assert_eq!(text(0.0, 1.0), "0 0.2 0.4 0.6 0.8 1");
+        assert_eq!(text(-0.31, 0.77), "-0.25 0 0.25 0.5 0.75");
+        assert_eq!(text(0.0, 3e-7), "0 1e-7 2e-7 3e-7");
+        for (low, high) in [(1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (2.0, 1.0)] {
+            assert!(ticks(low, high, 5.0).is_empty());
+        }
+    }
+
+    #[test]
+    fn numbers_tell_ticks_apart() {
+        assert_eq!(tick_text(0.05, 0.05, 1.0), "0.05");
+        assert_eq!(tick_text(1.1780974, 2e-7, 1.2), "1.1780974");
+        assert_eq!(tick_text(-2e-10, 2e-10, 5e-10), "-2e-10");
+        assert_eq!(tick_text(2.5e7, 2.5e6, 3e7), "2.5e7");
+        assert_eq!(tick_text(-1e-30, 0.5, 1.0), "0");
+    }
+
+    #[test]
+    fn short_numbers_hide_rounding() {
+        for (v, text) in [
+            (0.1 + 0.2, "0.3"),
+            (0.0, "0"),
+            (-1234.5678, "-1234.57"),
+            (1e-9, "1e-9"),
+            (6.02214076e23, "6.02214e23"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(short(v), text);
+        }
+    }
+}
