@@ -90,14 +90,14 @@ fn collapsed_gauss(d: usize, degree: usize) -> Rule {
     let gauss = gauss_legendre(n);
     let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
     for index in 0..n.pow(d as u32) {
-        let (mut rest, mut weight, mut k) = (1.0, 1.0, index);
+        let (mut rest, mut weight, mut k) = (1.0_f64, 1.0, index);
         let mut l = [0.0; 4];
         for axis in 1..=d {
             let (x, w) = gauss[k % n];
             k /= n;
             l[axis] = x * rest;
             // Jacobian of the collapse, times the factorial that normalises the volume.
-            weight *= w * axis as f64 * (rest as f64).powi(i32::from(axis > 1)).max(0.0);
+            weight *= w * axis as f64 * if axis > 1 { rest } else { 1.0 };
             rest -= l[axis];
         }
         l[0] = rest;

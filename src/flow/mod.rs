@@ -8,4 +8,4 @@ pub mod term;
 
 pub use boundary::{flux, traction};
 pub use coefficient::Coefficient;
-pub use solver::{FlowSolver, FlowState, History, Step, StepReport};
+pub use solver::{BodyForce, FlowSolver, FlowState, History, Step, StepReport};

@@ -22,6 +22,9 @@ pub struct FlowState<const D: usize> {
     pub p: Vec<f64>,
 }
 
+/// Force per volume as a function of position and time.
+pub type BodyForce<const D: usize> = dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync;
+
 /// An earlier velocity, followed along the characteristics, in the discrete time derivative.
 #[derive(Clone, Copy)]
 pub struct History<'a, const D: usize> {
@@ -48,7 +51,7 @@ pub struct Step<'a, const D: usize> {
     /// The velocity that explicit forces of implicit terms were made with; `None` stands for zero.
     pub predicted: Option<&'a [SVector<f64, D>]>,
     /// Force per volume at position and new time.
-    pub body_force: Option<&'a (dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Sync)>,
+    pub body_force: Option<&'a BodyForce<D>>,
     /// Force per mass (gravity).
     pub gravity: SVector<f64, D>,
 }

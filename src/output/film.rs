@@ -136,11 +136,11 @@ mod tests {
     use super::super::{FieldData, Picture};
     use super::*;
     use crate::fem::{Element, Space};
-    use crate::mesh::rectangle;
+    use crate::mesh::{Diagonals, rectangle};
     use std::sync::Arc;
 
     fn pictures(n: usize) -> Vec<Result<Image>> {
-        let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [3, 3]).unwrap();
+        let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [3, 3], Diagonals::Right).unwrap();
         let space = Space::new(&Arc::new(mesh), Element::P2);
         let f = space.interpolate(|x| x[0]);
         let picture = Picture { size: [300, 260], ..Picture::new(&space, FieldData::Scalar(&f), "a film") };

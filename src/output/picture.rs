@@ -294,11 +294,11 @@ impl Frame {
 mod tests {
     use super::*;
     use crate::fem::Element;
-    use crate::mesh::{Mesh, Point, rectangle};
+    use crate::mesh::{Diagonals, Mesh, Point, rectangle};
     use std::sync::Arc;
 
     fn square() -> Space<2> {
-        Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [10, 10]).unwrap()), Element::P2)
+        Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [10, 10], Diagonals::Right).unwrap()), Element::P2)
     }
 
     /// Column and row of the pixel that a point of the domain is in.
@@ -364,7 +364,7 @@ mod tests {
 
     #[test]
     fn holes_are_white_and_values_that_are_no_numbers_grey() {
-        let full = rectangle([0.0, 0.0], [3.0, 3.0], [3, 3]).unwrap();
+        let full = rectangle([0.0, 0.0], [3.0, 3.0], [3, 3], Diagonals::Right).unwrap();
         let keep = |c: &usize| !(8..10).contains(c);
         let cells = (0..full.cell_count()).filter(keep).flat_map(|c| full.cell(c).to_vec()).collect();
         let space = Space::new(&Arc::new(Mesh::new(full.points().to_vec(), cells).unwrap()), Element::P1);
@@ -381,7 +381,8 @@ mod tests {
     #[test]
     fn every_shape_of_domain_and_option_gives_a_picture_within_its_size() {
         for (high, cells) in [([50.0, 0.5], [20, 2]), ([0.01, 4.0], [1, 9]), ([1e-9, 1e-9], [3, 3])] {
-            let space = Space::new(&Arc::new(rectangle([0.0, 0.0], high, cells).unwrap()), Element::P2);
+            let space =
+                Space::new(&Arc::new(rectangle([0.0, 0.0], high, cells, Diagonals::Right).unwrap()), Element::P2);
             let u = space.interpolate(|x| x / high[0]);
             let phi = space.interpolate(|x| x[0] - 0.5 * high[0]);
             let picture = Picture {

@@ -82,12 +82,12 @@ impl Lattice {
 mod tests {
     use super::*;
     use crate::fem::{Element, Space};
-    use crate::mesh::rectangle;
+    use crate::mesh::{Diagonals, rectangle};
     use std::sync::Arc;
 
     #[test]
     fn a_quadratic_is_exact_at_every_point_and_nothing_is_left_out() {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [7, 5]).unwrap());
+        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [7, 5], Diagonals::Right).unwrap());
         let space = Space::new(&mesh, Element::P2);
         let exact = |x: &SVector<f64, 2>| 1.0 + x[0] * x[1] - 2.0 * x[0] * x[0];
         let f = space.interpolate(exact);

@@ -228,12 +228,12 @@ fn damaged(why: &str) -> Error {
 mod tests {
     use super::super::{FieldData, write_vtu};
     use super::*;
-    use crate::mesh::rectangle;
+    use crate::mesh::{Diagonals, rectangle};
     use proptest::prelude::*;
 
     fn two_dimensional() -> (Space<2>, Vec<f64>, Vec<SVector<f64, 2>>) {
         // Large enough for several blocks.
-        let mut mesh = rectangle([0.0, -1.0], [2.0, 1.0], [40, 30]).unwrap();
+        let mut mesh = rectangle([0.0, -1.0], [2.0, 1.0], [40, 30], Diagonals::Right).unwrap();
         mesh.set_region("left half", (0..mesh.cell_count() as u32 / 2).collect());
         let space = Space::new(&Arc::new(mesh), Element::P2);
         let phi = space.interpolate(|x| x.norm() - 0.3);
@@ -309,7 +309,7 @@ mod tests {
     proptest! {
         #[test]
         fn corrupt_bytes_never_panic(changes in prop::collection::vec((0usize..4000, any::<u8>()), 1..8)) {
-            let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [2, 2]).unwrap());
+            let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [2, 2], Diagonals::Right).unwrap());
             let space = Space::new(&mesh, Element::P2);
             let phi = space.interpolate(|x| x[0]);
             let dir = tempfile::tempdir().unwrap();

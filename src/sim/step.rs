@@ -5,7 +5,7 @@ use crate::base::{Error, Result};
 use crate::elastic::Membrane;
 use crate::fem::{Basis, Conditions, Element, Projector, Rule, Space};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{Coefficient, FlowSolver, FlowState, History, Step, StepReport};
+use crate::flow::{BodyForce, Coefficient, FlowSolver, FlowState, History, Step, StepReport};
 use crate::levelset as band;
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, carry_nodal, carry_projected};
@@ -46,9 +46,6 @@ pub struct Materials {
     pub viscosity: TwoFluids,
 }
 
-/// Force per volume as a function of position and time.
-pub type BodyForce<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
-
 /// What a simulation is told.
 pub struct Settings<const D: usize> {
     /// Time step.
@@ -72,7 +69,7 @@ pub struct Settings<const D: usize> {
     /// Force per mass.
     pub gravity: SVector<f64, D>,
     /// Force per volume.
-    pub body_force: Option<BodyForce<D>>,
+    pub body_force: Option<Arc<BodyForce<D>>>,
 }
 
 /// A structure: its level set (one number a P2 node) and its law.
@@ -215,7 +212,7 @@ impl<const D: usize> Simulation<D> {
             history: &history,
             terms: &terms,
             predicted: second.then_some(&current[..]),
-            body_force: self.settings.body_force.as_ref().map(|f| f.as_ref() as _),
+            body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
         let mut flow = self.state.flow.clone();
