@@ -2,6 +2,8 @@
 
 use super::SceneArguments;
 use crate::base::Result;
+use crate::scene::Model;
+use std::io::Write;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -10,6 +12,14 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn explain(arguments: &Arguments) -> Result<()> {
-    arguments.scene.load()?;
+    let scene = arguments.scene.load()?;
+    let mut model = Model::new(&scene)?;
+    let plan = model.plan(&scene)?;
+    let mut out = std::io::stdout().lock();
+    // A closed pipe is no reason to fail.
+    let _ = writeln!(out, "{}\n\n{plan}", scene.title);
+    for w in &model.warnings {
+        let _ = writeln!(out, "warning: {w}");
+    }
     Ok(())
 }

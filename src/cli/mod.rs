@@ -2,6 +2,7 @@
 
 mod explain;
 mod new;
+mod progress;
 mod render;
 mod report;
 mod run;

@@ -1,9 +1,12 @@
 //! `immersa run`: computes a scene.
 
 use super::SceneArguments;
+use super::progress::Progress;
 use crate::base::{Error, Result};
 use crate::scene::Scene;
+use crate::scene::run::{self, Options};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -23,10 +26,25 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
+/// Set by Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
+
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     set_threads(arguments.threads)?;
-    let _folder = arguments.out.clone().unwrap_or_else(|| default_folder(&scene));
+    // Without a handler Ctrl-C ends the program at once; the last checkpoint is still there.
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&scene));
+    let mut progress = Progress::new(arguments.quiet, &scene.title);
+    let options = Options { folder: folder.clone(), resume: arguments.resume, stop: &STOP };
+    let result = run::run(&scene, &options, &mut progress);
+    progress.finish();
+    // A failed computation has kept its last good state: show that too.
+    if matches!(&result, Err(e) if e.kind() != crate::base::Kind::Computation) {
+        return result.map(drop);
+    }
+    let outcome = result?;
+    progress.done(&outcome, &folder);
     Ok(())
 }
 

@@ -226,23 +226,40 @@ impl<const D: usize> FlowSolver<D> {
         }
     }
 
+    /// Assembles the part of the matrix that stays, for `weight / dt`, and analyses it without factoring.
+    pub fn analyse(&mut self, weight: f64) -> Result<()> {
+        self.assemble_base(weight)?;
+        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
+        if self.factor.is_none() {
+            let ordering = Ordering::saddle_point(base, self.numbering.first_pressure())?;
+            self.factor = Some(Factor::analyse(base, ordering)?);
+            self.factor_is_base = false;
+        }
+        Ok(())
+    }
+
+    fn assemble_base(&mut self, weight: f64) -> Result<()> {
+        if self.base.as_ref().is_some_and(|(_, w)| *w == weight) {
+            return Ok(());
+        }
+        let mut matrix = match self.base.take() {
+            Some((m, _)) => m,
+            None => self.matrix.clone(),
+        };
+        matrix.zero();
+        let form = self.form(weight);
+        assemble_flow_matrix(&self.velocity, Some(&self.pressure), &self.numbering, Cells::All, &mut matrix, form)?;
+        self.base = Some((matrix, weight));
+        self.factor_is_base = false;
+        Ok(())
+    }
+
     /// Makes the matrix and the factor fit the step. Returns whether a factorisation was made.
     fn prepare(&mut self, step: &Step<'_, D>) -> Result<bool> {
         let weight = step.weight / step.dt;
         let implicit = step.terms.iter().any(|t| t.is_implicit());
         let constant = self.density.is_constant() && self.viscosity.is_constant();
-        let fresh = self.base.as_ref().is_none_or(|(_, w)| *w != weight);
-        if fresh {
-            let mut matrix = match self.base.take() {
-                Some((m, _)) => m,
-                None => self.matrix.clone(),
-            };
-            matrix.zero();
-            let form = self.form(weight);
-            assemble_flow_matrix(&self.velocity, Some(&self.pressure), &self.numbering, Cells::All, &mut matrix, form)?;
-            self.base = Some((matrix, weight));
-            self.factor_is_base = false;
-        }
+        self.analyse(weight)?;
         if self.factor_is_base && !implicit && constant {
             return Ok(false);
         }
@@ -257,10 +274,6 @@ impl<const D: usize> FlowSolver<D> {
                 &mut self.matrix,
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
-        }
-        if self.factor.is_none() {
-            let ordering = Ordering::saddle_point(&self.matrix, self.numbering.first_pressure())?;
-            self.factor = Some(Factor::analyse(&self.matrix, ordering)?);
         }
         if let Some(factor) = &mut self.factor {
             factor.refactor(&self.matrix)?;

@@ -60,16 +60,7 @@ pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Re
     if !(eps > 0.0 && eps.is_finite()) {
         return Err(Error::scene("the thickness of the band must be positive").value(eps));
     }
-    let mut worst: Option<(f64, usize)> = None;
-    for c in 0..space.mesh().cell_count() {
-        if meets_band(space, phi, eps, c) {
-            let h = edge_length(space, c);
-            if worst.is_none_or(|(w, _)| h > w) {
-                worst = Some((h, c));
-            }
-        }
-    }
-    let Some((h, cell)) = worst else { return Ok(None) };
+    let Some(BandEdges { largest: h, cell, .. }) = band_edges(space, phi, eps) else { return Ok(None) };
     // A ratio on the limit, as 0.1 on a mesh of 2/30, may come out below it by rounding.
     let ratio = eps / h * (1.0 + 1e-12);
     if ratio >= DOUBTFUL {
@@ -100,6 +91,32 @@ pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Re
         format!("the band is barely resolved: eps should be at least {DOUBTFUL} h; {value}, {place}"),
         remedy(DOUBTFUL),
     )))
+}
+
+/// The edges of the mesh in a band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandEdges {
+    /// Length in the finest cell.
+    pub smallest: f64,
+    /// Length in the coarsest cell.
+    pub largest: f64,
+    /// The coarsest cell.
+    pub cell: usize,
+}
+
+/// The edges of the cells met by the band `|phi| < r eps`; `None` when there is none. The length of a cell is its `D`-th
+/// shortest edge: the leg of a right triangle.
+pub fn band_edges<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Option<BandEdges> {
+    let mut found: Option<BandEdges> = None;
+    for cell in (0..space.mesh().cell_count()).filter(|&c| meets_band(space, phi, eps, c)) {
+        let h = edge_length(space, cell);
+        let edges = found.get_or_insert(BandEdges { smallest: h, largest: h, cell });
+        edges.smallest = edges.smallest.min(h);
+        if h > edges.largest {
+            (edges.largest, edges.cell) = (h, cell);
+        }
+    }
+    found
 }
 
 /// Whether a node of cell `c` lies in the band, or the interface passes between its nodes.

@@ -15,7 +15,7 @@ mod quadratic;
 mod shape;
 mod union;
 
-pub use band::{check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
 pub use contour::{Contour, Line, Segment};
 pub use ellipse::Ellipse;
 pub use function::LevelFunction;

@@ -1,15 +1,20 @@
 //! Scenes: what a run shall do, read from TOML with every value checked and every error placed.
 
+mod diagnostics;
 mod document;
 pub mod expression;
 mod item;
+mod model;
 pub(crate) mod nearest;
 mod overrides;
+mod plan;
+pub mod run;
 pub mod schema;
 #[cfg(test)]
 mod tests;
 
 pub use expression::{Expression, ExpressionError};
+pub use model::Model;
 pub use schema::Settings;
 
 use crate::base::{Error, Result, Snippet};

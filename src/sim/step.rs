@@ -3,7 +3,7 @@
 use super::budget::{Budget, Energies};
 use crate::base::{Error, Result};
 use crate::elastic::Membrane;
-use crate::fem::{Basis, Conditions, Element, Projector, Rule, Space};
+use crate::fem::{At, Basis, Cells, Conditions, Element, Projector, Rule, Space, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, Coefficient, FlowSolver, FlowState, History, Step, StepReport};
 use crate::levelset as band;
@@ -112,6 +112,8 @@ pub struct Simulation<const D: usize> {
     structures: Vec<Structure<D>>,
     state: State<D>,
     feet: [Feet; 2],
+    wants_reactions: bool,
+    reactions: Option<Vec<SVector<f64, D>>>,
 }
 
 /// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
@@ -148,10 +150,24 @@ impl<const D: usize> Simulation<D> {
             energies: Energies::default(),
             budget: Budget::default(),
         };
-        let mut sim =
-            Simulation { settings, space, flow, tracer, projector, fine, structures, state, feet: Default::default() };
+        let mut sim = Simulation {
+            settings,
+            space,
+            flow,
+            tracer,
+            projector,
+            fine,
+            structures,
+            state,
+            feet: Default::default(),
+            wants_reactions: false,
+            reactions: None,
+        };
         let level_sets = sim.state.phi.clone();
         sim.set_materials(&level_sets);
+        for (s, phi) in sim.structures.iter_mut().zip(&sim.state.phi) {
+            s.membrane.prepare(sim.flow.velocity(), phi, None);
+        }
         sim.state.energies = sim.measure(0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
         Ok(sim)
@@ -218,6 +234,7 @@ impl<const D: usize> Simulation<D> {
         let mut flow = self.state.flow.clone();
         let report = self.flow.step(&step, &mut flow)?;
         let wall_power = self.flow.wall_power(&step, &flow);
+        self.reactions = self.wants_reactions.then(|| self.flow.reaction(&step, &flow, Cells::All));
         self.check_speed(&flow.u, time)?;
 
         // The interface follows.
@@ -264,7 +281,7 @@ impl<const D: usize> Simulation<D> {
         let basis = self.flow.velocity();
         let points = basis.rule().len();
         let count = self.space.mesh().cell_count();
-        let pointwise = |value: &(dyn Fn(&crate::fem::At<D>) -> f64 + Sync)| {
+        let pointwise = |value: &(dyn Fn(&At<D>) -> f64 + Sync)| {
             let mut values = vec![0.0; count * points];
             crate::base::parallel::fill(&mut values, points, |first, part| {
                 for (i, values) in part.chunks_exact_mut(points).enumerate() {
@@ -319,7 +336,7 @@ impl<const D: usize> Simulation<D> {
             return 0.0;
         }
         let (basis, time) = (self.flow.velocity(), self.time());
-        let [power] = crate::fem::integrate(basis, crate::fem::Cells::All, |at| {
+        let [power] = integrate(basis, Cells::All, |at| {
             let force = self.settings.body_force.as_ref().map_or(SVector::zeros(), |f| f(&at.x, time));
             [(gravity * self.flow.density().at(at) + force).dot(&basis.value(at, &self.state.flow.u))]
         });
@@ -339,6 +356,33 @@ impl<const D: usize> Simulation<D> {
             .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
     }
 
+    /// Sets up the matrix of the coming steps and analyses it, without factoring: its size can be asked for then.
+    pub fn analyse(&mut self) -> Result<()> {
+        let second = self.settings.order == 2 && self.settings.dt > 0.0;
+        let weight = if self.is_stokes() {
+            0.0
+        } else if second {
+            1.5
+        } else {
+            1.0
+        };
+        self.flow.analyse(weight / self.settings.dt)
+    }
+    /// Force of the fluid on a named boundary by the residual of the momentum equation in the last step; `None` before the first.
+    pub fn reaction(&self, boundary: &str) -> Result<Option<SVector<f64, D>>> {
+        let mesh = self.space.mesh();
+        let mut nodes: Vec<u32> = Vec::new();
+        for &f in mesh.boundary(boundary)? {
+            nodes.extend(self.space.facet_nodes(&mesh.facets()[f as usize]));
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(self.reactions.as_ref().map(|r| nodes.iter().map(|&n| -r[n as usize]).sum()))
+    }
+    /// Whether [`reaction`](Self::reaction) will be asked for; costs one assembly a step.
+    pub fn keep_reactions(&mut self, keep: bool) {
+        self.wants_reactions = keep;
+    }
     /// Current time.
     pub fn time(&self) -> f64 {
         self.state.steps as f64 * self.settings.dt

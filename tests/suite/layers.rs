@@ -17,7 +17,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("compressible", &["levelset", "fem", "mesh", "linalg"]),
     ("output", &["levelset", "fem", "mesh"]),
     ("sim", &["compressible", "rigid", "elastic", "flow", "levelset", "transport", "fem", "mesh", "linalg"]),
-    ("scene", &["sim", "output", "mesh"]),
+    ("scene", &["sim", "elastic", "flow", "levelset", "transport", "fem", "mesh", "output"]),
     ("studies", &["scene", "sim", "output"]),
     ("cli", &["scene", "studies", "output", "mesh"]),
     // src/main.rs

@@ -10,7 +10,7 @@ const GOOD: &str = r#"title = "A membrane"
 [constants]
 R = 0.5
 [mesh]
-rectangle = { min = [0, 0], max = [2, 2], cells = [8, 8] }
+rectangle = { min = [0, 0], max = [2, 2], cells = [20, 20] }
 [fluid]
 viscosity = 0.01
 [boundary.walls]
@@ -46,7 +46,7 @@ const BROKEN: [Broken; 50] = [
     // Kinds of values, and units.
     ("0.01", "\"0.01 Pa s\"", &["fluid.viscosity", "0.01 Pa s", "without quotes or units"]),
     ("end = 1", "end = 1 s", &["scene.toml:16:7", "1 s", "not valid TOML", "key = value"]),
-    ("[8, 8]", "[8.5, 8]", &["mesh.rectangle.cells.0", "8.5", "whole number", "1 to 100000"]),
+    ("[20, 20]", "[20.5, 20]", &["mesh.rectangle.cells.0", "20.5", "whole number", "1 to 100000"]),
     ("no_slip = true", "no_slip = 1", &["boundary.walls.no_slip", "write true or false"]),
     ("no_slip = true", "no_slip = false", &["boundary.walls.no_slip", "can only be true"]),
     ("\"A membrane\"", "7", &["scene.toml:1:9", "title", "in \"quotes\""]),
@@ -66,7 +66,7 @@ const BROKEN: [Broken; 50] = [
     ("step = 0.1", "step = 0", &["time.step", "positive", "> 0"]),
     ("step = 0.1", "step = 0.3", &["time.end", "not a multiple", "0.9 and 1.2"]),
     ("step = 0.1", "step = 0.1\norder = 3", &["time.order", "3", "from 1 to 2"]),
-    ("[8, 8]", "[0, 8]", &["mesh.rectangle.cells.0", "0", "from 1"]),
+    ("[20, 20]", "[0, 20]", &["mesh.rectangle.cells.0", "0", "from 1"]),
     ("max = [2, 2]", "max = [2, 0]", &["mesh.rectangle.max", "[2, 0]", "larger than min", "exchange"]),
     ("radius = 0.5", "radius = -1", &["shape.circle.radius", "-1", "> 0"]),
     ("modulus = 1", "modulus = -1", &["area.linear.modulus", "-1", ">= 0"]),
@@ -170,7 +170,7 @@ fn files_that_are_no_scene_are_refused() {
 
 #[test]
 fn a_mesh_file_that_cannot_be_read_is_an_input_error() {
-    let scene = GOOD.replace("rectangle = { min = [0, 0], max = [2, 2], cells = [8, 8] }", "file = \"sub/box.msh\"");
+    let scene = GOOD.replace("rectangle = { min = [0, 0], max = [2, 2], cells = [20, 20] }", "file = \"sub/box.msh\"");
     let parts = ["scene.toml:5:8", "box.msh", "cannot be read", "relative to the folder of the scene"];
     for command in ["run", "explain"] {
         assert_message(scene.as_bytes(), &[command, "scene.toml"], 3, &parts);

@@ -48,7 +48,7 @@ impl Numerics {
         let mut numerics = Numerics {
             thickness: None,
             grad_div: None,
-            transport: Transport::Projected,
+            transport: Transport::Nodal,
             coupling: Coupling::Implicit,
             convection: None,
             quadrature: None,

@@ -1,0 +1,97 @@
+//! What a run tells the user: a bar on a terminal, plain lines otherwise.
+
+use crate::base::Warning;
+use crate::scene::run::{Observer, Outcome};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::time::Instant;
+
+/// Shares of the steps after which a plain line is printed.
+const LINES: usize = 10;
+
+/// Prints progress on standard error, results on standard output.
+pub(super) struct Progress {
+    quiet: bool,
+    title: String,
+    bar: Option<ProgressBar>,
+    terminal: bool,
+    start: Instant,
+    first_step: Option<usize>,
+}
+
+impl Progress {
+    pub(super) fn new(quiet: bool, title: &str) -> Progress {
+        let terminal = std::io::stderr().is_terminal();
+        Progress { quiet, title: title.to_string(), bar: None, terminal, start: Instant::now(), first_step: None }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Says where the results are, and what is wrong with them.
+    pub(super) fn done(&self, outcome: &Outcome, report: &Path) {
+        let seconds = self.start.elapsed().as_secs_f64();
+        self.line(&format!("done: {} steps in {seconds:.1} s", outcome.steps));
+        for alarm in &outcome.alarms {
+            // Alarms are shown even when nothing else is.
+            let _ = writeln!(std::io::stderr().lock(), "ALARM: {alarm}");
+        }
+        if !self.quiet {
+            let folder = outcome.folder.display();
+            let text = format!("report:  {}\nseries:  {folder}/series.csv\nfields:  {folder}/fields.pvd (ParaView)", report.display());
+            // A closed pipe is no reason to fail.
+            let _ = writeln!(std::io::stdout().lock(), "{text}");
+        }
+    }
+
+    fn line(&self, text: &str) {
+        if self.quiet {
+            return;
+        }
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => {
+                let _ = writeln!(std::io::stderr().lock(), "{text}");
+            }
+        }
+    }
+}
+
+impl Observer for Progress {
+    fn plan(&mut self, plan: &str) {
+        self.line(&format!("{}\n\n{plan}", self.title));
+    }
+    fn warning(&mut self, warning: &Warning) {
+        self.line(&format!("warning: {warning}"));
+    }
+    fn progress(&mut self, step: usize, steps: usize, time: f64) {
+        let first = *self.first_step.get_or_insert_with(|| {
+            self.start = Instant::now();
+            step - 1
+        });
+        if self.quiet {
+            return;
+        }
+        if self.terminal {
+            let bar = self.bar.get_or_insert_with(|| {
+                let style = ProgressStyle::with_template("{bar:40} {pos}/{len} steps  {msg}  {eta} left")
+                    .unwrap_or_else(|_| ProgressStyle::default_bar());
+                ProgressBar::new(steps as u64).with_style(style).with_position(first as u64)
+            });
+            bar.set_message(format!("t = {time:.4}"));
+            bar.set_position(step as u64);
+        } else if step == steps || step * LINES / steps > (step - 1) * LINES / steps {
+            let spent = self.start.elapsed().as_secs_f64();
+            let left = spent * (steps - step) as f64 / (step - first).max(1) as f64;
+            self.line(&format!("step {step} of {steps}, t = {time:.4}, about {left:.0} s left"));
+        }
+    }
+    fn phase(&mut self, what: &str) {
+        self.line(&format!("{what} ..."));
+    }
+}

@@ -1,0 +1,189 @@
+//! What a run measures: the columns of the series, and profiles along lines.
+
+use super::Scene;
+use super::model::Model;
+use super::schema::{Probe, Profile, Quantity};
+use crate::base::{Error, Result};
+use crate::flow::{flux, traction};
+use crate::levelset::Contour;
+use crate::mesh::{Location, Locator, Point};
+use crate::sim::Simulation;
+use nalgebra::SVector;
+
+/// The columns that each membrane has, after its name and a dot.
+const MEASURES: [&str; 9] =
+    ["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
+/// The columns that every run has.
+const COMMON: [&str; 8] = [
+    "energy_kinetic",
+    "energy_elastic",
+    "dissipation",
+    "energy_balance",
+    "velocity_max",
+    "divergence",
+    "cfl",
+    "step_over_limit",
+];
+
+/// Measures a simulation in the way that a scene asks for.
+pub struct Diagnostics<'a> {
+    scene: &'a Scene,
+    probes: Vec<Location>,
+    profiles: Vec<Vec<(Point<2>, Location)>>,
+}
+
+impl<'a> Diagnostics<'a> {
+    /// Finds the points of all probes and profiles.
+    ///
+    /// # Errors
+    /// A point outside the mesh, or a boundary that the mesh does not have.
+    pub fn new(scene: &'a Scene, model: &Model) -> Result<Diagnostics<'a>> {
+        let mesh = model.simulation.space().mesh();
+        let locator = Locator::new(mesh);
+        let locate = |x: Point<2>, keys: [&str; 3]| {
+            locator.locate(mesh, &x).ok_or_else(|| {
+                let (lo, hi) = mesh.bounding_box();
+                let e = Error::scene("the point lies outside the mesh").value(format!("{:?}", x.as_slice())).remedy(
+                    format!("give a point of the mesh, which spans {:?} to {:?}", lo.as_slice(), hi.as_slice()),
+                );
+                scene.blame(&keys, e)
+            })
+        };
+        let probes = scene.output.probes.iter();
+        let probes = probes.map(|p| locate(point(&p.at), ["output", "probes", &p.name])).collect::<Result<_>>()?;
+        let mut profiles = Vec::new();
+        for p in &scene.output.profiles {
+            let points = line(p).map(|x| Ok((x, locate(x, ["output", "profiles", &p.name])?)));
+            profiles.push(points.collect::<Result<_>>()?);
+        }
+        for (table, name, boundary) in named_boundaries(scene) {
+            mesh.boundary(boundary).map_err(|e| scene.blame(&["output", table, name, "boundary"], e))?;
+        }
+        Ok(Diagnostics { scene, probes, profiles })
+    }
+
+    /// The names of the columns, without `time`.
+    pub fn columns(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        for m in &self.scene.membranes {
+            names.extend(MEASURES.iter().map(|c| format!("{}.{c}", m.name)));
+            names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name)));
+        }
+        names.extend(COMMON.iter().map(ToString::to_string));
+        for p in &self.scene.output.probes {
+            match p.of {
+                Quantity::Velocity => names.extend(["x", "y"].map(|c| format!("{}_{c}", p.name))),
+                _ => names.push(p.name.clone()),
+            }
+        }
+        for f in &self.scene.output.forces {
+            names.extend(["x", "y", "stress_x", "stress_y"].map(|c| format!("{}_{c}", f.name)));
+        }
+        names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
+        names
+    }
+
+    /// One row: a value a column. What cannot be measured (an interface that is gone, a force before the first step) is NaN.
+    pub fn row(&self, model: &Model) -> Result<Vec<f64>> {
+        let sim = &model.simulation;
+        let (state, space) = (sim.state(), sim.space());
+        let mut row = Vec::new();
+        for (m, phi) in self.scene.membranes.iter().zip(&state.phi) {
+            let contour = Contour::new(space, phi)?;
+            match contour.measures() {
+                Ok(k) => row.extend([
+                    k.area,
+                    k.perimeter,
+                    k.centroid[0],
+                    k.centroid[1],
+                    k.axis_1,
+                    k.axis_2,
+                    k.angle,
+                    k.extent_x,
+                    k.extent_y,
+                ]),
+                Err(_) => row.extend([f64::NAN; MEASURES.len()]),
+            }
+            for c in &m.chords {
+                let half = contour.half_chord(space, phi, &point(&c.through), &point(&c.direction));
+                row.push(half.unwrap_or(f64::NAN));
+            }
+        }
+        let e = state.energies;
+        let over_limit = model.step_limit().map_or(0.0, |limit| sim.settings().dt / limit);
+        row.extend([
+            e.kinetic,
+            e.elastic,
+            e.dissipation,
+            state.budget.residual(&e),
+            sim.largest_speed(),
+            e.divergence,
+            sim.courant(),
+            over_limit,
+        ]);
+        for (p, at) in self.scene.output.probes.iter().zip(&self.probes) {
+            row.extend(self.sample(sim, at, p));
+        }
+        let pressure = sim.flow().pressure().space();
+        for f in &self.scene.output.forces {
+            let residual = sim.reaction(&f.boundary)?.unwrap_or(SVector::<f64, 2>::repeat(f64::NAN));
+            let stress = traction(space, pressure, sim.flow().viscosity(), &state.flow, &f.boundary)?;
+            row.extend([residual[0], residual[1], stress[0], stress[1]]);
+        }
+        for f in &self.scene.output.fluxes {
+            row.push(flux(space, &state.flow, &f.boundary)?);
+        }
+        Ok(row)
+    }
+
+    /// Values along profile number `k`, point by point.
+    pub fn profile(&self, sim: &Simulation<2>, k: usize) -> Vec<f64> {
+        let of = self.scene.output.profiles[k].of;
+        self.profiles[k].iter().map(|(_, at)| value(sim, at, of)).collect()
+    }
+
+    /// The points of profile number `k`.
+    pub fn profile_points(&self, k: usize) -> impl Iterator<Item = &Point<2>> {
+        self.profiles[k].iter().map(|(x, _)| x)
+    }
+
+    fn sample(&self, sim: &Simulation<2>, at: &Location, probe: &Probe) -> Vec<f64> {
+        match probe.of {
+            Quantity::Velocity => velocity(sim, at).iter().copied().collect(),
+            of => vec![value(sim, at, of)],
+        }
+    }
+}
+
+/// Boundary names that the output uses: table, entry, boundary.
+fn named_boundaries(scene: &Scene) -> impl Iterator<Item = (&'static str, &str, &str)> {
+    let forces = scene.output.forces.iter().map(|f| ("forces", f.name.as_str(), f.boundary.as_str()));
+    let fluxes = scene.output.fluxes.iter().map(|f| ("fluxes", f.name.as_str(), f.boundary.as_str()));
+    forces.chain(fluxes)
+}
+
+fn point(x: &[f64]) -> Point<2> {
+    Point::<2>::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
+}
+
+fn line(p: &Profile) -> impl Iterator<Item = Point<2>> {
+    let (from, to, n) = (point(&p.from), point(&p.to), p.points);
+    (0..n).map(move |i| from + (to - from) * (i as f64 / (n - 1) as f64))
+}
+
+fn velocity(sim: &Simulation<2>, at: &Location) -> SVector<f64, 2> {
+    sim.space().value(&sim.state().flow.u, at.cell as usize, &at.barycentric)
+}
+
+/// A scalar quantity at a point; of the velocity, its magnitude.
+fn value(sim: &Simulation<2>, at: &Location, of: Quantity) -> f64 {
+    let (state, cell) = (sim.state(), at.cell as usize);
+    match of {
+        Quantity::Pressure => sim.flow().pressure().space().value(&state.flow.p, cell, &at.barycentric),
+        Quantity::Velocity | Quantity::Speed => velocity(sim, at).norm(),
+        Quantity::LevelSet => state.phi.first().map_or(f64::NAN, |f| sim.space().value(f, cell, &at.barycentric)),
+        Quantity::Stretch => {
+            state.phi.first().map_or(f64::NAN, |f| sim.space().gradient(f, cell, &at.barycentric).norm())
+        }
+    }
+}

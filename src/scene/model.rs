@@ -1,0 +1,333 @@
+//! From a scene to a simulation: the mesh, the smallest model that answers the scene, and every value that the scene left open.
+
+use super::Scene;
+use super::expression::Expression;
+use super::schema::{self, AreaLaw, Condition, Contrast, Coupling, MeshSource, Shape, Transport};
+use crate::base::{Error, Result, Warning};
+use crate::elastic::{self, Membrane};
+use crate::fem::{self, Conditions, Element, Space};
+use crate::levelset::{
+    Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
+    check_inside, signed_distance,
+};
+use crate::mesh::{self, Mesh, Point, gmsh};
+use crate::sim::{self, Materials, Simulation, Structure, TwoFluids};
+use crate::transport::Method;
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// Widths of the band in edges of the mesh when the scene does not say.
+const BAND: f64 = 2.5;
+/// Weight of the grad-div term over `rho U L` when the scene does not say.
+const GRAD_DIV: f64 = 5.0;
+/// Weight of the grad-div term over the viscosity in a flow without inertia.
+const GRAD_DIV_STOKES: f64 = 10.0;
+/// Degree of the quadrature rule when the scene does not say: FreeFEM's.
+const QUADRATURE: usize = 5;
+
+/// A scene brought to the point where it can run.
+pub struct Model {
+    /// The simulation at time 0.
+    pub simulation: Simulation<2>,
+    /// What the user should know before it runs.
+    pub warnings: Vec<Warning>,
+    /// Largest stable step of the explicit coupling (1.54) at the start, if there is one.
+    pub explicit_limit: Option<f64>,
+    /// Shortest and longest edge in the bands at the start.
+    pub band_edges: Option<[f64; 2]>,
+    /// The half-width of the bands.
+    pub thickness: Option<f64>,
+    /// The velocity scale that grad-div was derived from, if it was.
+    pub velocity_scale: Option<f64>,
+    /// What was found about the mesh.
+    pub quality: mesh::Quality<2>,
+}
+
+impl Model {
+    /// Builds the model of a scene.
+    ///
+    /// # Errors
+    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place.
+    pub fn new(scene: &Scene) -> Result<Model> {
+        if scene.dimension() != 2 {
+            let e = Error::scene("three dimensions are not run yet").value("mesh.box");
+            return Err(scene.blame(
+                &["mesh", "box"],
+                e.remedy("use a mesh of the plane: rectangle, disc or a gmsh file of triangles"),
+            ));
+        }
+        let (mesh, mut warnings) = load_mesh(scene)?;
+        let (quality, found) = mesh::check(&mesh);
+        warnings.extend(found);
+        let mesh = Arc::new(with_walls(mesh));
+        let conditions = conditions(scene, &mesh)?;
+        let space = Space::new(&mesh, Element::P2);
+        let mut model = Draft { scene, mesh: &mesh, space: &space, warnings };
+        let distances = model.distances()?;
+        let thickness = model.thickness(&distances)?;
+        let structures = model.structures(distances, thickness)?;
+        let edges = structures.iter().filter_map(|s| band_edges(&space, &s.phi, s.membrane.thickness()));
+        let edges = edges.map(|e| [e.smallest, e.largest]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
+        let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
+        let settings = model.settings(conditions, grad_div);
+        let warnings = model.warnings;
+        let initial = vector(&scene.fluid.initial_velocity);
+        let simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0)).map_err(|e| {
+            if e.what().contains("condition") || e.what().contains("periodic") {
+                scene.blame(&["boundary"], e)
+            } else {
+                e
+            }
+        })?;
+        let mut model =
+            Model { simulation, warnings, explicit_limit: None, band_edges: edges, thickness, velocity_scale, quality };
+        model.explicit_limit = model.step_limit();
+        Ok(model)
+    }
+
+    /// The limit (1.54) for the current tension, with the finest edge of the bands; `None` without tension.
+    pub fn step_limit(&self) -> Option<f64> {
+        let [edge, _] = self.band_edges?;
+        let viscosity = self.simulation.settings().materials.viscosity;
+        let viscosity = viscosity.inside.min(viscosity.outside);
+        self.simulation
+            .structures()
+            .iter()
+            .map(|s| {
+                let tension = s.membrane.largest_tension();
+                elastic::explicit_step_limit(viscosity, s.membrane.thickness(), tension, edge)
+            })
+            .filter(|limit| limit.is_finite())
+            .reduce(f64::min)
+    }
+}
+
+/// What the steps of [`Model::new`] share.
+struct Draft<'a> {
+    scene: &'a Scene,
+    mesh: &'a Arc<Mesh<2>>,
+    space: &'a Space<2>,
+    warnings: Vec<Warning>,
+}
+
+impl Draft<'_> {
+    fn size(&self) -> f64 {
+        let (lo, hi) = self.mesh.bounding_box();
+        0.5 * (hi - lo).min()
+    }
+
+    /// Signed distances of all membranes at the nodes.
+    fn distances(&self) -> Result<Vec<Vec<f64>>> {
+        let domain = self.mesh.bounding_box();
+        let mut all = Vec::new();
+        for (k, m) in self.scene.membranes.iter().enumerate() {
+            let place = |e| self.scene.blame(&["membrane", &k.to_string(), "shape"], e);
+            let shape = shape(&m.shape, domain).map_err(place)?;
+            check_inside(shape.bounds(), domain, 0.0).map_err(place)?;
+            all.push(signed_distance(self.space, shape.as_ref()));
+        }
+        Ok(all)
+    }
+
+    /// The half-width of the bands: the scene's, or a multiple of the longest edge on the interfaces.
+    fn thickness(&self, distances: &[Vec<f64>]) -> Result<Option<f64>> {
+        if distances.is_empty() {
+            return Ok(None);
+        }
+        if let Some(eps) = self.scene.numerics.thickness {
+            return Ok(Some(eps));
+        }
+        let edge = distances.iter().filter_map(|d| band_edges(self.space, d, 0.0)).map(|e| e.largest);
+        edge.reduce(f64::max).map(|h| Some(BAND * h)).ok_or_else(|| {
+            let e = Error::scene("no interface was found on the mesh").remedy("enlarge the shape or refine the mesh");
+            self.scene.blame(&["membrane"], e)
+        })
+    }
+
+    fn structures(&mut self, distances: Vec<Vec<f64>>, thickness: Option<f64>) -> Result<Vec<Structure<2>>> {
+        let mut structures = Vec::new();
+        for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
+            let eps = thickness.unwrap_or(0.0);
+            let check = check_band(self.space, &distance, eps).and_then(|warning| {
+                self.warnings.extend(warning);
+                let margin = distance_to_wall(self.space, &distance);
+                if margin > eps {
+                    return Ok(());
+                }
+                Err(Error::scene(format!("the band of membrane `{}` reaches the boundary of the mesh", m.name))
+                    .value(format!("half-width {eps}, distance to the boundary {margin:.4}"))
+                    .remedy("give a smaller thickness, move the shape, or enlarge the mesh"))
+            });
+            let key =
+                if self.scene.numerics.thickness.is_some() { vec!["numerics", "thickness"] } else { vec!["membrane"] };
+            check.map_err(|e| self.scene.blame(&key, e))?;
+            let law = match m.area {
+                AreaLaw::Linear { modulus } => elastic::AreaLaw::Linear { modulus },
+                AreaLaw::OneSided { modulus } => elastic::AreaLaw::OneSided { modulus },
+                AreaLaw::Tension { tension } => elastic::AreaLaw::Tension { tension },
+            };
+            let phi: Vec<f64> = distance.iter().map(|d| d * m.stretch).collect();
+            structures.push(Structure {
+                name: self.scene.membranes[k].name.clone(),
+                phi,
+                membrane: Membrane::new(law, eps),
+                surface_mass: m.mass,
+            });
+        }
+        Ok(structures)
+    }
+
+    /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.
+    fn velocity_scale(&self) -> f64 {
+        let (fluid, length) = (&self.scene.fluid, self.size());
+        let density = fluid.density.inside.max(fluid.density.outside);
+        let initial = vector(&fluid.initial_velocity);
+        let mut speed = self.mesh.points().iter().map(|x| initial(x, 0.0).norm()).fold(0.0, f64::max);
+        for b in &self.scene.boundaries {
+            if let (Condition::Velocity(v), Ok(facets)) = (&b.condition, self.mesh.boundary(&b.name)) {
+                let v = vector(v);
+                for &f in facets {
+                    for n in self.space.facet_nodes(&self.mesh.facets()[f as usize]) {
+                        for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                            speed = speed.max(v(&self.space.nodes()[n as usize], t * self.scene.time.end).norm());
+                        }
+                    }
+                }
+            }
+        }
+        if density > 0.0 {
+            for m in &self.scene.membranes {
+                let modulus = match m.area {
+                    AreaLaw::Linear { modulus } | AreaLaw::OneSided { modulus } => modulus,
+                    AreaLaw::Tension { tension } => tension,
+                };
+                speed = speed.max((modulus / (density * length)).sqrt());
+            }
+            let gravity = SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()).norm();
+            speed = speed.max((gravity * length).sqrt());
+        }
+        speed
+    }
+
+    /// `gamma` in units where `rho U L = 1`, at least the viscosity.
+    fn grad_div(&self, speed: f64) -> f64 {
+        let fluid = &self.scene.fluid;
+        let viscosity = fluid.viscosity.inside.max(fluid.viscosity.outside);
+        if !fluid.has_inertia() {
+            return GRAD_DIV_STOKES * viscosity;
+        }
+        let density = fluid.density.inside.max(fluid.density.outside);
+        (GRAD_DIV * density * speed * self.size()).max(viscosity)
+    }
+
+    fn settings(&self, conditions: Conditions<2>, grad_div: f64) -> sim::Settings<2> {
+        let (fluid, numerics) = (&self.scene.fluid, &self.scene.numerics);
+        let two = |c: Contrast| TwoFluids { inside: c.inside, outside: c.outside };
+        let body_force = fluid.has_force().then(|| {
+            let f = vector(&fluid.force);
+            Arc::new(move |x: &Point<2>, t: f64| f(x, t)) as Arc<crate::flow::BodyForce<2>>
+        });
+        sim::Settings {
+            dt: self.scene.time.step,
+            order: self.scene.time.order,
+            transport: match numerics.transport {
+                Transport::Nodal => Method::Nodal,
+                Transport::Projected => Method::Projected,
+            },
+            coupling: match numerics.coupling {
+                Coupling::Explicit => sim::Coupling::Explicit,
+                Coupling::Implicit => sim::Coupling::Implicit,
+            },
+            convection: numerics.convection.unwrap_or(fluid.has_inertia()),
+            grad_div,
+            quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
+            materials: Materials { density: two(fluid.density), viscosity: two(fluid.viscosity) },
+            conditions,
+            gravity: SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()),
+            body_force,
+        }
+    }
+}
+
+fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
+    let mesh = match &scene.mesh {
+        MeshSource::File(path) => return gmsh::read::<2>(path),
+        MeshSource::Rectangle { min, max, cells, diagonals } => {
+            let diagonals = match diagonals {
+                schema::Diagonals::Right => mesh::Diagonals::Right,
+                schema::Diagonals::Left => mesh::Diagonals::Left,
+                schema::Diagonals::UnionJack => mesh::Diagonals::UnionJack,
+            };
+            mesh::rectangle(*min, *max, *cells, diagonals)
+        }
+        MeshSource::Disc { centre, radius, cells } => mesh::disc(*centre, *radius, *cells),
+        MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
+    };
+    Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+}
+
+/// Adds the name `walls` for the whole boundary to a mesh that does not have it.
+fn with_walls(mut mesh: Mesh<2>) -> Mesh<2> {
+    if !mesh.boundaries().contains_key(schema::WALLS) {
+        let all = (0..mesh.facets().len() as u32).collect();
+        mesh.set_boundary(schema::WALLS, all);
+    }
+    mesh
+}
+
+fn conditions(scene: &Scene, mesh: &Mesh<2>) -> Result<Conditions<2>> {
+    let mut list = Conditions::new();
+    for b in &scene.boundaries {
+        let place = |e| scene.blame(&["boundary", &b.name], e);
+        mesh.boundary(&b.name).map_err(place)?;
+        let condition = match &b.condition {
+            Condition::Velocity(v) => {
+                let v = vector(v);
+                fem::Condition::Velocity(Arc::new(move |x, t| v(x, t)))
+            }
+            Condition::NoSlip => fem::Condition::NoSlip,
+            Condition::Slip => fem::Condition::Slip,
+            Condition::Open => fem::Condition::Open,
+            Condition::Periodic(other) => {
+                mesh.boundary(other).map_err(place)?;
+                fem::Condition::Periodic(other.clone())
+            }
+        };
+        list.push((b.name.clone(), condition));
+    }
+    Ok(list)
+}
+
+/// Two expressions as a vector function.
+fn vector(v: &[Expression]) -> impl Fn(&Point<2>, f64) -> SVector<f64, 2> + Send + Sync + 'static {
+    let v = v.to_vec();
+    move |x, t| SVector::<f64, 2>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval([x[0], x[1], 0.0], t)))
+}
+
+fn shape(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
+    let point = |p: &[f64; 2]| Point::<2>::new(p[0], p[1]);
+    Ok(match shape {
+        Shape::Circle { centre, radius } => Box::new(Circle::new(point(centre), *radius)?),
+        Shape::Ellipse { centre, semi_axes, angle } => Box::new(Ellipse::new(point(centre), point(semi_axes), *angle)?),
+        Shape::RoundedBox { centre, half_size, radius, angle } => {
+            Box::new(RoundedBox::new(point(centre), point(half_size), *radius, *angle)?)
+        }
+        Shape::Polygon(points) => Box::new(Polygon::new(points.iter().map(point).collect())?),
+        Shape::Union(parts) => {
+            let parts = parts.iter().map(|p| self::shape(p, domain)).collect::<Result<_>>()?;
+            Box::new(Union::new(parts)?)
+        }
+        Shape::Expression(e) => {
+            let e = e.clone();
+            Box::new(LevelFunction::new(move |x: &Point<2>| e.eval([x[0], x[1], 0.0], 0.0), domain)?)
+        }
+    })
+}
+
+/// Smallest distance of the interface from a node of the boundary.
+fn distance_to_wall(space: &Space<2>, distance: &[f64]) -> f64 {
+    let mesh = space.mesh();
+    let nodes = mesh.facets().iter().flat_map(|f| space.facet_nodes(f).collect::<Vec<_>>());
+    nodes.map(|n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,197 @@
+//! The plan: what a scene solves, what it leaves out and why, and how large that is.
+
+use super::Scene;
+use super::model::Model;
+use super::schema::{AreaLaw, Condition, Contrast, MeshSource};
+use crate::base::Result;
+use crate::sim::Coupling;
+use crate::transport::Method;
+use std::fmt::Write;
+
+impl Model {
+    /// The plan of this model as plain text, ready to print. Analyses the matrix, but does not factor it.
+    pub fn plan(&mut self, scene: &Scene) -> Result<String> {
+        self.simulation.analyse()?;
+        let mut text = String::new();
+        for (heading, lines) in [
+            ("Mesh", mesh(self, scene)),
+            ("Solved", solved(self, scene)),
+            ("Unknowns", unknowns(self)),
+            ("Numerics", numerics(self, scene)),
+            ("Left out", left_out(self, scene)),
+            ("Steps", steps(self, scene)),
+        ] {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{heading}");
+            for line in lines {
+                let _ = writeln!(text, "  {line}");
+            }
+        }
+        Ok(text)
+    }
+}
+
+fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
+    let mesh = model.simulation.space().mesh();
+    let (lo, hi) = mesh.bounding_box();
+    let source = match &scene.mesh {
+        MeshSource::File(path) => format!("{}", path.display()),
+        MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
+        MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
+        MeshSource::Box { .. } => "box".into(),
+    };
+    let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
+    let q = &model.quality;
+    vec![
+        format!("{source}: {} triangles, {} points", mesh.cell_count(), mesh.points().len()),
+        format!("from ({}, {}) to ({}, {})", lo[0], lo[1], hi[0], hi[1]),
+        format!("edges up to {:.4}, smallest angle {:.1} degrees", q.greatest_diameter.value, q.smallest_angle.value),
+        format!("boundary names: {}", names.join(", ")),
+    ]
+}
+
+fn solved(model: &Model, scene: &Scene) -> Vec<String> {
+    let sim = &model.simulation;
+    let mut lines = Vec::new();
+    lines.push(match (sim.is_stokes(), sim.settings().convection) {
+        (true, _) => "Stokes flow (density 0): -div(2 mu D(u)) + grad p = F, div u = 0".to_string(),
+        (false, true) => "Navier-Stokes flow (3.20)-(3.21): rho Du/Dt - div(2 mu D(u)) + grad p = F, div u = 0".into(),
+        (false, false) => {
+            "unsteady Stokes flow (convection = false): rho du/dt - div(2 mu D(u)) + grad p = F, div u = 0".into()
+        }
+    });
+    lines.push(format!("density {}, viscosity {}", both(scene.fluid.density), both(scene.fluid.viscosity)));
+    for m in &scene.membranes {
+        let law = match m.area {
+            AreaLaw::Linear { modulus } => format!("E'(r) = {modulus} (r - 1)"),
+            AreaLaw::OneSided { modulus } => format!("E'(r) = {modulus} max(r - 1, 0)"),
+            AreaLaw::Tension { tension } => format!("constant tension {tension}"),
+        };
+        let mass = if m.mass > 0.0 { format!(", surface mass {} (3.19)", m.mass) } else { String::new() };
+        lines.push(format!(
+            "membrane `{}`: stress (3.16) with {law}, initial stretch {}{mass}; its level set by (3.22)",
+            m.name, m.stretch
+        ));
+    }
+    for b in &scene.boundaries {
+        let condition = match &b.condition {
+            Condition::Velocity(v) => {
+                let v: Vec<&str> = v.iter().map(super::Expression::text).collect();
+                format!("velocity ({})", v.join(", "))
+            }
+            Condition::NoSlip => "no slip".into(),
+            Condition::Slip => "slip".into(),
+            Condition::Open => "open (no stress)".into(),
+            Condition::Periodic(other) => format!("periodic with {other}"),
+        };
+        lines.push(format!("boundary {}: {condition}", b.name));
+    }
+    if !sim.flow().numbering().is_open() {
+        lines.push("no boundary is open: the pressure has zero mean".into());
+    }
+    lines
+}
+
+fn unknowns(model: &Model) -> Vec<String> {
+    let sim = &model.simulation;
+    let (flow, numbering) = (sim.flow(), sim.flow().numbering());
+    let velocity = numbering.first_pressure();
+    let pressure = numbering.order() - velocity;
+    let mut lines = vec![format!("velocity {velocity} (P2), pressure {pressure} (P1)")];
+    if !sim.structures().is_empty() {
+        lines.push(format!("level sets {} x {} (P2)", sim.structures().len(), sim.space().len()));
+    }
+    let implicit = sim.settings().coupling == Coupling::Implicit && !sim.structures().is_empty();
+    let constant = flow.density().is_constant() && flow.viscosity().is_constant();
+    let (kind, why) = match (constant, implicit) {
+        (true, false) => ("constant", "factored once"),
+        (true, true) => ("changes with the interface (implicit coupling)", "factored in each step on a kept pattern"),
+        (false, _) => ("changes with density or viscosity", "factored in each step on a kept pattern"),
+    };
+    lines.push(format!("matrix {kind}: {why}"));
+    if let Some(factor) = flow.factor() {
+        lines.push(format!(
+            "{} entries (one triangle), LDL^T factor {} entries, {:.0} MB",
+            flow.matrix_nonzeros(),
+            factor.nonzeros(),
+            sim.factor_bytes() as f64 / 1e6
+        ));
+    }
+    lines
+}
+
+fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
+    let s = model.simulation.settings();
+    let derived = |given: bool| if given { "" } else { " (derived)" };
+    let mut lines = vec![format!("BDF{} along characteristics, step {}", s.order, s.dt)];
+    lines.push(format!(
+        "grad-div {:.4}{}: keeps the divergence that feeds energy into a membrane small",
+        s.grad_div,
+        match model.velocity_scale {
+            Some(u) => format!(" (derived from the velocity scale {u:.4})"),
+            None => String::new(),
+        }
+    ));
+    if let (Some(eps), Some([fine, coarse])) = (model.thickness, model.band_edges) {
+        let given = derived(scene.numerics.thickness.is_some());
+        let edge =
+            if coarse - fine > 1e-12 * coarse { format!("{fine:.4} to {coarse:.4}") } else { format!("{fine:.4}") };
+        lines.push(format!(
+            "band half-width {eps:.4}{given} on edges of {edge}: {:.2} edges; the error it makes is of first order in it",
+            eps / coarse
+        ));
+        lines.push(match s.transport {
+            Method::Nodal => "level set carried to the nodes (nodal)".into(),
+            Method::Projected => "level set projected at the quadrature points (projected)".into(),
+        });
+        lines.push(match s.coupling {
+            Coupling::Explicit => "membrane force explicit".into(),
+            Coupling::Implicit => "membrane force implicit in the velocity".into(),
+        });
+    }
+    lines.push(format!("quadrature of degree {}", s.quadrature));
+    lines
+}
+
+fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
+    let sim = &model.simulation;
+    let mut lines = Vec::new();
+    if sim.is_stokes() {
+        lines.push("inertia and convection: the density is 0");
+    }
+    if scene.membranes.is_empty() {
+        lines.push("level sets and elastic forces: no structure is immersed");
+    } else {
+        lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
+        lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
+        lines.push("redistancing: the slope of the level set is the stretch of the membrane");
+        if sim.settings().transport == Method::Nodal {
+            lines.push("the mass matrix of the level set: nodal transport does not project");
+        }
+    }
+    let materials = sim.settings().materials;
+    if materials.density.is_uniform() && materials.viscosity.is_uniform() {
+        lines.push("variable density and viscosity: both sides are the same");
+    }
+    lines.push("the third dimension: the mesh is plane");
+    lines.into_iter().map(String::from).collect()
+}
+
+fn steps(model: &Model, scene: &Scene) -> Vec<String> {
+    let time = &scene.time;
+    let mut lines = vec![format!("{} steps of {} to t = {}", time.steps(), time.step, time.end)];
+    let Some(limit) = model.explicit_limit else { return lines };
+    let ratio = time.step / limit;
+    let implicit = model.simulation.settings().coupling == Coupling::Implicit;
+    lines.push(format!("explicit step limit (1.54) at the start: {limit:.3e}; the step is {ratio:.2} of it"));
+    if ratio > 1.0 && !implicit {
+        lines.push("the explicit coupling will be unstable: take a smaller step, or coupling = \"implicit\"".into());
+    } else if implicit {
+        lines.push("the implicit coupling is not bound by it".into());
+    }
+    lines
+}
+
+fn both(c: Contrast) -> String {
+    if c.is_uniform() { c.outside.to_string() } else { format!("{} inside, {} outside", c.inside, c.outside) }
+}

@@ -1,0 +1,235 @@
+//! Running a scene: steps, files, checkpoints, and going on after an interruption.
+
+mod folder;
+mod record;
+
+pub use folder::Folder;
+
+use super::Scene;
+use super::diagnostics::Diagnostics;
+use super::model::Model;
+use crate::base::{Error, Kind, Result, Warning};
+use crate::output::Series;
+use record::Record;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Energy from nowhere, over the energy in play, that raises the alarm.
+const ENERGY_ALARM: f64 = 0.05;
+/// Relative change of an enclosed area that raises the alarm.
+const AREA_ALARM: f64 = 0.01;
+
+/// Hears how a run goes.
+pub trait Observer {
+    /// The plan, before the first step.
+    fn plan(&mut self, plan: &str);
+    /// A warning.
+    fn warning(&mut self, warning: &Warning);
+    /// A step was made.
+    fn progress(&mut self, step: usize, steps: usize, time: f64);
+    /// Another phase has begun.
+    fn phase(&mut self, what: &str);
+}
+
+/// How to run.
+pub struct Options<'a> {
+    /// The run folder.
+    pub folder: PathBuf,
+    /// Whether to go on with the run that the folder holds.
+    pub resume: bool,
+    /// Set to stop after the current step.
+    pub stop: &'a AtomicBool,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The run folder.
+    pub folder: PathBuf,
+    /// Steps made in all.
+    pub steps: usize,
+    /// What went against the balances.
+    pub alarms: Vec<String>,
+}
+
+/// Runs a scene into a folder.
+///
+/// # Errors
+/// Whatever is wrong with scene, mesh or folder; a computation that failed, its last good state and a summary being kept in the folder;
+/// [`Kind::Interrupted`] when `stop` was set, the state being kept for `resume`.
+pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome> {
+    let start = Instant::now();
+    observer.phase("building the model");
+    let folder = Folder::open(scene, options)?;
+    let mut model = Model::new(scene)?;
+    let plan = model.plan(scene)?;
+    observer.plan(&plan);
+    for w in &model.warnings {
+        observer.warning(w);
+    }
+    let diagnostics = Diagnostics::new(scene, &model)?;
+    model.simulation.keep_reactions(!scene.output.forces.is_empty());
+    let mut seconds = BTreeMap::new();
+    seconds.insert("setup".to_string(), start.elapsed().as_secs_f64());
+    let mut run = Run::start(scene, &folder, options.resume, model, diagnostics, plan, seconds)?;
+    let result = run.all_steps(options.stop, observer);
+    run.finish(result)
+}
+
+/// A run in progress.
+struct Run<'a> {
+    scene: &'a Scene,
+    folder: &'a Folder,
+    model: Model,
+    diagnostics: Diagnostics<'a>,
+    series: Series,
+    record: Record,
+    plan: String,
+    seconds: BTreeMap<String, f64>,
+    saved: Instant,
+}
+
+impl<'a> Run<'a> {
+    fn start(
+        scene: &'a Scene,
+        folder: &'a Folder,
+        resume: bool,
+        mut model: Model,
+        diagnostics: Diagnostics<'a>,
+        plan: String,
+        seconds: BTreeMap<String, f64>,
+    ) -> Result<Run<'a>> {
+        let columns = diagnostics.columns();
+        let names: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let kept = if resume { folder.checkpoint(scene)? } else { None };
+        let (series, record) = match kept {
+            Some((record, state)) => {
+                model.simulation.restore(state)?;
+                (Series::resume(&folder.series(), &names, record.rows)?, record)
+            }
+            None => (Series::create(&folder.series(), &names)?, Record::default()),
+        };
+        let fresh = record.rows == 0;
+        let mut run = Run { scene, folder, model, diagnostics, series, record, plan, seconds, saved: Instant::now() };
+        if fresh {
+            run.sample(0)?;
+        }
+        Ok(run)
+    }
+
+    fn all_steps(&mut self, stop: &AtomicBool, observer: &mut dyn Observer) -> Result<()> {
+        let steps = self.scene.time.steps();
+        observer.phase("computing");
+        for step in self.model.simulation.state().steps as usize + 1..=steps {
+            if stop.load(Ordering::Relaxed) {
+                self.save()?;
+                return Err(Error::interrupted("the run was interrupted; its state is kept")
+                    .at(format!("time {}", self.model.simulation.time()))
+                    .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
+            }
+            let before = self.model.simulation.state().energies.total();
+            self.timed("steps", |run| run.model.simulation.step().map(drop))?;
+            self.record.note_rise(before, &self.model.simulation);
+            self.timed("output", |run| run.sample(step))?;
+            let due = self.scene.output.checkpoint.is_some_and(|s| self.saved.elapsed().as_secs_f64() >= s);
+            if due && step < steps {
+                self.timed("output", Run::save)?;
+            }
+            observer.progress(step, steps, self.model.simulation.time());
+        }
+        Ok(())
+    }
+
+    fn timed(&mut self, phase: &str, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let start = Instant::now();
+        let result = work(self);
+        *self.seconds.entry(phase.to_string()).or_default() += start.elapsed().as_secs_f64();
+        result
+    }
+
+    /// Writes what is due after `step`.
+    fn sample(&mut self, step: usize) -> Result<()> {
+        let (output, time) = (&self.scene.output, &self.scene.time);
+        let last = step == time.steps();
+        let due = |interval: f64| {
+            last || step == 0 || time.step_at((step as f64 * time.step / interval + 1e-9).floor() * interval) == step
+        };
+        let now = self.model.simulation.time();
+        if due(output.every) {
+            let row = self.diagnostics.row(&self.model)?;
+            self.series.append(now, &row)?;
+            self.record.rows = self.series.rows();
+            self.record.note_row(self.scene, &self.diagnostics.columns(), &row);
+        }
+        if [output.fields, output.pictures].into_iter().flatten().any(due) {
+            self.folder.write_fields(&self.model.simulation, step)?;
+            self.record.fields.push(step);
+            self.folder.write_collection(&self.record, time.step)?;
+        }
+        for (k, p) in output.profiles.iter().enumerate() {
+            if p.times.iter().any(|&t| time.step_at(t) == step) {
+                let values = self.diagnostics.profile(&self.model.simulation, k);
+                self.record.profiles.entry(p.name.clone()).or_default().push((now, values));
+                let points: Vec<_> = self.diagnostics.profile_points(k).copied().collect();
+                self.folder.write_profile(&p.name, &points, &self.record.profiles[&p.name])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn save(&mut self) -> Result<()> {
+        self.folder.save(self.scene, &self.record, self.model.simulation.state())?;
+        self.saved = Instant::now();
+        Ok(())
+    }
+
+    /// Writes the summary, whatever came of the run, and keeps the last good state.
+    fn finish(mut self, result: Result<()>) -> Result<Outcome> {
+        let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
+        if failed {
+            let step = self.model.simulation.state().steps as usize;
+            self.folder.write_fields(&self.model.simulation, step)?;
+            if self.record.fields.last() != Some(&step) {
+                self.record.fields.push(step);
+                self.folder.write_collection(&self.record, self.scene.time.step)?;
+            }
+        }
+        if result.is_ok() || failed {
+            self.save()?;
+        }
+        let alarms = self.alarms();
+        let steps = self.model.simulation.state().steps as usize;
+        self.folder.write_summary(
+            self.scene,
+            &self.model,
+            &self.record,
+            &result,
+            &alarms,
+            &self.plan,
+            &self.seconds,
+        )?;
+        result.map(|()| Outcome { folder: self.folder.path().to_path_buf(), steps, alarms })
+    }
+
+    fn alarms(&self) -> Vec<String> {
+        let mut alarms = Vec::new();
+        if self.record.worst_balance > ENERGY_ALARM {
+            alarms.push(format!(
+                "Energy balance: {:.1} % of the energy in play came from nowhere, so the motion is not to be trusted. \
+                 Take a larger numerics.grad_div, a larger thickness over the edges of the mesh, a smaller step, or transport = \"nodal\".",
+                100.0 * self.record.worst_balance
+            ));
+        }
+        for (name, change) in &self.record.area_change {
+            if change.abs() > AREA_ALARM {
+                alarms.push(format!(
+                    "Enclosed area: that of `{name}` changed by {:+.2} %. Take a larger numerics.grad_div or a finer mesh.",
+                    100.0 * change
+                ));
+            }
+        }
+        alarms
+    }
+}

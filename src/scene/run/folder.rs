@@ -1,0 +1,192 @@
+//! The folder of a run.
+
+use super::Options;
+use super::record::{Record, Values};
+use crate::base::{Error, Kind, Result};
+use crate::mesh::Point;
+use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
+use crate::scene::{Model, Scene};
+use crate::sim::{Simulation, State};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The folder of a run, with the scene as resolved in it.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// Makes the folder, or opens it to go on with the run in it.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, that holds a run which is not to be resumed, or whose run had another scene.
+    pub(super) fn open(scene: &Scene, options: &Options<'_>) -> Result<Folder> {
+        let folder = Folder(options.folder.clone());
+        let kept = folder.0.join("scene.toml");
+        let resolved = scene.to_toml();
+        if kept.exists() && !options.resume {
+            return Err(Error::input("the folder holds a run already, and nothing is overwritten")
+                .at(folder.0.display().to_string())
+                .value(folder.0.display())
+                .remedy("go on with --resume, choose another folder with --out, or remove it"));
+        }
+        if kept.exists() {
+            let before = Scene::load(&kept, &[])?;
+            if before.to_toml() != resolved {
+                return Err(Error::scene("the run to be resumed was started with another scene")
+                    .at(kept.display().to_string())
+                    .value(first_difference(&before.to_toml(), &resolved))
+                    .remedy("resume with the same scene and the same --set, or start afresh in another folder"));
+            }
+        }
+        for sub in ["", "fields", "checkpoint", "profiles"] {
+            let path = folder.0.join(sub);
+            std::fs::create_dir_all(&path).map_err(|e| {
+                Error::input(format!("the run folder cannot be made: {e}"))
+                    .at(path.display().to_string())
+                    .value(path.display())
+                    .remedy("choose a folder that can be written with --out")
+            })?;
+        }
+        write_file(&kept, resolved.as_bytes())?;
+        Ok(folder)
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(super) fn series(&self) -> PathBuf {
+        self.0.join("series.csv")
+    }
+
+    fn latest(&self) -> PathBuf {
+        self.0.join("checkpoint").join("latest.bin")
+    }
+
+    /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole.
+    pub(super) fn save(&self, scene: &Scene, record: &Record, state: &State<2>) -> Result<()> {
+        let record =
+            serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
+        let mut bytes = (record.len() as u64).to_le_bytes().to_vec();
+        bytes.extend(record);
+        bytes.extend(state.to_bytes(tag(scene)));
+        write_file(&self.latest(), &bytes)
+    }
+
+    /// The state that was kept last, if there is one.
+    pub(super) fn checkpoint(&self, scene: &Scene) -> Result<Option<(Record, State<2>)>> {
+        let path = self.latest();
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(e) => {
+                return Err(Error::input(format!("the checkpoint cannot be read: {e}"))
+                    .at(path.display().to_string())
+                    .remedy("check the permissions of the run folder"));
+            }
+        };
+        let damaged = || {
+            Error::input("the checkpoint is damaged")
+                .at(path.display().to_string())
+                .value(format!("{} bytes", bytes.len()))
+                .remedy("start afresh in another folder")
+        };
+        let (size, rest) = bytes.split_first_chunk::<8>().ok_or_else(damaged)?;
+        let size = usize::try_from(u64::from_le_bytes(*size)).unwrap_or(usize::MAX);
+        let (record, state) = rest.split_at_checked(size).ok_or_else(damaged)?;
+        let record = serde_json::from_slice(record).map_err(|_| damaged())?;
+        let state = State::from_bytes(state, tag(scene)).map_err(|e| e.at(path.display().to_string()))?;
+        Ok(Some((record, state)))
+    }
+
+    /// Writes velocity, pressure and level sets of the current state.
+    pub(super) fn write_fields(&self, sim: &Simulation<2>, step: usize) -> Result<()> {
+        let state = sim.state();
+        let names: Vec<String> = sim.structures().iter().map(|s| format!("{}.level_set", s.name)).collect();
+        let mut fields =
+            vec![("velocity", FieldData::Vector(&state.flow.u)), ("pressure", FieldData::Scalar(&state.flow.p))];
+        for (name, phi) in names.iter().zip(&state.phi) {
+            fields.push((name, FieldData::Scalar(phi)));
+        }
+        write_vtu(&self.0.join(field_file(step)), sim.space(), sim.time(), &fields)
+    }
+
+    pub(super) fn write_collection(&self, record: &Record, step: f64) -> Result<()> {
+        let entries: Vec<_> = record.fields.iter().map(|&k| (k as f64 * step, field_file(k))).collect();
+        write_pvd(&self.0.join("fields.pvd"), &entries)
+    }
+
+    pub(super) fn write_profile(&self, name: &str, points: &[Point<2>], values: &[Values]) -> Result<()> {
+        let column = |f: &dyn Fn(&Point<2>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
+        let distance = column(&|p| (p - points[0]).norm());
+        let (x, y) = (column(&|p| p[0]), column(&|p| p[1]));
+        let names: Vec<String> = values.iter().map(|(t, _)| format!("t={t}")).collect();
+        let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance), ("x", &x), ("y", &y)];
+        columns.extend(names.iter().zip(values).map(|(n, (_, v))| (n.as_str(), v.as_slice())));
+        Table::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "a summary is about everything")]
+    pub(super) fn write_summary(
+        &self,
+        scene: &Scene,
+        model: &Model,
+        record: &Record,
+        result: &Result<()>,
+        alarms: &[String],
+        plan: &str,
+        seconds: &BTreeMap<String, f64>,
+    ) -> Result<()> {
+        let sim = &model.simulation;
+        let numbering = sim.flow().numbering();
+        let status = match result {
+            Ok(()) => "finished",
+            Err(e) if e.kind() == Kind::Interrupted => "interrupted",
+            Err(_) => "failed",
+        };
+        let summary = json!({
+            "title": scene.title,
+            "version": env!("CARGO_PKG_VERSION"),
+            "status": status,
+            "error": result.as_ref().err().filter(|e| e.kind() != Kind::Interrupted).map(ToString::to_string),
+            "steps": sim.state().steps,
+            "end_time": sim.time(),
+            "cells": sim.space().mesh().cell_count(),
+            "unknowns": {
+                "velocity": numbering.first_pressure(),
+                "pressure": numbering.order() - numbering.first_pressure(),
+                "level_set": sim.space().len() * sim.structures().len(),
+            },
+            "factor_entries": sim.flow().factor().map(|f| f.nonzeros()),
+            "seconds": seconds,
+            "alarms": alarms,
+            "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "plan": plan,
+            "balance": {
+                "energy": sim.state().budget.residual(&sim.state().energies),
+                "largest_energy": record.worst_balance,
+                "largest_rise": record.largest_rise,
+                "area": record.area_change,
+            },
+            "final": record.last,
+        });
+        let text = serde_json::to_string_pretty(&summary)
+            .map_err(|e| Error::internal(format!("the summary cannot be written: {e}")))?;
+        write_file(&self.0.join("summary.json"), text.as_bytes())
+    }
+}
+
+fn field_file(step: usize) -> String {
+    format!("fields/{step:06}.vtu")
+}
+
+/// Tells scenes apart: a checkpoint fits only the scene that it was made with (FNV-1a of the resolved text).
+fn tag(scene: &Scene) -> u64 {
+    scene.to_toml().bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+}
+
+fn first_difference(a: &str, b: &str) -> String {
+    let pair = a.lines().zip(b.lines()).find(|(x, y)| x != y);
+    pair.map_or_else(|| "the number of lines differs".into(), |(x, y)| format!("`{x}` became `{y}`"))
+}

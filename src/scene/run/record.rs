@@ -1,0 +1,58 @@
+//! What a run has put into its folder so far; a checkpoint holds it beside the state.
+
+use crate::scene::Scene;
+use crate::sim::Simulation;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The values of a profile at one time.
+pub(super) type Values = (f64, Vec<f64>);
+
+/// What was written, and the extremes that were seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Record {
+    /// Rows of the series.
+    pub rows: usize,
+    /// Steps whose fields were written.
+    pub fields: Vec<usize>,
+    /// Profiles by name.
+    pub profiles: BTreeMap<String, Vec<Values>>,
+    /// Largest rise of kinetic and elastic energy in one step, over the initial energy; only what walls and forces did not put in.
+    pub largest_rise: f64,
+    /// Largest energy balance residual.
+    pub worst_balance: f64,
+    /// Enclosed areas at the start.
+    pub area: BTreeMap<String, f64>,
+    /// Largest relative change of an enclosed area, with its sign.
+    pub area_change: BTreeMap<String, f64>,
+    /// The last row of the series.
+    pub last: BTreeMap<String, f64>,
+}
+
+impl Record {
+    /// Notes a rise of the energy in the step that was just made.
+    pub(super) fn note_rise(&mut self, before: f64, sim: &Simulation<2>) {
+        let (e, budget) = (sim.state().energies, sim.state().budget);
+        let put_in = e.power.max(0.0) * sim.settings().dt;
+        if budget.initial > 0.0 {
+            self.largest_rise = self.largest_rise.max((e.total() - before - put_in) / budget.initial);
+        }
+        self.worst_balance = self.worst_balance.max(budget.residual(&e));
+    }
+
+    /// Notes a row of the series.
+    pub(super) fn note_row(&mut self, scene: &Scene, columns: &[String], row: &[f64]) {
+        // JSON knows no NaN: what could not be measured is left out.
+        self.last = columns.iter().cloned().zip(row.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+        for m in &scene.membranes {
+            // An interface that is gone has no area.
+            let area = self.last.get(&format!("{}.area", m.name)).copied().unwrap_or(0.0);
+            let first = *self.area.entry(m.name.clone()).or_insert(area);
+            let change = area / first - 1.0;
+            let worst = self.area_change.entry(m.name.clone()).or_insert(0.0);
+            if change.abs() > worst.abs() {
+                *worst = change;
+            }
+        }
+    }
+}
