@@ -4,6 +4,7 @@
 //! `f0 . v + f1 : grad v`; a bilinear form is a linear map from `(u, grad u)` to such a pair. Assembly knows nothing else.
 
 mod assembly;
+mod corner;
 mod element;
 mod norms;
 mod numbering;
@@ -16,7 +17,7 @@ pub use assembly::{
 };
 pub use element::{EDGES, Element, MAX_LOCAL};
 pub use norms::{Errors, scalar_errors, vector_errors};
-pub use numbering::{Condition, Conditions, Numbering, Translation, VelocityFunction};
+pub use numbering::{Condition, Conditions, Numbering, Translation, VelocityFunction, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{Space, Value};

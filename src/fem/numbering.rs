@@ -3,6 +3,7 @@
 //! Prescribed components are eliminated, periodic nodes share their unknowns, and at slip nodes the velocity is
 //! expressed in a frame whose first axes are the wall normals, so that the matrix stays symmetric.
 
+use super::corner::{Prescribed, Side};
 use super::space::Space;
 use crate::base::{Error, Result};
 use crate::mesh::{Mesh, NONE, Point};
@@ -29,7 +30,7 @@ pub enum Condition<const D: usize> {
 }
 
 /// Conditions by boundary name, in the order of the scene. Where several names hold a facet, the one with the fewest facets
-/// wins, then the later one. An empty list means no slip everywhere.
+/// wins, then the later one. An empty list means no slip everywhere. At a node between parts each keeps its normal velocity.
 pub type Conditions<const D: usize> = Vec<(String, Condition<D>)>;
 
 /// The unknowns of the coupled system: velocity components, then pressures.
@@ -39,7 +40,7 @@ pub struct Numbering<const D: usize> {
     first_pressure: usize,
     order: usize,
     frames: HashMap<u32, SMatrix<f64, D, D>>,
-    prescribed: Vec<(u32, VelocityFunction<D>)>,
+    prescribed: Vec<(u32, Prescribed<D>)>,
     open: bool,
     translations: Vec<Translation<D>>,
 }
@@ -63,31 +64,39 @@ impl<const D: usize> Numbering<D> {
     pub fn new(velocity: &Space<D>, pressure: &Space<D>, conditions: &Conditions<D>) -> Result<Numbering<D>> {
         let mesh = velocity.mesh();
         let on_facet = condition_of_facets(mesh, conditions)?;
-        let mut fixed: BTreeMap<u32, Option<VelocityFunction<D>>> = BTreeMap::new();
+        // The facets that fix the velocity at a node, by ascending priority, and those that slip.
+        let mut fixed: BTreeMap<u32, Vec<Side<D>>> = BTreeMap::new();
         let mut normals: BTreeMap<u32, Vec<SVector<f64, D>>> = BTreeMap::new();
         let mut open = false;
-        // In ascending priority, so that the last writer wins at nodes shared by two parts.
         for &(f, k) in &on_facet {
             let facet = &mesh.facets()[f as usize];
+            let (normal, _) = mesh.facet_normal(facet);
+            let side = |velocity| Side { condition: k.unwrap_or(0), normal, velocity };
             match k.map_or(&Condition::NoSlip, |k| &conditions[k].1) {
                 Condition::Velocity(g) => {
                     for n in velocity.facet_nodes(facet) {
-                        fixed.insert(n, Some(Arc::clone(g)));
+                        fixed.entry(n).or_default().push(side(Some(Arc::clone(g))));
                     }
                 }
                 Condition::NoSlip => {
                     for n in velocity.facet_nodes(facet) {
-                        fixed.insert(n, None);
+                        fixed.entry(n).or_default().push(side(None));
                     }
                 }
                 Condition::Slip => {
-                    let (normal, _) = mesh.facet_normal(facet);
                     for n in velocity.facet_nodes(facet) {
                         normals.entry(n).or_default().push(normal);
                     }
                 }
                 Condition::Open => open = true,
                 Condition::Periodic(_) => {}
+            }
+        }
+        // Nothing passes through a wall that slips, at its ends either.
+        for (n, list) in &normals {
+            if let Some(sides) = fixed.get_mut(n) {
+                let slip = |&normal| Side { condition: conditions.len(), normal, velocity: None };
+                sides.splice(0..0, list.iter().map(slip));
             }
         }
         let translations = periodic_pairs(mesh, conditions)?;
@@ -163,8 +172,7 @@ impl<const D: usize> Numbering<D> {
             pressures[n] = pressures[same_pressure[n] as usize];
         }
         let prescribed = (0..velocity.len() as u32)
-            .filter_map(|n| fixed.get(&same_velocity[n as usize]).map(|g| (n, g.clone())))
-            .filter_map(|(n, g)| g.map(|g| (n, g)))
+            .filter_map(|n| Some((n, Prescribed::new(fixed.get(&same_velocity[n as usize])?)?)))
             .collect();
         Ok(Numbering {
             velocity: numbers,
@@ -206,7 +214,7 @@ impl<const D: usize> Numbering<D> {
     pub fn lift(&self, space: &Space<D>, t: f64, out: &mut [SVector<f64, D>]) {
         out.fill(SVector::zeros());
         for (n, g) in &self.prescribed {
-            out[*n as usize] = g(&space.nodes()[*n as usize], t);
+            out[*n as usize] = g.at(&space.nodes()[*n as usize], t);
         }
     }
     /// The unknowns of a cell in the order of its local matrix; [`NONE`] where there is none.
@@ -371,8 +379,11 @@ fn wall_frame<const D: usize>(normals: &[SVector<f64, D>]) -> (SMatrix<f64, D, D
     (SMatrix::from_fn(|i, j| axes[i][j]), walls)
 }
 
-/// Pairs the facets of periodic parts.
-fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>) -> Result<Vec<Translation<D>>> {
+/// The pairs of facets that periodic conditions make, each from both of its sides.
+///
+/// # Errors
+/// A name that the mesh does not have, parts that are not translates of each other.
+pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>) -> Result<Vec<Translation<D>>> {
     let centre = |f: u32| {
         let facet = &mesh.facets()[f as usize];
         mesh.facet_points(facet).fold(Point::<D>::zeros(), |s, v| s + mesh.points()[v as usize]) / D as f64

@@ -6,6 +6,6 @@ mod coefficient;
 mod solver;
 pub mod term;
 
-pub use boundary::{flux, traction};
+pub use boundary::{Load, flux, kinetic_outflow, traction};
 pub use coefficient::Coefficient;
 pub use solver::{BodyForce, FlowSolver, FlowState, History, Step, StepReport};

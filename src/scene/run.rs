@@ -171,7 +171,8 @@ impl<'a> Run<'a> {
         for (k, p) in output.profiles.iter().enumerate() {
             if p.times.iter().any(|&t| time.step_at(t) == step) {
                 let values = self.diagnostics.profile(&self.model.simulation, k);
-                self.record.profiles.entry(p.name.clone()).or_default().push((now, values));
+                let columns = values.into_iter().map(|(suffix, v)| (format!("t={now}{suffix}"), v));
+                self.record.profiles.entry(p.name.clone()).or_default().extend(columns);
                 let points: Vec<_> = self.diagnostics.profile_points(k).copied().collect();
                 self.folder.write_profile(&p.name, &points, &self.record.profiles[&p.name])?;
             }
