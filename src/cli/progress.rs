@@ -43,7 +43,10 @@ impl Progress {
         }
         if !self.quiet {
             let folder = outcome.folder.display();
-            let text = format!("report:  {}\nseries:  {folder}/series.csv\nfields:  {folder}/fields.pvd (ParaView)", report.display());
+            let text = format!(
+                "report:  {}\nseries:  {folder}/series.csv\nfields:  {folder}/fields.pvd (ParaView)",
+                report.display()
+            );
             // A closed pipe is no reason to fail.
             let _ = writeln!(std::io::stdout().lock(), "{text}");
         }

@@ -56,6 +56,22 @@ pub struct Step<'a, const D: usize> {
     pub gravity: SVector<f64, D>,
 }
 
+impl<'a, const D: usize> Step<'a, D> {
+    /// A step of backward Euler from `history`, without forces: fill in the rest with struct update syntax.
+    pub fn backward_euler(time: f64, dt: f64, history: &'a [History<'a, D>]) -> Step<'a, D> {
+        Step {
+            time,
+            dt,
+            weight: 1.0,
+            history,
+            terms: &[],
+            predicted: None,
+            body_force: None,
+            gravity: SVector::zeros(),
+        }
+    }
+}
+
 /// What a step cost and how good its solve was.
 #[derive(Clone, Copy, Debug)]
 pub struct StepReport {
