@@ -5,6 +5,7 @@ pub mod expression;
 mod item;
 pub(crate) mod nearest;
 mod overrides;
+pub mod render;
 pub mod schema;
 #[cfg(test)]
 mod tests;
