@@ -4,7 +4,8 @@ use super::SceneArguments;
 use super::progress::Progress;
 use crate::base::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::run::{self, Options};
+use crate::scene::render::render;
+use crate::scene::run::{self, Observer, Options};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -43,8 +44,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     if matches!(&result, Err(e) if e.kind() != crate::base::Kind::Computation) {
         return result.map(drop);
     }
+    progress.phase("drawing pictures and the report");
+    let rendered = render(&folder);
     let outcome = result?;
-    progress.done(&outcome, &folder);
+    let rendered = rendered?;
+    rendered.warnings.iter().for_each(|w| progress.warning(w));
+    progress.done(&outcome, &rendered.report);
     Ok(())
 }
 

@@ -1,0 +1,209 @@
+//! Pictures of the stored fields, and the film they make.
+
+use super::folder::{Frame, RunFolder};
+use crate::base::{Result, Warning};
+use crate::output::{
+    Arrows, Content, FieldData, Figure, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded, write_file,
+    write_film,
+};
+use crate::scene::schema::Quantity;
+use nalgebra::SVector;
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// What was drawn.
+#[derive(Default)]
+pub(super) struct Gallery {
+    pub files: Vec<PathBuf>,
+    pub film: Option<Figure>,
+    /// The first, the middle and the last picture.
+    pub pictures: Vec<Figure>,
+}
+
+/// Pictures of a film at most: a page that holds it must stay small enough to open.
+const MOST_FRAMES: usize = 300;
+
+/// Draws all stored fields of a run.
+pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
+    let output = &run.scene.output;
+    if output.pictures.is_none() {
+        return Ok(Gallery::default());
+    }
+    if run.scene.dimension() != 2 {
+        run.warnings.push(Warning::new("no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"));
+        return Ok(Gallery::default());
+    }
+    if run.frames.is_empty() {
+        run.warnings.push(Warning::new("no pictures: the run has stored no fields", "it ended before the first step"));
+        return Ok(Gallery::default());
+    }
+    let folder = run.folder("pictures")?;
+    let film = output.film && run.frames.len() > 1;
+    let painter = Painter::new(run)?;
+    let file = |f: &Frame| folder.join(format!("{}.png", f.name));
+    let paint = |frame: &Frame| -> Result<Image> {
+        let image = painter.paint(frame)?;
+        write_file(&file(frame), &image.png()?)?;
+        Ok(image)
+    };
+    // A few at a time, so that memory stays bounded however long the run was.
+    let batch = 2 * rayon::current_num_threads();
+    let images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
+    let every = run.frames.len().div_ceil(MOST_FRAMES);
+    let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
+    if film {
+        let shown = images.enumerate().filter(|(i, image)| i % every == 0 || image.is_err()).map(|(_, image)| image);
+        let seconds = run.frames.len().min(MOST_FRAMES) as f64 / 6.0;
+        let film = write_film(&run.path.join("film"), shown, seconds.clamp(4.0, 25.0))?;
+        let content = match &film.mp4 {
+            Some(mp4) => Content::Mp4(read_file(mp4)?),
+            None => Content::Gif(read_file(&film.gif)?),
+        };
+        gallery.film = Some(Figure { title: "Film.".into(), content, caption: painter.film_caption(run, every) });
+        gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
+        run.warnings.extend(film.warning);
+    } else {
+        images.map(|image| image.map(drop)).collect::<Result<()>>()?;
+    }
+    let last = run.frames.len() - 1;
+    let mut shown = vec![0, last / 2, last];
+    shown.dedup();
+    for frame in shown.into_iter().filter_map(|k| run.frames.get(k)) {
+        gallery.pictures.push(Figure {
+            title: format!("t = {}.", rounded(frame.time, 6)),
+            content: Content::Png(read_file(&file(frame))?),
+            caption: String::new(),
+        });
+    }
+    Ok(gallery)
+}
+
+/// How the pictures of a run look, all in one scale.
+struct Painter {
+    quantity: Quantity,
+    mesh: bool,
+    size: usize,
+    membranes: Vec<String>,
+    scale: Scale,
+    /// The greatest speed, if arrows are drawn.
+    fastest: Option<f64>,
+}
+
+impl Painter {
+    /// Reads all fields once for the scale.
+    fn new(run: &RunFolder) -> Result<Painter> {
+        let picture = run.scene.output.picture;
+        let mut painter = Painter {
+            quantity: picture.field,
+            mesh: picture.mesh,
+            size: picture.size,
+            membranes: run.scene.membranes.iter().map(|m| m.name.clone()).collect(),
+            scale: Scale::of::<2>(FieldData::Scalar(&[])),
+            fastest: None,
+        };
+        let ranges: Vec<Scale> = run.frames.par_iter().map(|f| painter.range(f)).collect::<Result<_>>()?;
+        painter.scale = ranges.into_iter().fold(painter.scale, Scale::with);
+        if painter.quantity == Quantity::Speed {
+            painter.fastest = Some(painter.scale.high);
+        }
+        Ok(painter)
+    }
+
+    fn range(&self, frame: &Frame) -> Result<Scale> {
+        let snapshot = read_vtu::<2>(&frame.file)?;
+        Ok(match self.field(&snapshot).map_err(|e| e.at(frame.file.display().to_string()))? {
+            Field::Borrowed(field) => Scale::of(field),
+            Field::Owned(values) => Scale::of::<2>(FieldData::Scalar(&values)),
+        })
+    }
+
+    /// What is coloured.
+    fn field<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<Field<'a>> {
+        let level_set = || self.membranes.first().map_or(Ok(&[][..]), |name| level_set(snapshot, name));
+        Ok(match self.quantity {
+            Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
+            Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
+            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(level_set()?)),
+            Quantity::Stretch => Field::Owned(stretch(snapshot, level_set()?)),
+        })
+    }
+
+    fn paint(&self, frame: &Frame) -> Result<Image> {
+        let snapshot = read_vtu::<2>(&frame.file)?;
+        let place = |e: crate::base::Error| e.at(frame.file.display().to_string());
+        let field = self.field(&snapshot).map_err(place)?;
+        let interfaces = self.membranes.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
+        let arrows = match self.fastest {
+            Some(fastest) => Some(Arrows { velocity: snapshot.vector("velocity").map_err(place)?, fastest }),
+            None => None,
+        };
+        Picture {
+            space: &snapshot.space,
+            field: match &field {
+                Field::Borrowed(field) => *field,
+                Field::Owned(values) => FieldData::Scalar(values),
+            },
+            scale: self.scale,
+            title: self.title(),
+            time: Some(frame.time),
+            interfaces: interfaces.map_err(place)?,
+            arrows,
+            mesh: self.mesh,
+            size: [self.size; 2],
+        }
+        .draw()
+    }
+
+    fn title(&self) -> &'static str {
+        match self.quantity {
+            Quantity::Pressure => "Pressure",
+            Quantity::Velocity | Quantity::Speed => "Speed",
+            Quantity::LevelSet => "Level set φ",
+            Quantity::Stretch => "Stretch |grad φ|",
+        }
+    }
+
+    fn film_caption(&self, run: &RunFolder, every: usize) -> String {
+        let [first, last] = [run.frames.first(), run.frames.last()].map(|f| f.map_or(0.0, |f| f.time));
+        let mut caption = format!(
+            "{} from t = {} to t = {}, all pictures in one colour scale",
+            self.title(),
+            rounded(first, 6),
+            rounded(last, 6)
+        );
+        if !self.membranes.is_empty() {
+            caption += "; the black line is the interface";
+        }
+        if self.fastest.is_some() {
+            caption += "; arrows show the velocity, the longest the greatest speed of the run";
+        }
+        if every > 1 {
+            caption += &format!("; one of {every} pictures is shown here, all are in pictures/");
+        }
+        caption + "."
+    }
+}
+
+/// A field of the snapshot, or one derived from it.
+enum Field<'a> {
+    Borrowed(FieldData<'a, 2>),
+    Owned(Vec<f64>),
+}
+
+fn level_set<'a>(snapshot: &'a Snapshot<2>, membrane: &str) -> Result<&'a [f64]> {
+    snapshot.scalar(&format!("{membrane}.level_set"))
+}
+
+/// `|grad phi|` at the nodes, the gradient being the mean over the cells around a node.
+fn stretch(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<f64> {
+    let space = &snapshot.space;
+    let mut sums = vec![(SVector::<f64, 2>::zeros(), 0.0); space.len()];
+    for c in 0..space.mesh().cell_count() {
+        for (k, &node) in space.cell_nodes(c).iter().enumerate() {
+            let (sum, count) = &mut sums[node as usize];
+            *sum += space.gradient(phi, c, &space.element().node(k, 2));
+            *count += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum.norm() / count).collect()
+}
