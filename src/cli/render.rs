@@ -1,9 +1,12 @@
-//! `immersa render`: pictures and a film of finished runs.
+//! `immersa render`: pictures, film, charts and report of finished runs.
 
 use super::Overrides;
-use crate::base::{Error, Result};
-use crate::scene::Scene;
-use std::path::{Path, PathBuf};
+use super::progress::Progress;
+use crate::base::Result;
+use crate::scene::render::render_with;
+use crate::scene::run::Observer;
+use std::io::Write;
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -16,19 +19,11 @@ pub(super) struct Arguments {
 
 pub(super) fn render(arguments: &Arguments) -> Result<()> {
     for folder in &arguments.runs {
-        load(folder, &arguments.overrides.set)?;
+        let rendered = render_with(folder, &arguments.overrides.set)?;
+        let mut progress = Progress::new(false, "");
+        rendered.warnings.iter().for_each(|w| progress.warning(w));
+        // A closed pipe is no reason to fail.
+        let _ = writeln!(std::io::stdout().lock(), "report:  {}", rendered.report.display());
     }
     Ok(())
-}
-
-/// The resolved scene of a run folder.
-fn load(folder: &Path, overrides: &[String]) -> Result<Scene> {
-    let scene = folder.join("scene.toml");
-    if scene.is_file() {
-        return Scene::load(&scene, overrides);
-    }
-    Err(Error::input("this is not the folder of a run: it has no scene.toml")
-        .at(folder.display().to_string())
-        .value(folder.display())
-        .remedy("give a folder that `immersa run` has written"))
 }
