@@ -179,7 +179,7 @@ impl<const D: usize> Simulation<D> {
     /// by `u^{n+1}`; implicit, the force is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
     /// linearised in `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All three are
     /// of second order, and the scheme is stable for any step when the stiffness in the matrix is at least half the
-    /// true one; with the extrapolated velocity in place of `u^n` it is not (book page on stability).
+    /// true one; with the extrapolated velocity in place of `u^n` it is not (ARCHITECTURE.md, "The time step").
     ///
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.

@@ -63,7 +63,7 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
         gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
         run.warnings.extend(film.warning);
     } else {
-        images.map(|image| image.map(drop)).collect::<Result<()>>()?;
+        images.try_for_each(|image| image.map(drop))?;
     }
     let last = run.frames.len() - 1;
     let mut shown = vec![0, last / 2, last];
