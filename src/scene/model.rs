@@ -59,6 +59,7 @@ impl Model {
         let (mesh, mut warnings) = load_mesh(scene)?;
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
+        warnings.extend(unreached_profiles(scene));
         let mesh = Arc::new(with_walls(mesh));
         let conditions = conditions(scene, &mesh)?;
         let space = Space::new(&mesh, Element::P2);
@@ -265,6 +266,20 @@ fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
     };
     Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+}
+
+/// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.
+fn unreached_profiles(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
+    scene.output.profiles.iter().filter_map(|p| {
+        let late: Vec<String> = p.times.iter().filter(|t| **t > scene.time.end).map(f64::to_string).collect();
+        let what = format!(
+            "profile `{}` is not written at t = {}: the run ends at {}",
+            p.name,
+            late.join(", "),
+            scene.time.end
+        );
+        (!late.is_empty()).then(|| Warning::new(what, ""))
+    })
 }
 
 /// Adds the name `walls` for the whole boundary to a mesh that does not have it.

@@ -111,9 +111,10 @@ fn unknowns(model: &Model) -> Vec<String> {
     lines.push(format!("matrix {kind}: {why}"));
     if let Some(factor) = flow.factor() {
         lines.push(format!(
-            "{} entries (one triangle), LDL^T factor {} entries, {:.0} MB",
+            "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",
             flow.matrix_nonzeros(),
             factor.nonzeros(),
+            sim.bytes() as f64 / 1e6,
             sim.factor_bytes() as f64 / 1e6
         ));
     }

@@ -438,6 +438,19 @@ impl<const D: usize> Simulation<D> {
     pub fn courant(&self) -> f64 {
         self.tracer.courant(&self.state.flow.u, self.settings.dt)
     }
+    /// Bytes of all that grows with the mesh: factors, matrices, feet, fields and the mesh itself. An estimate from the sizes.
+    pub fn bytes(&self) -> usize {
+        let word = size_of::<f64>();
+        let (cells, nodes) = (self.space.mesh().cell_count(), self.space.len());
+        let points = self.flow.velocity().rule().len();
+        // The matrix and its constant part, an index and a value each; the projector's mass matrix is small beside them.
+        let matrices = 2 * 2 * word * self.flow.matrix_nonzeros();
+        let feet = if self.is_stokes() && self.projector.is_none() { 0 } else { 2 * 5 * word * cells * points };
+        let local = self.space.local_count();
+        let fields = word * nodes * (10 * D + 3 * self.structures.len()) + word * cells * local * D;
+        let mesh = cells * (2 * word + word * (D * D + D + 1) + 4 * local);
+        self.factor_bytes() + matrices + feet + fields + mesh
+    }
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {
         self.flow.factor().map_or(0, |f| f.bytes()) + self.projector.as_ref().map_or(0, Projector::bytes)
