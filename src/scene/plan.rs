@@ -2,9 +2,10 @@
 
 use super::Scene;
 use super::model::Model;
-use super::schema::{AreaLaw, Condition, Contrast, MeshSource};
+use super::schema::{Condition, MeshSource};
 use crate::base::Result;
-use crate::sim::Coupling;
+use crate::elastic::AreaLaw;
+use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
 
