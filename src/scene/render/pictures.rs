@@ -1,7 +1,7 @@
 //! Pictures of the stored fields, and the film they make.
 
 use super::folder::{Frame, RunFolder};
-use crate::base::{Result, Warning};
+use crate::base::{Error, Result, Warning};
 use crate::output::{
     Arrows, Content, FieldData, Figure, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded, write_file,
     write_film,
@@ -21,7 +21,7 @@ pub(super) struct Gallery {
 }
 
 /// Pictures of a film at most: a page that holds it must stay small enough to open.
-const MOST_FRAMES: usize = 300;
+const MOST_FRAMES: usize = 150;
 
 /// Draws all stored fields of a run.
 pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
@@ -39,6 +39,9 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
     }
     let folder = run.folder("pictures")?;
     let film = output.film && run.frames.len() > 1;
+    if output.film && !film {
+        run.warnings.push(Warning::new("no film: the run has stored fields of one time only", "see the picture"));
+    }
     let painter = Painter::new(run)?;
     let file = |f: &Frame| folder.join(format!("{}.png", f.name));
     let paint = |frame: &Frame| -> Result<Image> {
@@ -48,7 +51,7 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
     };
     // A few at a time, so that memory stays bounded however long the run was.
     let batch = 2 * rayon::current_num_threads();
-    let images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
+    let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
     let every = run.frames.len().div_ceil(MOST_FRAMES);
     let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
     if film {
@@ -63,14 +66,14 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
         gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
         run.warnings.extend(film.warning);
     } else {
-        images.map(|image| image.map(drop)).collect::<Result<()>>()?;
+        images.try_for_each(|image| image.map(drop))?;
     }
     let last = run.frames.len() - 1;
-    let mut shown = vec![0, last / 2, last];
-    shown.dedup();
-    for frame in shown.into_iter().filter_map(|k| run.frames.get(k)) {
+    let mut shown = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
+    shown.dedup_by_key(|s| s.0);
+    for (frame, when) in shown.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when))) {
         gallery.pictures.push(Figure {
-            title: format!("t = {}.", rounded(frame.time, 6)),
+            title: format!("{when}, t = {}.", rounded(frame.time, 6)),
             content: Content::Png(read_file(&file(frame))?),
             caption: String::new(),
         });
@@ -111,26 +114,36 @@ impl Painter {
 
     fn range(&self, frame: &Frame) -> Result<Scale> {
         let snapshot = read_vtu::<2>(&frame.file)?;
-        Ok(match self.field(&snapshot).map_err(|e| e.at(frame.file.display().to_string()))? {
-            Field::Borrowed(field) => Scale::of(field),
-            Field::Owned(values) => Scale::of::<2>(FieldData::Scalar(&values)),
-        })
+        let place = |e: Error| e.at(frame.file.display().to_string());
+        match self.field(&snapshot).map_err(place)? {
+            Field::Borrowed(field) => Ok(Scale::of(field)),
+            // Far from the interface the slope of the level set is no stretch, and where fronts meet it is zero.
+            Field::Stretch(values) => {
+                let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
+                let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
+                Ok(Scale::of::<2>(FieldData::Scalar(&values)))
+            }
+        }
     }
 
     /// What is coloured.
     fn field<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<Field<'a>> {
-        let level_set = || self.membranes.first().map_or(Ok(&[][..]), |name| level_set(snapshot, name));
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
-            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(level_set()?)),
-            Quantity::Stretch => Field::Owned(stretch(snapshot, level_set()?)),
+            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
+            Quantity::Stretch => Field::Stretch(stretch(snapshot, self.level_set(snapshot)?)),
         })
+    }
+
+    /// The level set of the membrane; a scene asks for it only when there is exactly one.
+    fn level_set<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<&'a [f64]> {
+        level_set(snapshot, self.membranes.first().map_or("", |name| name))
     }
 
     fn paint(&self, frame: &Frame) -> Result<Image> {
         let snapshot = read_vtu::<2>(&frame.file)?;
-        let place = |e: crate::base::Error| e.at(frame.file.display().to_string());
+        let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
         let interfaces = self.membranes.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
         let arrows = match self.fastest {
@@ -141,7 +154,7 @@ impl Painter {
             space: &snapshot.space,
             field: match &field {
                 Field::Borrowed(field) => *field,
-                Field::Owned(values) => FieldData::Scalar(values),
+                Field::Stretch(values) => FieldData::Scalar(values),
             },
             scale: self.scale,
             title: self.title(),
@@ -175,7 +188,7 @@ impl Painter {
             caption += "; the black line is the interface";
         }
         if self.fastest.is_some() {
-            caption += "; arrows show the velocity, the longest the greatest speed of the run";
+            caption += "; arrows show the velocity, longer by the root of the speed";
         }
         if every > 1 {
             caption += &format!("; one of {every} pictures is shown here, all are in pictures/");
@@ -187,11 +200,25 @@ impl Painter {
 /// A field of the snapshot, or one derived from it.
 enum Field<'a> {
     Borrowed(FieldData<'a, 2>),
-    Owned(Vec<f64>),
+    Stretch(Vec<f64>),
 }
 
 fn level_set<'a>(snapshot: &'a Snapshot<2>, membrane: &str) -> Result<&'a [f64]> {
     snapshot.scalar(&format!("{membrane}.level_set"))
+}
+
+/// Which nodes belong to a cell that the interface cuts.
+fn near_interface(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<bool> {
+    let space = &snapshot.space;
+    let mut near = vec![false; space.len()];
+    for c in 0..space.mesh().cell_count() {
+        let nodes = space.cell_nodes(c);
+        let inside = nodes.iter().filter(|&&n| phi[n as usize] < 0.0).count();
+        if inside > 0 && inside < nodes.len() {
+            nodes.iter().for_each(|&n| near[n as usize] = true);
+        }
+    }
+    near
 }
 
 /// `|grad phi|` at the nodes, the gradient being the mean over the cells around a node.
