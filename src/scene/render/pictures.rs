@@ -3,8 +3,8 @@
 use super::folder::{Frame, RunFolder};
 use crate::base::{Error, Result, Warning};
 use crate::output::{
-    Arrows, Content, FieldData, Figure, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded, write_file,
-    write_film,
+    Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded,
+    write_file, write_film,
 };
 use crate::scene::schema::Quantity;
 use nalgebra::SVector;
@@ -25,23 +25,10 @@ const MOST_FRAMES: usize = 150;
 
 /// Draws all stored fields of a run.
 pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
-    let output = &run.scene.output;
-    if output.pictures.is_none() {
-        return Ok(Gallery::default());
-    }
-    if run.scene.dimension() != 2 {
-        run.warnings.push(Warning::new("no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"));
-        return Ok(Gallery::default());
-    }
-    if run.frames.is_empty() {
-        run.warnings.push(Warning::new("no pictures: the run has stored no fields", "it ended before the first step"));
+    if !wanted(run) {
         return Ok(Gallery::default());
     }
     let folder = run.folder("pictures")?;
-    let film = output.film && run.frames.len() > 1;
-    if output.film && !film {
-        run.warnings.push(Warning::new("no film: the run has stored fields of one time only", "see the picture"));
-    }
     let painter = Painter::new(run)?;
     let file = |f: &Frame| folder.join(format!("{}.png", f.name));
     let paint = |frame: &Frame| -> Result<Image> {
@@ -52,33 +39,59 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
     // A few at a time, so that memory stays bounded however long the run was.
     let batch = 2 * rayon::current_num_threads();
     let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
-    let every = run.frames.len().div_ceil(MOST_FRAMES);
     let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
-    if film {
+    if run.scene.output.film && run.frames.len() > 1 {
+        let every = run.frames.len().div_ceil(MOST_FRAMES);
         let shown = images.enumerate().filter(|(i, image)| i % every == 0 || image.is_err()).map(|(_, image)| image);
         let seconds = run.frames.len().min(MOST_FRAMES) as f64 / 6.0;
         let film = write_film(&run.path.join("film"), shown, seconds.clamp(4.0, 25.0))?;
-        let content = match &film.mp4 {
-            Some(mp4) => Content::Mp4(read_file(mp4)?),
-            None => Content::Gif(read_file(&film.gif)?),
-        };
-        gallery.film = Some(Figure { title: "Film.".into(), content, caption: painter.film_caption(run, every) });
+        gallery.film = Some(film_figure(&film, painter.film_caption(run, every))?);
         gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
         run.warnings.extend(film.warning);
     } else {
         images.try_for_each(|image| image.map(drop))?;
     }
-    let last = run.frames.len() - 1;
-    let mut shown = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
-    shown.dedup_by_key(|s| s.0);
-    for (frame, when) in shown.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when))) {
-        gallery.pictures.push(Figure {
-            title: format!("{when}, t = {}.", rounded(frame.time, 6)),
-            content: Content::Png(read_file(&file(frame))?),
-            caption: String::new(),
-        });
-    }
+    gallery.pictures = shown(run, file)?;
     Ok(gallery)
+}
+
+/// Whether there is anything to draw; warns of what the scene asks for and cannot be made.
+fn wanted(run: &mut RunFolder) -> bool {
+    let output = &run.scene.output;
+    if output.pictures.is_none() {
+        return false;
+    }
+    let missing = match run.frames.len() {
+        _ if run.scene.dimension() != 2 => {
+            ["no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"]
+        }
+        0 => ["no pictures: the run has stored no fields", "it ended before the first step"],
+        1 if output.film => ["no film: the run has stored fields of one time only", "see the picture"],
+        _ => return true,
+    };
+    run.warnings.push(Warning::new(missing[0], missing[1]));
+    run.frames.len() == 1 && run.scene.dimension() == 2
+}
+
+fn film_figure(film: &Film, caption: String) -> Result<Figure> {
+    let content = match &film.mp4 {
+        Some(mp4) => Content::Mp4(read_file(mp4)?),
+        None => Content::Gif(read_file(&film.gif)?),
+    };
+    Ok(Figure { title: "Film.".into(), content, caption })
+}
+
+/// The first, the middle and the last picture.
+fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure>> {
+    let last = run.frames.len().saturating_sub(1);
+    let mut chosen = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
+    chosen.dedup_by_key(|c| c.0);
+    let chosen = chosen.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when)));
+    let figure = |(frame, when): (&Frame, &str)| {
+        let title = format!("{when}, t = {}.", rounded(frame.time, 6));
+        Ok(Figure { title, content: Content::Png(read_file(&file(frame))?), caption: String::new() })
+    };
+    chosen.map(figure).collect()
 }
 
 /// How the pictures of a run look, all in one scale.
