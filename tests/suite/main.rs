@@ -4,4 +4,6 @@ mod broken_meshes;
 mod flow;
 mod layers;
 mod meshes;
+mod render;
+mod run_folder;
 mod scenes;
