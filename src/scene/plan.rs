@@ -123,7 +123,11 @@ fn unknowns(model: &Model) -> Vec<String> {
 fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
     let derived = |given: bool| if given { "" } else { " (derived)" };
-    let mut lines = vec![format!("BDF{} along characteristics, step {}", s.order, s.dt)];
+    let mut lines = vec![match (model.simulation.is_stokes(), s.convection) {
+        (true, _) => format!("no time derivative in the flow, step {} of order {}", s.dt, s.order),
+        (false, true) => format!("BDF{} along characteristics, step {}", s.order, s.dt),
+        (false, false) => format!("BDF{}, step {}", s.order, s.dt),
+    }];
     lines.push(format!(
         "grad-div {:.4}{}: keeps the divergence that feeds energy into a membrane small",
         s.grad_div,
@@ -180,6 +184,10 @@ fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
 fn steps(model: &Model, scene: &Scene) -> Vec<String> {
     let time = &scene.time;
     let mut lines = vec![format!("{} steps of {} to t = {}", time.steps(), time.step, time.end)];
+    for p in &scene.output.profiles {
+        let late = p.times.iter().filter(|t| time.step_at(**t) > time.steps());
+        lines.extend(late.map(|t| format!("profile `{}` at t = {t} is after the end and is not written", p.name)));
+    }
     let Some(limit) = model.explicit_limit else { return lines };
     let ratio = time.step / limit;
     let implicit = model.simulation.settings().coupling == Coupling::Implicit;
