@@ -3,6 +3,8 @@
 //!
 //!     cargo run --release --example membrane
 
+#![allow(clippy::print_stdout, reason = "an example prints its results")]
+
 use immersa::base::Result;
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Condition, Element, Rule, Space};

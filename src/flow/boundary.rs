@@ -1,7 +1,7 @@
 //! Integrals over named boundaries: force by the stress, and flux.
 
 use super::coefficient::Coefficient;
-use super::solver::FlowState;
+use super::step::FlowState;
 use crate::base::Result;
 use crate::fem::{Rule, Space};
 use crate::mesh::{Facet, Mesh};

@@ -2,9 +2,10 @@
 
 use super::Scene;
 use super::model::Model;
-use super::schema::{AreaLaw, Condition, Contrast, MeshSource};
+use super::schema::{Condition, MeshSource};
 use crate::base::Result;
-use crate::sim::Coupling;
+use crate::elastic::AreaLaw;
+use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
 
@@ -111,9 +112,10 @@ fn unknowns(model: &Model) -> Vec<String> {
     lines.push(format!("matrix {kind}: {why}"));
     if let Some(factor) = flow.factor() {
         lines.push(format!(
-            "{} entries (one triangle), LDL^T factor {} entries, {:.0} MB",
+            "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",
             flow.matrix_nonzeros(),
             factor.nonzeros(),
+            sim.bytes() as f64 / 1e6,
             sim.factor_bytes() as f64 / 1e6
         ));
     }
@@ -184,10 +186,6 @@ fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
 fn steps(model: &Model, scene: &Scene) -> Vec<String> {
     let time = &scene.time;
     let mut lines = vec![format!("{} steps of {} to t = {}", time.steps(), time.step, time.end)];
-    for p in &scene.output.profiles {
-        let late = p.times.iter().filter(|t| time.step_at(**t) > time.steps());
-        lines.extend(late.map(|t| format!("profile `{}` at t = {t} is after the end and is not written", p.name)));
-    }
     let Some(limit) = model.explicit_limit else { return lines };
     let ratio = time.step / limit;
     let implicit = model.simulation.settings().coupling == Coupling::Implicit;

@@ -1,7 +1,7 @@
 //! A state as bytes, and back, bit by bit.
 
 use super::budget::{Budget, Energies};
-use super::step::State;
+use super::setup::State;
 use crate::base::{Error, Result};
 use crate::flow::FlowState;
 use nalgebra::SVector;

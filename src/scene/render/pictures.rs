@@ -48,7 +48,7 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
     };
     // A few at a time, so that memory stays bounded however long the run was.
     let batch = 2 * rayon::current_num_threads();
-    let images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
+    let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
     let every = run.frames.len().div_ceil(MOST_FRAMES);
     let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
     if film {
@@ -63,7 +63,7 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
         gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
         run.warnings.extend(film.warning);
     } else {
-        images.map(|image| image.map(drop)).collect::<Result<()>>()?;
+        images.try_for_each(|image| image.map(drop))?;
     }
     let last = run.frames.len() - 1;
     let mut shown = vec![0, last / 2, last];

@@ -3,6 +3,8 @@
 use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::scene::item::Item;
+use crate::sim::Coupling;
+use crate::transport::Method;
 
 /// Settings of the method; `None` means that the plan decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +14,7 @@ pub struct Numerics {
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: Option<f64>,
     /// How level sets are carried.
-    pub transport: Transport,
+    pub transport: Method,
     /// How the force of a membrane enters a step.
     pub coupling: Coupling,
     /// Whether velocity carries itself.
@@ -21,25 +23,7 @@ pub struct Numerics {
     pub quadrature: Option<usize>,
 }
 
-/// How level sets are carried along characteristics.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transport {
-    /// The value at the foot of each node.
-    Nodal,
-    /// L2 projection of the values at the feet of quadrature points.
-    Projected,
-}
-
-/// How the force of a membrane enters a time step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coupling {
-    /// As the interface is at the start of the step.
-    Explicit,
-    /// With its derivative with respect to the new velocity.
-    Implicit,
-}
-
-const TRANSPORTS: [(&str, Transport); 2] = [("nodal", Transport::Nodal), ("projected", Transport::Projected)];
+const TRANSPORTS: [(&str, Method); 2] = [("nodal", Method::Nodal), ("projected", Method::Projected)];
 const COUPLINGS: [(&str, Coupling); 2] = [("explicit", Coupling::Explicit), ("implicit", Coupling::Implicit)];
 const MOST_DEGREE: usize = 20;
 
@@ -48,7 +32,7 @@ impl Numerics {
         let mut numerics = Numerics {
             thickness: None,
             grad_div: None,
-            transport: Transport::Nodal,
+            transport: Method::Nodal,
             coupling: Coupling::Implicit,
             convection: None,
             quadrature: None,

@@ -73,7 +73,7 @@ pub struct Profile {
     pub points: usize,
     /// What is measured.
     pub of: Quantity,
-    /// When: at the first step at or after each; rising, not negative. A run that ends earlier leaves the later ones out.
+    /// When: at the first step at or after each; rising. Times after the end are not reached.
     pub times: Vec<f64>,
 }
 
@@ -254,10 +254,10 @@ impl<'a> Source<'a> {
         let mut times: Vec<f64> = Vec::new();
         for item in item.list()? {
             let t = item.non_negative()?;
-            if let Some(last) = times.last().filter(|last| **last >= t) {
+            if times.last().is_some_and(|last| *last >= t) {
                 return Err(item
-                    .error(format!("the time {t} is not after the one before it, {last}"))
-                    .remedy("give rising times, such as [0.5, 1.0]"));
+                    .error(format!("the time {t} is not after the one before it"))
+                    .remedy(format!("give rising times from 0 to {}", self.time.end)));
             }
             times.push(t);
         }
