@@ -125,7 +125,11 @@ fn unknowns(model: &Model) -> Vec<String> {
 fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
     let derived = |given: bool| if given { "" } else { " (derived)" };
-    let mut lines = vec![format!("BDF{} along characteristics, step {}", s.order, s.dt)];
+    let mut lines = vec![match (model.simulation.is_stokes(), s.convection) {
+        (true, _) => format!("no time derivative in the flow, step {} of order {}", s.dt, s.order),
+        (false, true) => format!("BDF{} along characteristics, step {}", s.order, s.dt),
+        (false, false) => format!("BDF{}, step {}", s.order, s.dt),
+    }];
     lines.push(format!(
         "grad-div {:.4}{}: keeps the divergence that feeds energy into a membrane small",
         s.grad_div,

@@ -263,7 +263,7 @@ impl<const D: usize> Simulation<D> {
         }
         Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
             .at(format!("time {time}"))
-            .value(format!("largest velocity {speed:e}"))
+            .value(format!("largest velocity {speed:.3e}"))
             .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
     }
 
@@ -335,7 +335,9 @@ impl<const D: usize> Simulation<D> {
         if sizes(&state) != sizes(&self.state) {
             return Err(Error::input("the checkpoint does not belong to this scene")
                 .value(format!("{:?} instead of {:?}", sizes(&state), sizes(&self.state)))
-                .remedy("resume with the scene that the run was started with, or start afresh without --resume"));
+                .remedy(
+                    "resume with the scene that the run was started with, or start afresh in another folder with --out",
+                ));
         }
         self.set_materials(&state.phi);
         self.state = state;

@@ -1,9 +1,14 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
 mod broken_meshes;
+mod examples;
+mod explain;
+mod failures;
 mod flow;
 mod layers;
 mod meshes;
+mod program;
 mod render;
 mod run_folder;
+mod runs;
 mod scenes;
