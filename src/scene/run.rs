@@ -124,7 +124,7 @@ impl<'a> Run<'a> {
             if stop.load(Ordering::Relaxed) {
                 self.save()?;
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
-                    .at(format!("time {}", self.model.simulation.time()))
+                    .at(format!("time {:.6}", self.model.simulation.time()))
                     .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
             }
             let before = self.model.simulation.state().energies.total();

@@ -262,7 +262,7 @@ impl<const D: usize> Simulation<D> {
             return Ok(());
         }
         Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
-            .at(format!("time {time}"))
+            .at(format!("time {time:.6}"))
             .value(format!("largest velocity {speed:.3e}"))
             .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
     }
