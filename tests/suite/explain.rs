@@ -106,7 +106,7 @@ fn the_plan_follows_the_scene() {
         ),
         (
             &contrast,
-            &["viscosity 0.1 inside, 0.01 outside", "matrix changes with density or viscosity"],
+            &["density 1, viscosity 0.1 inside, 0.01 outside", "matrix changes with density or viscosity"],
             &["both sides"],
         ),
         (
