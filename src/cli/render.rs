@@ -1,10 +1,8 @@
 //! `immersa render`: pictures, film, charts and report of finished runs.
 
 use super::Overrides;
-use super::progress::Progress;
 use crate::base::Result;
 use crate::scene::render::render_with;
-use crate::scene::run::Observer;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -20,10 +18,16 @@ pub(super) struct Arguments {
 pub(super) fn render(arguments: &Arguments) -> Result<()> {
     for folder in &arguments.runs {
         let rendered = render_with(folder, &arguments.overrides.set)?;
-        let mut progress = Progress::new(false, "");
-        rendered.warnings.iter().for_each(|w| progress.warning(w));
-        // A closed pipe is no reason to fail.
-        let _ = writeln!(std::io::stdout().lock(), "report:  {}", rendered.report.display());
+        // The files are written; a closed terminal changes nothing about that.
+        for warning in &rendered.warnings {
+            let _ = writeln!(std::io::stderr().lock(), "warning: {warning}");
+        }
+        let _ = writeln!(
+            std::io::stdout().lock(),
+            "{} files are written; open {}",
+            rendered.files.len(),
+            rendered.report.display()
+        );
     }
     Ok(())
 }

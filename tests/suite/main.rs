@@ -8,5 +8,7 @@ mod flow;
 mod layers;
 mod meshes;
 mod program;
+mod render;
+mod run_folder;
 mod runs;
 mod scenes;

@@ -5,7 +5,7 @@ use immersa::levelset::{Contour, Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Locator, Point, rectangle};
 use immersa::output::{FieldData, Series, Table, write_pvd, write_vtu};
 use immersa::scene::Scene;
-use immersa::sim::{Coupling, Materials, Settings, Simulation, Structure, TwoFluids};
+use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::fs;
@@ -63,7 +63,7 @@ fn simulation(cells: usize) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
     let space = immersa::fem::Space::new(&mesh, immersa::fem::Element::P2);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), AXES.into(), 0.0).unwrap();
-    let both = |value| TwoFluids { inside: value, outside: value };
+    let both = |value| Contrast::uniform(value);
     let settings = Settings {
         dt: STEP,
         order: 2,
@@ -154,6 +154,7 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
     let mut sim = simulation(cells);
     let mut series = Series::create(&folder.join("series.csv"), &COLUMNS).unwrap();
     let (mut list, mut profiles, mut largest_rise) = (Vec::new(), Vec::new(), 0f64);
+    let first_area = row(&sim)[0];
     for step in 0..=steps {
         if step > 0 {
             let before = sim.state().energies.total();
@@ -182,13 +183,13 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
     let mut columns: Vec<(&str, &[f64])> = vec![("distance", &x), ("x", &x), ("y", &y)];
     columns.extend(profiles.iter().map(|(name, p)| (name.as_str(), p.as_slice())));
     Table::new(&columns).write(&folder.join("profiles/pressure.csv")).unwrap();
-    fs::write(folder.join("summary.json"), summary(&sim, largest_rise)).unwrap();
+    fs::write(folder.join("summary.json"), summary(&sim, first_area, largest_rise)).unwrap();
 }
 
-fn summary(sim: &Simulation<2>, largest_rise: f64) -> String {
+fn summary(sim: &Simulation<2>, first_area: f64, largest_rise: f64) -> String {
     let now = row(sim);
     let last: serde_json::Map<_, _> = COLUMNS.iter().zip(&now).map(|(k, v)| (k.to_string(), (*v).into())).collect();
-    let (area, u) = (std::f64::consts::PI * AXES[0] * AXES[1], sim.state().flow.u.len());
+    let u = sim.state().flow.u.len();
     let summary = serde_json::json!({
         "title": "Relaxing elliptical membrane",
         "status": "finished",
@@ -204,7 +205,7 @@ fn summary(sim: &Simulation<2>, largest_rise: f64) -> String {
         "balance": {
             "energy": sim.state().budget.residual(&sim.state().energies),
             "largest_rise": largest_rise / sim.state().budget.initial,
-            "area": { "membrane": now[0] / area - 1.0 },
+            "area": { "membrane": now[0] / first_area - 1.0 },
         },
         "final": last,
     });

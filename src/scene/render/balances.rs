@@ -21,7 +21,7 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         "energy from nowhere, over the energy in play".into(),
         energy_balance(run).map(per_cent),
         run.column("energy_balance").and_then(relative),
-        "0; negative when the scheme dissipates",
+        "0; negative when the scheme itself dissipates",
     );
     row(
         "rise of the energy in one step, over the first".into(),
@@ -46,7 +46,9 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         ("cfl", "Courant number", "about 1 or less, for accuracy"),
         ("step_over_limit", "step over the explicit limit (1.54)", "at most 1 when the coupling is explicit"),
     ] {
-        row(what.into(), end(column), most(column), says);
+        if column != "step_over_limit" || !run.scene.membranes.is_empty() {
+            row(what.into(), end(column), most(column), says);
+        }
     }
     for force in &run.scene.output.forces {
         for component in ["x", "y"] {
@@ -105,11 +107,11 @@ pub(super) fn phases(run: &RunFolder) -> Listing {
     let mut phases: Vec<(&String, f64)> = run.summary.seconds.iter().filter_map(|(k, v)| Some((k, (*v)?))).collect();
     phases.sort_by(|a, b| b.1.total_cmp(&a.1));
     let total: f64 = phases.iter().map(|p| p.1).sum();
-    let row = |(name, s): (&String, f64)| vec![name.clone(), rounded(s, 3), per_cent(s / total)];
+    let share = |s: f64| if total > 0.0 { per_cent(s / total) } else { String::new() };
     Listing {
         title: "Where the time went".into(),
         header: ["phase", "seconds", "share"].map(String::from).to_vec(),
-        rows: phases.into_iter().map(row).collect(),
+        rows: phases.into_iter().map(|(name, s)| vec![name.clone(), rounded(s, 3), share(s)]).collect(),
         caption: String::new(),
     }
 }

@@ -1,8 +1,8 @@
 //! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
 
 use super::folder::RunFolder;
-use crate::output::{Chart, Curve, Stroke, Table};
-use crate::scene::schema::{Membrane, Quantity};
+use crate::output::{Chart, Curve, Stroke, Table, rounded};
+use crate::scene::schema::{Membrane, Probe, Profile, Quantity};
 use std::f64::consts::PI;
 
 /// A chart and its words.
@@ -16,7 +16,7 @@ pub(super) struct Drawn {
 
 /// The curves of a chart in the making.
 struct Sheet<'a> {
-    x_label: &'a str,
+    x_label: &'static str,
     x: &'a [f64],
     curves: Vec<(String, Vec<f64>, Stroke)>,
 }
@@ -30,8 +30,6 @@ impl<'a> Sheet<'a> {
     }
     /// The chart, if there is anything to draw on it.
     fn draw(self, name: impl Into<String>, [title, y_label]: [&str; 2], caption: impl Into<String>) -> Option<Drawn> {
-        let curve = |(name, y, stroke): &'a (String, Vec<f64>, Stroke)| Curve { name, x: self.x, y, stroke: *stroke };
-        let _ = curve;
         if self.curves.is_empty() {
             return None;
         }
@@ -48,17 +46,14 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
         let sheet = || Sheet { x_label: "time", x: time, curves: Vec::new() };
         for m in &run.scene.membranes {
             charts.extend(axes(run, m, sheet()));
-            charts.extend(extents(run, m, sheet()));
+            charts.extend(chords(run, m, sheet()));
         }
         let common = [stretch, area, energies, balance, speed, steps, fluxes];
         charts.extend(common.iter().filter_map(|chart| chart(run, sheet())));
-        charts.extend(run.scene.output.probes.iter().filter_map(|p| probe(run, &p.name, p.of, sheet())));
+        charts.extend(run.scene.output.probes.iter().filter_map(|p| probe(run, p, sheet())));
         charts.extend(run.scene.output.forces.iter().filter_map(|f| force(run, &f.name, sheet())));
     }
-    for (name, table) in &run.profiles {
-        let of = run.scene.output.profiles.iter().find(|p| p.name == *name).map(|p| p.of);
-        charts.extend(profile(name, table, of.map_or("value", quantity_name)));
-    }
+    charts.extend(run.profiles.iter().filter_map(|(p, table)| profile(run, p, table)));
     charts
 }
 
@@ -84,24 +79,23 @@ fn axes(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn extents(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
+/// The chords that the scene asks for, or else the extents.
+fn chords(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
     let name = &m.name;
+    m.chords.iter().for_each(|c| sheet.line(c.name.as_str(), run.column_of(name, &c.name)));
+    let title = format!("Half-chords of {name}");
+    if !sheet.curves.is_empty() {
+        let caption = "Half the distance of the two points where a line of the scene crosses the contour: on a centred ellipse \
+                       along the axes, its semi-axis. Where a chord parts from the semi-axis the shape is no ellipse. A gap \
+                       means that the line misses the contour.";
+        return sheet.draw(format!("chords-{name}"), [&title, "length"], caption);
+    }
     sheet.line("half width", run.column_of(name, "extent_x"));
     sheet.line("half height", run.column_of(name, "extent_y"));
-    for chord in &m.chords {
-        let half = run.column_of(name, &chord.name).map(<[f64]>::to_vec);
-        sheet.add(chord.name.as_str(), half, Stroke::Dashed);
-    }
-    let title = format!("Extents and chords of {name}");
-    let chords = if m.chords.is_empty() { "" } else { " Dashed: half the chords that the scene asks for." };
-    sheet.draw(
-        format!("extents-{name}"),
-        [&title, "length"],
-        format!(
-            "Half the width and the height of the contour.{chords} They agree with the semi-axes as long as the shape is an \
-             ellipse along the axes; where they part, it is not. A gap means that a line misses the contour."
-        ),
-    )
+    let title = format!("Extents of {name}");
+    let caption = "Half the width and half the height of the contour. On an ellipse along the axes they are its semi-axes; \
+                   where they part from them the shape is turned, or no ellipse.";
+    sheet.draw(format!("extents-{name}"), [&title, "length"], caption)
 }
 
 /// Perimeters over the length at rest, which is the perimeter at the start over the stretch there.
@@ -151,16 +145,16 @@ fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     sheet.line("kinetic", Some(kinetic));
     if let Some(elastic) = elastic {
         sheet.line("elastic", Some(elastic));
-        sheet.add("both", Some(total), Stroke::Line);
+        sheet.add("sum", Some(total), Stroke::Line);
     }
     sheet.add("dissipated", dissipated, Stroke::Line);
-    sheet.add("all", level, Stroke::Dashed);
+    sheet.add("together", level, Stroke::Dashed);
     sheet.draw(
         "energy",
         ["Energy", "energy"],
-        "Kinetic and elastic energy, their sum, and what has been dissipated since the start. Dashed: all together. When \
-         nothing drives the flow the sum of both can only fall and the dashed line is level; a dashed line that rises \
-         without work of walls or body forces is energy from nowhere.",
+        "What the flow and the membranes hold, and what viscosity has taken since the start. Dashed: together, which is the \
+         energy at the start and the work of walls and forces. When nothing drives the flow the energy held can only fall and \
+         the dashed line is level; if it then rises, energy comes from nowhere.",
     )
 }
 
@@ -182,9 +176,10 @@ fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     sheet.draw(
         "energy-balance",
         ["Energy balance", "from nowhere (%)"],
-        "Energy that came from nowhere since the start, by (3.23), over the energy in play. The truth is zero. Below zero \
-         the scheme itself dissipates, which a smaller step or a finer mesh lessens; above zero and rising it feeds the flow, \
-         and nothing on this page should be believed.",
+        "Energy that came from nowhere since the start, by (3.23), over the energy in play, which is little while a flow \
+         starts from rest. The truth is zero; a fraction of a per cent is the error of the scheme, which a smaller step or a \
+         finer mesh lessens. Several per cent and rising faster and faster would be an instability: then believe nothing on \
+         this page.",
     )
 }
 
@@ -200,15 +195,13 @@ fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
 
 fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     sheet.line("Courant number", run.column("cfl"));
-    let over = run.column("step_over_limit").filter(|c| c.iter().any(|v| *v != 0.0));
-    sheet.line("step / explicit limit", over);
-    sheet.draw(
-        "step",
-        ["Time step", "ratio"],
-        "How many cells the fluid crosses in a step, and the step over the largest one that explicit coupling allows (1.54). \
-         Explicit coupling is unstable above 1; implicit coupling is stable there, but accuracy asks for a Courant number of \
-         about 1 or less.",
-    )
+    let mut caption = "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
+    if !run.scene.membranes.is_empty() {
+        sheet.line("step / explicit limit", run.column("step_over_limit"));
+        caption += " And the step over the largest one that explicit coupling allows (1.54): above 1 explicit coupling is \
+                    unstable, while implicit coupling is not.";
+    }
+    sheet.draw("step", ["Time step", "ratio"], caption)
 }
 
 fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
@@ -222,13 +215,15 @@ fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn probe(run: &RunFolder, name: &str, of: Quantity, mut sheet: Sheet) -> Option<Drawn> {
-    sheet.line(quantity_name(of), run.column(name));
+fn probe(run: &RunFolder, probe: &Probe, mut sheet: Sheet) -> Option<Drawn> {
+    let (name, of) = (&probe.name, quantity_name(probe.of));
+    sheet.line(of, run.column(name));
     for component in ["x", "y", "z"] {
         sheet.line(component, run.column(&format!("{name}_{component}")));
     }
+    let at: Vec<String> = probe.at.iter().map(|x| rounded(*x, 6)).collect();
     let title = format!("Probe {name}");
-    sheet.draw(format!("probe-{name}"), [&title, quantity_name(of)], format!("The {} at a point.", quantity_name(of)))
+    sheet.draw(format!("probe-{name}"), [&title, of], format!("The {of} at ({}).", at.join(", ")))
 }
 
 fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
@@ -250,33 +245,30 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
 /// Curves on one chart at most: more colours cannot be told apart.
 const MOST_CURVES: usize = 6;
 
-fn profile(name: &str, table: &Table, of: &str) -> Option<Drawn> {
+fn profile(run: &RunFolder, profile: &Profile, table: &Table) -> Option<Drawn> {
+    let (name, of) = (&profile.name, quantity_name(profile.of));
     let distance = table.column("distance").ok()?;
     let place = ["distance", "x", "y", "z"];
     let columns: Vec<_> =
         table.names.iter().zip(&table.columns).filter(|(n, _)| !place.contains(&n.as_str())).collect();
     let every = columns.len().div_ceil(MOST_CURVES).max(1);
-    let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
     // Counted from the end, so that the last time is among them.
     let first = columns.len().saturating_sub(1) % every;
+    let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
     columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));
-    let left_out = if every > 1 {
-        format!(" One of {every} columns is shown, all are in profiles/{name}.csv.")
-    } else {
-        String::new()
-    };
-    let title = format!("Profile {name}");
-    sheet.draw(
-        format!("profile-{name}"),
-        [&title, of],
-        format!(
-            "The {of} along a line, over the distance from its first point. A membrane makes the pressure jump over the \
-             thickness of its band; wiggles away from it would mean that the mesh is too coarse for the band.{left_out}"
-        ),
-    )
+    let point = |x: &[f64]| x.iter().map(|v| rounded(*v, 6)).collect::<Vec<_>>().join(", ");
+    let mut caption = format!("The {of} along the line from ({}) to ({}).", point(&profile.from), point(&profile.to));
+    if profile.of == Quantity::Pressure && !run.scene.membranes.is_empty() {
+        caption += " A membrane makes it jump over the thickness of its band; wiggles away from the band would mean that the \
+                    mesh is too coarse for it.";
+    }
+    if every > 1 {
+        caption += &format!(" One of {every} columns is shown, all are in profiles/{name}.csv.");
+    }
+    sheet.draw(format!("profile-{name}"), [&format!("Profile {name}"), of], caption)
 }
 
-pub(super) fn quantity_name(of: Quantity) -> &'static str {
+fn quantity_name(of: Quantity) -> &'static str {
     match of {
         Quantity::Pressure => "pressure",
         Quantity::Velocity => "velocity",

@@ -4,6 +4,7 @@ use super::summary::Summary;
 use crate::base::{Error, Result, Warning};
 use crate::output::{Table, read_pvd};
 use crate::scene::Scene;
+use crate::scene::schema::Profile;
 use std::path::{Path, PathBuf};
 
 /// The folder of a run.
@@ -14,8 +15,8 @@ pub(super) struct RunFolder {
     pub series: Table,
     /// Stored fields, in the order of time.
     pub frames: Vec<Frame>,
-    /// Profiles by name, those that were reached.
-    pub profiles: Vec<(String, Table)>,
+    /// Profiles, those that were reached.
+    pub profiles: Vec<(Profile, Table)>,
     pub warnings: Vec<Warning>,
 }
 
@@ -57,7 +58,7 @@ impl RunFolder {
             if file.is_file() {
                 let table = Table::read(&file)?;
                 table.column("distance").map_err(|e| e.at(file.display().to_string()))?;
-                self.profiles.push((profile.name.clone(), table));
+                self.profiles.push((profile.clone(), table));
             } else {
                 let what = format!("there is no profile `{}` in this folder", profile.name);
                 self.warnings.push(Warning::new(what, "the run did not come to its first time"));

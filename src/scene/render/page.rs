@@ -78,7 +78,7 @@ fn headline(run: &RunFolder) -> Vec<Number> {
         if let Some((a, b)) = last("axis_1").zip(last("axis_2")) {
             let circle = last("area").map(|a| (a / std::f64::consts::PI).sqrt());
             let note = circle.map_or_else(String::new, |r| format!("circle of the same area: {}", rounded(r, 4)));
-            numbers.push(number(&format!("Semi-axes{of}"), format!("{} × {}", rounded(a, 4), rounded(b, 4)), note));
+            numbers.push(number(&format!("Semi-axes{of}"), pair(a, b), note));
         }
         if let Some(area) = last("area") {
             let note =
@@ -109,13 +109,24 @@ fn headline(run: &RunFolder) -> Vec<Number> {
     numbers
 }
 
+/// Two lengths with equally many decimals, four digits of the larger.
+fn pair(a: f64, b: f64) -> String {
+    let decade = a.abs().max(b.abs()).log10().floor();
+    if !(-3.0..6.0).contains(&decade) {
+        return format!("{} × {}", rounded(a, 4), rounded(b, 4));
+    }
+    let decimals = (3.0 - decade).max(0.0) as usize;
+    format!("{a:.decimals$} × {b:.decimals$}")
+}
+
 /// Membranes that have numbers at the top; the others stand in the tables.
 const MOST_MEMBRANES: usize = 2;
 
 /// The greatest speed of the run and its time.
 fn peak(run: &RunFolder) -> Option<String> {
     let speeds = run.column("time")?.iter().zip(run.column("velocity_max")?);
-    let (t, v) = speeds.filter(|(_, v)| v.is_finite()).max_by(|a, b| a.1.total_cmp(b.1))?;
+    // Backwards, so that the first of equal ones is found.
+    let (t, v) = speeds.rev().filter(|(_, v)| v.is_finite()).max_by(|a, b| a.1.total_cmp(b.1))?;
     Some(format!("greatest: {} at t = {}", rounded(*v, 4), rounded(*t, 4)))
 }
 

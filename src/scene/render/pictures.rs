@@ -1,10 +1,10 @@
 //! Pictures of the stored fields, and the film they make.
 
 use super::folder::{Frame, RunFolder};
-use crate::base::{Result, Warning};
+use crate::base::{Error, Result, Warning};
 use crate::output::{
-    Arrows, Content, FieldData, Figure, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded, write_file,
-    write_film,
+    Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded,
+    write_file, write_film,
 };
 use crate::scene::schema::Quantity;
 use nalgebra::SVector;
@@ -21,24 +21,14 @@ pub(super) struct Gallery {
 }
 
 /// Pictures of a film at most: a page that holds it must stay small enough to open.
-const MOST_FRAMES: usize = 300;
+const MOST_FRAMES: usize = 150;
 
 /// Draws all stored fields of a run.
 pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
-    let output = &run.scene.output;
-    if output.pictures.is_none() {
-        return Ok(Gallery::default());
-    }
-    if run.scene.dimension() != 2 {
-        run.warnings.push(Warning::new("no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"));
-        return Ok(Gallery::default());
-    }
-    if run.frames.is_empty() {
-        run.warnings.push(Warning::new("no pictures: the run has stored no fields", "it ended before the first step"));
+    if !wanted(run) {
         return Ok(Gallery::default());
     }
     let folder = run.folder("pictures")?;
-    let film = output.film && run.frames.len() > 1;
     let painter = Painter::new(run)?;
     let file = |f: &Frame| folder.join(format!("{}.png", f.name));
     let paint = |frame: &Frame| -> Result<Image> {
@@ -49,33 +39,59 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
     // A few at a time, so that memory stays bounded however long the run was.
     let batch = 2 * rayon::current_num_threads();
     let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
-    let every = run.frames.len().div_ceil(MOST_FRAMES);
     let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
-    if film {
+    if run.scene.output.film && run.frames.len() > 1 {
+        let every = run.frames.len().div_ceil(MOST_FRAMES);
         let shown = images.enumerate().filter(|(i, image)| i % every == 0 || image.is_err()).map(|(_, image)| image);
         let seconds = run.frames.len().min(MOST_FRAMES) as f64 / 6.0;
         let film = write_film(&run.path.join("film"), shown, seconds.clamp(4.0, 25.0))?;
-        let content = match &film.mp4 {
-            Some(mp4) => Content::Mp4(read_file(mp4)?),
-            None => Content::Gif(read_file(&film.gif)?),
-        };
-        gallery.film = Some(Figure { title: "Film.".into(), content, caption: painter.film_caption(run, every) });
+        gallery.film = Some(film_figure(&film, painter.film_caption(run, every))?);
         gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
         run.warnings.extend(film.warning);
     } else {
         images.try_for_each(|image| image.map(drop))?;
     }
-    let last = run.frames.len() - 1;
-    let mut shown = vec![0, last / 2, last];
-    shown.dedup();
-    for frame in shown.into_iter().filter_map(|k| run.frames.get(k)) {
-        gallery.pictures.push(Figure {
-            title: format!("t = {}.", rounded(frame.time, 6)),
-            content: Content::Png(read_file(&file(frame))?),
-            caption: String::new(),
-        });
-    }
+    gallery.pictures = shown(run, file)?;
     Ok(gallery)
+}
+
+/// Whether there is anything to draw; warns of what the scene asks for and cannot be made.
+fn wanted(run: &mut RunFolder) -> bool {
+    let output = &run.scene.output;
+    if output.pictures.is_none() {
+        return false;
+    }
+    let missing = match run.frames.len() {
+        _ if run.scene.dimension() != 2 => {
+            ["no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"]
+        }
+        0 => ["no pictures: the run has stored no fields", "it ended before the first step"],
+        1 if output.film => ["no film: the run has stored fields of one time only", "see the picture"],
+        _ => return true,
+    };
+    run.warnings.push(Warning::new(missing[0], missing[1]));
+    run.frames.len() == 1 && run.scene.dimension() == 2
+}
+
+fn film_figure(film: &Film, caption: String) -> Result<Figure> {
+    let content = match &film.mp4 {
+        Some(mp4) => Content::Mp4(read_file(mp4)?),
+        None => Content::Gif(read_file(&film.gif)?),
+    };
+    Ok(Figure { title: "Film.".into(), content, caption })
+}
+
+/// The first, the middle and the last picture.
+fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure>> {
+    let last = run.frames.len().saturating_sub(1);
+    let mut chosen = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
+    chosen.dedup_by_key(|c| c.0);
+    let chosen = chosen.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when)));
+    let figure = |(frame, when): (&Frame, &str)| {
+        let title = format!("{when}, t = {}.", rounded(frame.time, 6));
+        Ok(Figure { title, content: Content::Png(read_file(&file(frame))?), caption: String::new() })
+    };
+    chosen.map(figure).collect()
 }
 
 /// How the pictures of a run look, all in one scale.
@@ -111,26 +127,36 @@ impl Painter {
 
     fn range(&self, frame: &Frame) -> Result<Scale> {
         let snapshot = read_vtu::<2>(&frame.file)?;
-        Ok(match self.field(&snapshot).map_err(|e| e.at(frame.file.display().to_string()))? {
-            Field::Borrowed(field) => Scale::of(field),
-            Field::Owned(values) => Scale::of::<2>(FieldData::Scalar(&values)),
-        })
+        let place = |e: Error| e.at(frame.file.display().to_string());
+        match self.field(&snapshot).map_err(place)? {
+            Field::Borrowed(field) => Ok(Scale::of(field)),
+            // Far from the interface the slope of the level set is no stretch, and where fronts meet it is zero.
+            Field::Stretch(values) => {
+                let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
+                let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
+                Ok(Scale::of::<2>(FieldData::Scalar(&values)))
+            }
+        }
     }
 
     /// What is coloured.
     fn field<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<Field<'a>> {
-        let level_set = || self.membranes.first().map_or(Ok(&[][..]), |name| level_set(snapshot, name));
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
-            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(level_set()?)),
-            Quantity::Stretch => Field::Owned(stretch(snapshot, level_set()?)),
+            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
+            Quantity::Stretch => Field::Stretch(stretch(snapshot, self.level_set(snapshot)?)),
         })
+    }
+
+    /// The level set of the membrane; a scene asks for it only when there is exactly one.
+    fn level_set<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<&'a [f64]> {
+        level_set(snapshot, self.membranes.first().map_or("", |name| name))
     }
 
     fn paint(&self, frame: &Frame) -> Result<Image> {
         let snapshot = read_vtu::<2>(&frame.file)?;
-        let place = |e: crate::base::Error| e.at(frame.file.display().to_string());
+        let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
         let interfaces = self.membranes.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
         let arrows = match self.fastest {
@@ -141,7 +167,7 @@ impl Painter {
             space: &snapshot.space,
             field: match &field {
                 Field::Borrowed(field) => *field,
-                Field::Owned(values) => FieldData::Scalar(values),
+                Field::Stretch(values) => FieldData::Scalar(values),
             },
             scale: self.scale,
             title: self.title(),
@@ -175,7 +201,7 @@ impl Painter {
             caption += "; the black line is the interface";
         }
         if self.fastest.is_some() {
-            caption += "; arrows show the velocity, the longest the greatest speed of the run";
+            caption += "; arrows show the velocity, longer by the root of the speed";
         }
         if every > 1 {
             caption += &format!("; one of {every} pictures is shown here, all are in pictures/");
@@ -187,11 +213,25 @@ impl Painter {
 /// A field of the snapshot, or one derived from it.
 enum Field<'a> {
     Borrowed(FieldData<'a, 2>),
-    Owned(Vec<f64>),
+    Stretch(Vec<f64>),
 }
 
 fn level_set<'a>(snapshot: &'a Snapshot<2>, membrane: &str) -> Result<&'a [f64]> {
     snapshot.scalar(&format!("{membrane}.level_set"))
+}
+
+/// Which nodes belong to a cell that the interface cuts.
+fn near_interface(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<bool> {
+    let space = &snapshot.space;
+    let mut near = vec![false; space.len()];
+    for c in 0..space.mesh().cell_count() {
+        let nodes = space.cell_nodes(c);
+        let inside = nodes.iter().filter(|&&n| phi[n as usize] < 0.0).count();
+        if inside > 0 && inside < nodes.len() {
+            nodes.iter().for_each(|&n| near[n as usize] = true);
+        }
+    }
+    near
 }
 
 /// `|grad phi|` at the nodes, the gradient being the mean over the cells around a node.
