@@ -2,9 +2,9 @@
 
 use crate::tools::point;
 use immersa::elastic::{AreaLaw, Membrane};
+use immersa::fem::{Element, Space};
 use immersa::levelset::{Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::fem::{Element, Space};
 use immersa::sim::{Coupling, Materials, Settings, Simulation, Structure, TwoFluids};
 use immersa::transport::Method;
 use nalgebra::SVector;
@@ -103,6 +103,23 @@ pub fn half_chords(sim: &Simulation<2>) -> [f64; 2] {
 /// Area, perimeter and the like.
 pub fn measures(sim: &Simulation<2>) -> Measures {
     Contour::new(sim.space(), &sim.state().phi[0]).unwrap().measures().unwrap()
+}
+
+/// Error of the enclosed area in per cent, for the ellipse .75 / .5.
+pub fn area_error(sim: &Simulation<2>) -> f64 {
+    100.0 * (measures(sim).area / (0.375 * std::f64::consts::PI) - 1.0)
+}
+
+/// Steps to `end` and gives the largest rise of the total energy in one step.
+pub fn largest_rise(sim: &mut Simulation<2>, end: f64) -> f64 {
+    let steps = (end / sim.settings().dt).round() as u64;
+    let mut rise = f64::NEG_INFINITY;
+    while sim.state().steps < steps {
+        let before = sim.state().energies.total();
+        sim.step().unwrap();
+        rise = rise.max(sim.state().energies.total() - before);
+    }
+    rise
 }
 
 /// Energy that came from nowhere, over the initial energy.

@@ -126,7 +126,8 @@ fn stokes_in_a_box() {
     };
     let force = |mu: f64, x: &Point<3>| {
         let c = (x[0] + 2.0 * x[1] + x[2]).cos();
-        let lap = SVector::<f64, 3>::new(-4.0 * (2.0 * x[1]).sin(), -4.0 * (2.0 * x[2]).cos(), -2.0 * (x[0] + x[1]).sin());
+        let lap =
+            SVector::<f64, 3>::new(-4.0 * (2.0 * x[1]).sin(), -4.0 * (2.0 * x[2]).cos(), -2.0 * (x[0] + x[1]).sin());
         SVector::<f64, 3>::new(c, 2.0 * c, c) - lap * mu
     };
     let meshes = [3, 5, 10].map(|n| box_mesh([0.0; 3], [1.0; 3], [n; 3]).unwrap());

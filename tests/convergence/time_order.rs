@@ -43,19 +43,22 @@ const MEMBRANE: Case = Case { n: 24, thickness: 0.15, viscosity: 0.05, ..Case::L
 fn the_membrane_implicit_of_order_two() {
     let case = Case { order: 2, coupling: Coupling::Implicit, ..MEMBRANE };
     let sizes = [0.04, 0.02, 0.01];
-    Study { what: "Membrane, implicit, order 2", sizes: &sizes, errors: membrane(case, &sizes, 0.00125) }.assert(2.0, 5.8e-6);
+    Study { what: "Membrane, implicit, order 2", sizes: &sizes, errors: membrane(case, &sizes, 0.00125) }
+        .assert(2.0, 5.8e-6);
 }
 
 #[test]
 fn the_membrane_implicit_of_order_one() {
     let case = Case { order: 1, coupling: Coupling::Implicit, ..MEMBRANE };
     let sizes = [0.08, 0.04, 0.02, 0.01];
-    Study { what: "Membrane, implicit, order 1", sizes: &sizes, errors: membrane(case, &sizes, 0.00125) }.assert(1.0, 1.5e-4);
+    Study { what: "Membrane, implicit, order 1", sizes: &sizes, errors: membrane(case, &sizes, 0.00125) }
+        .assert(1.0, 1.5e-4);
 }
 
 #[test]
 fn the_membrane_explicit_of_order_two() {
     let case = Case { order: 2, coupling: Coupling::Explicit, ..MEMBRANE };
     let sizes = [0.04, 0.02, 0.01, 0.005];
-    Study { what: "Membrane, explicit, order 2", sizes: &sizes, errors: membrane(case, &sizes, 0.00125) }.assert(2.0, 8.1e-7);
+    Study { what: "Membrane, explicit, order 2", sizes: &sizes, errors: membrane(case, &sizes, 0.00125) }
+        .assert(2.0, 8.1e-7);
 }

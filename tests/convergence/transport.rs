@@ -3,7 +3,7 @@
 use crate::tools::point;
 use immersa::fem::{Basis, Element, Projector, Rule, Space};
 use immersa::levelset::{Circle, Contour, Shape, signed_distance};
-use immersa::mesh::{Diagonals, Mesh, Point, disc, rectangle};
+use immersa::mesh::{Diagonals, Mesh, Point, rectangle};
 use immersa::transport::{Feet, Method, Tracer, carry_nodal, carry_projected};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -63,7 +63,6 @@ impl Carried {
     fn assert(&self, what: &str, shape: &dyn Shape<2>, r: f64, area: f64, moved: f64) {
         let (error, difference) = (100.0 * self.area_error(r), self.symmetric_difference(shape));
         println!("{what}: area {error:+.4} %, symmetric difference {difference:.2e}");
-        if std::env::var("LOOSE").is_ok() { return; }
         assert!((error - area).abs() <= 0.1 * area.abs(), "{what}: area {error} %, measured before {area} %");
         assert!(difference <= 1.2 * moved, "{what}: symmetric difference {difference}, measured before {moved}");
     }
@@ -107,19 +106,25 @@ fn turn(x: &Point<2>, _: f64) -> Point<2> {
     point(0.5 - x[1], x[0] - 0.5)
 }
 
-/// One turn of a disc about the middle of a round domain, in 40 steps.
+/// Solid rotation within 0.42 of the middle; the fluid at the walls rests.
+fn turn_of_the_middle(x: &Point<2>, t: f64) -> Point<2> {
+    let s = (((x - point(0.5, 0.5)).norm() - 0.42) / 0.08).clamp(0.0, 1.0);
+    turn(x, t) * (1.0 - s * s * (3.0 - 2.0 * s))
+}
+
+/// One turn of a disc about the middle, in 40 steps.
 #[test]
 fn solid_rotation() {
     let (shape, r) = disc_of_fluid();
-    for (method, rings, area, moved) in [
-        (Method::Nodal, 16, 0.0, 0.0),
-        (Method::Nodal, 32, 0.0, 0.0),
-        (Method::Projected, 16, 0.0, 0.0),
-        (Method::Projected, 32, 0.0, 0.0),
+    for (method, n, area, moved) in [
+        (Method::Nodal, 32, 6.2365, 5.12e-3),
+        (Method::Nodal, 64, -0.1968, 5.81e-4),
+        (Method::Projected, 32, -0.3607, 2.09e-3),
+        (Method::Projected, 64, -0.0515, 4.71e-4),
     ] {
-        let mut carried = Carried::new(disc([0.5; 2], 0.5, rings).unwrap(), &shape);
-        carried.carry(turn, 2.0 * PI, 2.0 * PI / 40.0, method);
-        carried.assert(&format!("Rotation, {method:?}, {rings} rings"), &shape, r, area, moved);
+        let mut carried = Carried::new(square(n), &shape);
+        carried.carry(turn_of_the_middle, 2.0 * PI, 2.0 * PI / 40.0, method);
+        carried.assert(&format!("Rotation, {method:?}, {n} squares"), &shape, r, area, moved);
     }
 }
 
@@ -150,11 +155,11 @@ fn vortex(x: &Point<2>, t: f64) -> Point<2> {
 fn the_reversed_vortex() {
     let (shape, r) = disc_of_fluid();
     for (method, n, steps, area, moved) in [
-        (Method::Nodal, 32, 500, 0.0, 0.0),
-        (Method::Nodal, 32, 64, 0.0, 0.0),
-        (Method::Nodal, 64, 128, 0.0, 0.0),
-        (Method::Projected, 32, 64, 0.0, 0.0),
-        (Method::Projected, 64, 128, 0.0, 0.0),
+        (Method::Nodal, 32, 500, -70.0346, 5.62e-2),
+        (Method::Nodal, 32, 64, -25.4520, 2.75e-2),
+        (Method::Nodal, 64, 128, -3.2339, 1.20e-2),
+        (Method::Projected, 32, 64, 4.6965, 1.04e-2),
+        (Method::Projected, 64, 128, 2.5037, 1.63e-3),
     ] {
         let mut carried = Carried::new(square(n), &shape);
         carried.carry(vortex, 8.0, 8.0 / steps as f64, method);
