@@ -60,7 +60,7 @@ impl Snippet {
 ///
 /// Built by [`Error::scene`], [`Error::input`], [`Error::computation`], [`Error::internal`] or [`Error::interrupted`]
 /// and completed by [`at`](Error::at), [`value`](Error::value) and [`remedy`](Error::remedy).
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct Error(Box<Parts>);
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -164,6 +164,13 @@ impl fmt::Display for Error {
             write!(f, "\n  remedy: {}", p.remedy)?;
         }
         Ok(())
+    }
+}
+
+/// The same as `Display`: this is what a user sees when `main` returns an error.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

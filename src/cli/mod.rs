@@ -29,7 +29,7 @@ enum Command {
     Run(run::Arguments),
     /// Say what a scene solves and what it leaves out, without computing it
     Explain(explain::Arguments),
-    /// Make pictures and a film of finished runs
+    /// Make pictures, a film, charts and the report of finished runs
     Render(render::Arguments),
     /// Write a commented scene to start from
     New(new::Arguments),

@@ -1,9 +1,10 @@
-//! `immersa render`: pictures and a film of finished runs.
+//! `immersa render`: pictures, film, charts and report of finished runs.
 
 use super::Overrides;
-use crate::base::{Error, Result};
-use crate::scene::Scene;
-use std::path::{Path, PathBuf};
+use crate::base::Result;
+use crate::scene::render::render_with;
+use std::io::Write;
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -16,19 +17,17 @@ pub(super) struct Arguments {
 
 pub(super) fn render(arguments: &Arguments) -> Result<()> {
     for folder in &arguments.runs {
-        load(folder, &arguments.overrides.set)?;
+        let rendered = render_with(folder, &arguments.overrides.set)?;
+        // The files are written; a closed terminal changes nothing about that.
+        for warning in &rendered.warnings {
+            let _ = writeln!(std::io::stderr().lock(), "warning: {warning}");
+        }
+        let _ = writeln!(
+            std::io::stdout().lock(),
+            "{} files are written; open {}",
+            rendered.files.len(),
+            rendered.report.display()
+        );
     }
     Ok(())
-}
-
-/// The resolved scene of a run folder.
-fn load(folder: &Path, overrides: &[String]) -> Result<Scene> {
-    let scene = folder.join("scene.toml");
-    if scene.is_file() {
-        return Scene::load(&scene, overrides);
-    }
-    Err(Error::input("this is not the folder of a run: it has no scene.toml")
-        .at(folder.display().to_string())
-        .value(folder.display())
-        .remedy("give a folder that `immersa run` has written"))
 }

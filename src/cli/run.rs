@@ -2,9 +2,10 @@
 
 use super::SceneArguments;
 use super::progress::Progress;
-use crate::base::{Error, Result};
+use crate::base::{Error, Kind, Result};
 use crate::scene::Scene;
-use crate::scene::run::{self, Options};
+use crate::scene::render::render;
+use crate::scene::run::{self, Observer, Options};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -32,19 +33,27 @@ static STOP: AtomicBool = AtomicBool::new(false);
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     set_threads(arguments.threads)?;
-    // Without a handler Ctrl-C ends the program at once; the last checkpoint is still there.
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    // Without a handler Ctrl-C ends the program at once, as it does when it comes again; the last checkpoint is still there.
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(Kind::Interrupted.exit_code().into());
+        }
+    });
     let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&scene));
     let mut progress = Progress::new(arguments.quiet, &scene.title);
     let options = Options { folder: folder.clone(), resume: arguments.resume, stop: &STOP };
     let result = run::run(&scene, &options, &mut progress);
     progress.finish();
     // A failed computation has kept its last good state: show that too.
-    if matches!(&result, Err(e) if e.kind() != crate::base::Kind::Computation) {
+    if matches!(&result, Err(e) if e.kind() != Kind::Computation) {
         return result.map(drop);
     }
+    progress.phase("drawing pictures and the report");
+    let rendered = render(&folder);
     let outcome = result?;
-    progress.done(&outcome, &folder);
+    let rendered = rendered?;
+    rendered.warnings.iter().for_each(|w| progress.warning(w));
+    progress.done(&outcome, &rendered.report);
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! The velocity at nodes where parts of the boundary meet.
 
-use super::numbering::VelocityFunction;
+use super::condition::VelocityFunction;
 use crate::mesh::Point;
 use nalgebra::SVector;
 
@@ -10,8 +10,8 @@ const SMOOTH: f64 = 0.5;
 /// A facet at a node, and the velocity that its part of the boundary prescribes; `None` for zero.
 #[derive(Clone)]
 pub(super) struct Side<const D: usize> {
-    /// Number of the condition.
-    pub condition: usize,
+    /// Number of the condition; `None` for the walls of a mesh without conditions, and for those that slip.
+    pub condition: Option<usize>,
     /// Outward unit normal.
     pub normal: SVector<f64, D>,
     /// The velocity.
@@ -79,7 +79,7 @@ mod tests {
         let v = V::from(velocity);
         let moves = v != V::zeros();
         Side {
-            condition,
+            condition: Some(condition),
             normal: V::from(normal).normalize(),
             velocity: moves.then(|| Arc::new(move |_: &V, _| v) as _),
         }

@@ -4,10 +4,12 @@
 //! `f0 . v + f1 : grad v`; a bilinear form is a linear map from `(u, grad u)` to such a pair. Assembly knows nothing else.
 
 mod assembly;
+mod condition;
 mod corner;
 mod element;
 mod norms;
 mod numbering;
+mod periodic;
 mod projection;
 mod quadrature;
 mod space;
@@ -15,9 +17,11 @@ mod space;
 pub use assembly::{
     At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_mass, assemble_scalar, assemble_vector, integrate,
 };
+pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
 pub use norms::{Errors, scalar_errors, vector_errors};
-pub use numbering::{Condition, Conditions, Numbering, Translation, VelocityFunction, periodic_pairs};
+pub use numbering::Numbering;
+pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{Space, Value};

@@ -1,7 +1,8 @@
 //! L2 projection onto a scalar space.
 
 use super::assembly::{At, Basis, Cells, assemble_mass, assemble_scalar};
-use super::numbering::{Numbering, Translation};
+use super::numbering::Numbering;
+use super::periodic::Translation;
 use crate::base::Result;
 use crate::linalg::{Factor, Ordering, SymmetricMatrix};
 use crate::mesh::NONE;

@@ -81,6 +81,12 @@ impl<const D: usize> Space<D> {
         let n = self.local_count();
         &self.cell_nodes[c * n..(c + 1) * n]
     }
+    /// Whether each node belongs to a cell: a mesh may hold points that no cell uses.
+    pub fn used_nodes(&self) -> Vec<bool> {
+        let mut used = vec![false; self.len()];
+        self.cell_nodes.iter().for_each(|&n| used[n as usize] = true);
+        used
+    }
     /// The nodes on a boundary facet.
     pub fn facet_nodes(&self, f: &Facet) -> impl Iterator<Item = u32> + '_ {
         let opposite = f.opposite as usize;

@@ -1,6 +1,6 @@
 //! Integrals over the boundary: force by the stress, flux, and energy carried out.
 
-use super::solver::FlowState;
+use super::step::FlowState;
 use crate::base::Result;
 use crate::fem::{Rule, Space};
 use crate::mesh::{Facet, Location, Mesh, Point};

@@ -4,8 +4,10 @@
 mod boundary;
 mod coefficient;
 mod solver;
+mod step;
 pub mod term;
 
 pub use boundary::{Load, flux, kinetic_outflow, traction};
 pub use coefficient::Coefficient;
-pub use solver::{BodyForce, FlowSolver, FlowState, History, Step, StepReport};
+pub use solver::FlowSolver;
+pub use step::{BodyForce, FlowState, History, Step, StepReport};

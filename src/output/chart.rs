@@ -132,7 +132,7 @@ impl Chart<'_> {
         let Some((head, body)) = svg.split_once('>') else { return self.empty() };
         let fixed = format!(" width=\"{WIDTH}\" height=\"{HEIGHT}\"");
         let fluid = format!(" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\"", escape(self.title));
-        format!("{}>{body}", head.replace(&fixed, &fluid))
+        steady(&format!("{}>{body}", head.replace(&fixed, &fluid)))
     }
     /// What stands in for a chart without a point.
     fn empty(&self) -> String {
@@ -148,6 +148,31 @@ impl Chart<'_> {
             line(70, 13, "no values that can be drawn")
         )
     }
+}
+
+/// The names of clipping paths made from the drawing itself: `kuva` counts them within a process, so that the same chart
+/// would have other bytes the next time. On one page, only charts that are the same share a name.
+fn steady(svg: &str) -> String {
+    const NAME: &str = "kuva-clip-";
+    let renamed = |to: &str| {
+        let mut known = Vec::new();
+        let mut pieces = svg.split(NAME);
+        let mut out = pieces.next().unwrap_or_default().to_string();
+        for piece in pieces {
+            let rest = piece.trim_start_matches(|c: char| c.is_ascii_digit());
+            let number = &piece[..piece.len() - rest.len()];
+            let k = known.iter().position(|n| *n == number).unwrap_or(known.len());
+            if k == known.len() {
+                known.push(number);
+            }
+            out += &format!("clip-{to}{k}{rest}");
+        }
+        out
+    };
+    // FNV-1a.
+    let hash =
+        renamed("").bytes().fold(0xcbf2_9ce4_8422_2325u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    renamed(&format!("{hash:016x}-"))
 }
 
 fn plot(data: impl Iterator<Item = (f64, f64)>, curve: &Curve, colour: &str, named: bool) -> Plot {
@@ -293,6 +318,17 @@ mod tests {
             assert!(svg.contains(text), "{text} is missing");
         }
         assert_eq!(svg.matches("<circle").count(), 9 + 1, "a mark a point and one in the legend");
+    }
+
+    #[test]
+    fn the_same_chart_has_the_same_bytes_and_another_one_other_names() {
+        let chart =
+            |y: &[f64]| Chart { curves: vec![curve("a", &[1.0, 2.0], y, Stroke::Line)], ..Chart::default() }.svg();
+        let first = chart(&[1.0, 2.0]);
+        assert_eq!(first, chart(&[1.0, 2.0]));
+        let name = |svg: &str| svg.split("url(#").nth(1).unwrap().split(')').next().unwrap().to_string();
+        assert!(first.contains(&format!("id=\"{}\"", name(&first))));
+        assert_ne!(name(&first), name(&chart(&[2.0, 1.0])));
     }
 
     #[test]

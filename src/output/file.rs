@@ -39,7 +39,10 @@ pub(super) fn cannot_write(path: &Path, e: &io::Error) -> Error {
 }
 
 /// The content of a file.
-pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
+///
+/// # Errors
+/// The file cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
     fs::read(path).map_err(|e| {
         Error::input("cannot read a file")
             .at(path.display().to_string())
@@ -49,7 +52,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
 }
 
 /// The content of a text file.
-pub(super) fn read_text(path: &Path) -> Result<String> {
+///
+/// # Errors
+/// The file cannot be read, or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read(path)?).map_err(|e| {
         Error::input("a text file is not valid UTF-8").at(path.display().to_string()).value(e.utf8_error())
     })

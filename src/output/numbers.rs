@@ -35,13 +35,20 @@ pub(super) fn trimmed(text: &str) -> String {
 
 /// A number for people: six digits, without zeros at the end.
 pub(super) fn short(v: f64) -> String {
-    if v == 0.0 || (1e-3..1e6).contains(&v.abs()) {
-        let decimals = if v == 0.0 { 0.0 } else { 5.0 - v.abs().log10().floor() };
-        return trimmed(&format!("{v:.*}", decimals.clamp(0.0, 8.0) as usize));
-    }
-    match format!("{v:.5e}").split_once('e') {
-        Some((mantissa, exponent)) => format!("{}e{exponent}", trimmed(mantissa)),
-        None => v.to_string(),
+    rounded(v, 6)
+}
+
+/// A number for people, with at most `digits` digits and without zeros at the end.
+pub fn rounded(v: f64, digits: usize) -> String {
+    let last = digits.max(1) - 1;
+    // Rounded first: 9.9996 with four digits is 10.
+    let scientific = format!("{v:.last$e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return v.to_string() };
+    match exponent.parse::<i32>() {
+        Ok(exponent) if (-3..6).contains(&exponent) => {
+            trimmed(&format!("{v:.*}", (last as i32 - exponent).max(0) as usize))
+        }
+        _ => format!("{}e{exponent}", trimmed(mantissa)),
     }
 }
 
@@ -80,6 +87,11 @@ mod tests {
             (f64::NAN, "NaN"),
         ] {
             assert_eq!(short(v), text);
+        }
+        for (v, digits, text) in
+            [(9.99961, 4, "10"), (0.72194, 4, "0.7219"), (123456.7, 3, "123457"), (-2.4e-4, 1, "-2e-4")]
+        {
+            assert_eq!(rounded(v, digits), text);
         }
     }
 }

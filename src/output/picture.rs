@@ -33,7 +33,7 @@ pub struct Picture<'a> {
     pub size: [usize; 2],
 }
 
-/// A velocity to be drawn as arrows.
+/// A velocity to be drawn as arrows, whose length grows with the root of the speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrows<'a> {
     /// The velocity at the nodes.
@@ -166,15 +166,18 @@ impl<'a> Picture<'a> {
         let samples = lattice.sample(self.space.mesh(), zero, |c, l| self.space.value(&u, c, l));
         let mut segments = Vec::new();
         for (i, v) in samples.iter().enumerate() {
-            let length = 0.92 * SPACING * (v.norm() / arrows.fastest).min(1.0);
+            // By the root, so that slow parts have their direction too; the colours show how slow they are.
+            let length = 0.92 * SPACING * (v.norm() / arrows.fastest).min(1.0).sqrt();
             if length >= 4.0 {
                 let middle = frame.pixel(&lattice.point(i % lattice.columns, i / lattice.columns));
                 let d = [v[0] / v.norm(), -v[1] / v.norm()];
                 segments.extend(arrow(middle, d, length));
             }
         }
-        let rgb = if dark { [30, 34, 40] } else { [255; 3] };
-        image.stroke(&segments, 1.3, Ink { rgb, opacity: 0.85 });
+        // What lies around an arrow sets it off where the colours below are as light or as dark as itself.
+        let (arrow, around) = if dark { ([30, 34, 40], [255; 3]) } else { ([255; 3], [20, 24, 30]) };
+        image.stroke(&segments, 3.0, Ink { rgb: around, opacity: 0.35 });
+        image.stroke(&segments, 1.3, Ink { rgb: arrow, opacity: 0.9 });
         Ok(())
     }
     fn draw_axes(&self, frame: &Frame, image: &mut Image) {

@@ -12,6 +12,8 @@ pub struct Report {
     pub subtitle: String,
     /// What the reader must know before believing the rest.
     pub alarms: Vec<String>,
+    /// What the reader should know, but that puts no result in doubt.
+    pub notes: Vec<String>,
     /// The numbers that matter.
     pub headline: Vec<Number>,
     /// The film.
@@ -20,10 +22,8 @@ pub struct Report {
     pub pictures: Vec<Figure>,
     /// Charts.
     pub charts: Vec<Figure>,
-    /// What was computed, as lines of text.
-    pub plan: String,
-    /// Tables, such as the settings.
-    pub tables: Vec<Listing>,
+    /// Tables and texts, such as the settings.
+    pub sections: Vec<Section>,
     /// How to cite and to continue; blank lines separate paragraphs.
     pub footer: String,
 }
@@ -63,6 +63,15 @@ pub enum Content {
     Mp4(Vec<u8>),
 }
 
+/// A part of the page below the figures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// A title and lines of text, shown as they are; nothing if there are none.
+    Text(String, String),
+    /// A table.
+    Table(Listing),
+}
+
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
@@ -72,6 +81,8 @@ pub struct Listing {
     pub header: Vec<String>,
     /// Rows of cells.
     pub rows: Vec<Vec<String>>,
+    /// What the table says; may be empty.
+    pub caption: String,
 }
 
 impl Report {
@@ -88,14 +99,18 @@ impl Report {
         page.element("p", &self.subtitle);
         page.line("</header><main>");
         self.alarms.iter().for_each(|a| page.line(&format!("<div class=\"alarm\" role=\"alert\">{}</div>", escape(a))));
+        self.notes.iter().for_each(|n| page.line(&format!("<div class=\"remark\">{}</div>", escape(n))));
         self.numbers(&mut page);
         page.figures("Pictures", "pictures", self.film.iter().chain(&self.pictures));
         page.figures("Charts", "charts", &self.charts);
-        if !self.plan.is_empty() {
-            page.element("h2", "What was computed");
-            page.element("pre", &self.plan);
-        }
-        self.tables.iter().for_each(|t| page.table(t));
+        self.sections.iter().for_each(|s| match s {
+            Section::Text(_, text) if text.is_empty() => {}
+            Section::Text(title, text) => {
+                page.element("h2", title);
+                page.element("pre", text);
+            }
+            Section::Table(table) => page.table(table),
+        });
         page.line("</main><footer>");
         self.footer.split("\n\n").filter(|p| !p.trim().is_empty()).for_each(|p| page.element("p", p));
         page.line("</footer></body></html>");
@@ -159,6 +174,7 @@ impl Page {
     }
     fn table(&mut self, table: &Listing) {
         self.element("h2", &table.title);
+        self.element("p", &table.caption);
         let row = |cells: &[String], tag: &str| {
             let cells = cells.iter().map(|c| format!("<{tag}>{}</{tag}>", escape(c))).collect::<String>();
             format!("<tr>{cells}</tr>")
@@ -216,14 +232,22 @@ mod tests {
             film: Some(figure(Content::Gif(vec![1, 2, 3]))),
             pictures: vec![figure(Content::Png(vec![4])), figure(Content::Mp4(vec![5]))],
             charts: vec![figure(Content::Svg("<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>".into()))],
-            plan: text(),
-            tables: vec![Listing { title: text(), header: vec![text()], rows: vec![vec![text(), text()]] }],
+            notes: vec![text()],
+            sections: vec![
+                Section::Text(text(), text()),
+                Section::Table(Listing {
+                    title: text(),
+                    header: vec![text()],
+                    rows: vec![vec![text(), text()]],
+                    caption: text(),
+                }),
+            ],
             footer: format!("{evil}\n\n{evil}"),
         }
         .html();
         assert_well_formed(&page);
         assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains("url("));
-        assert_eq!(page.matches("&lt;script&gt;").count(), 25);
+        assert_eq!(page.matches("&lt;script&gt;").count(), 28);
         for kind in ["image/gif;base64,AQID", "image/png;base64,BA==", "video/mp4;base64,BQ==", "<svg"] {
             assert!(page.contains(kind), "{kind} is missing");
         }

@@ -52,7 +52,7 @@ impl Series {
             return Err(Error::input("the series is shorter than the run that is to be resumed")
                 .at(place)
                 .value(format!("{} rows, {rows} wanted", text.matches('\n').count() - 1))
-                .remedy("start the run again without --resume"));
+                .remedy("start the run again in another folder with --out"));
         };
         let open = || {
             let file = OpenOptions::new().append(true).open(path)?;

@@ -8,6 +8,7 @@ mod model;
 pub(crate) mod nearest;
 mod overrides;
 mod plan;
+pub mod render;
 pub mod run;
 pub mod schema;
 #[cfg(test)]

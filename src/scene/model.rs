@@ -2,17 +2,16 @@
 
 use super::Scene;
 use super::expression::Expression;
-use super::schema::{self, AreaLaw, Condition, Contrast, Coupling, MeshSource, Shape, Transport};
+use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Result, Warning};
-use crate::elastic::{self, Membrane};
+use crate::elastic::{self, AreaLaw, Band, Membrane};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{
     Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
     check_inside, signed_distance,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
-use crate::sim::{self, Materials, Simulation, Structure, TwoFluids};
-use crate::transport::Method;
+use crate::sim::{self, Materials, Simulation, Structure};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -61,6 +60,7 @@ impl Model {
         let (mesh, mut warnings) = load_mesh(scene)?;
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
+        warnings.extend(unreached_profiles(scene));
         let mesh = Arc::new(with_walls(mesh));
         let conditions = conditions(scene, &mesh)?;
         let space = Space::new(&mesh, Element::P2);
@@ -193,16 +193,11 @@ impl Draft<'_> {
             let key =
                 if self.scene.numerics.thickness.is_some() { vec!["numerics", "thickness"] } else { vec!["membrane"] };
             check.map_err(|e| self.scene.blame(&key, e))?;
-            let law = match m.area {
-                AreaLaw::Linear { modulus } => elastic::AreaLaw::Linear { modulus },
-                AreaLaw::OneSided { modulus } => elastic::AreaLaw::OneSided { modulus },
-                AreaLaw::Tension { tension } => elastic::AreaLaw::Tension { tension },
-            };
             let phi: Vec<f64> = distance.iter().map(|d| d * m.stretch).collect();
             structures.push(Structure {
                 name: self.scene.membranes[k].name.clone(),
                 phi,
-                membrane: Membrane::new(law, eps),
+                membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
                 surface_mass: m.mass,
             });
         }
@@ -229,11 +224,7 @@ impl Draft<'_> {
         }
         if density > 0.0 {
             for m in &self.scene.membranes {
-                let modulus = match m.area {
-                    AreaLaw::Linear { modulus } | AreaLaw::OneSided { modulus } => modulus,
-                    AreaLaw::Tension { tension } => tension,
-                };
-                speed = speed.max((modulus / (density * length)).sqrt());
+                speed = speed.max((m.area.modulus() / (density * length)).sqrt());
             }
             let gravity = SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()).norm();
             speed = speed.max((gravity * length).sqrt());
@@ -255,7 +246,6 @@ impl Draft<'_> {
 
     fn settings(&self, conditions: Conditions<2>, grad_div: f64) -> sim::Settings<2> {
         let (fluid, numerics) = (&self.scene.fluid, &self.scene.numerics);
-        let two = |c: Contrast| TwoFluids { inside: c.inside, outside: c.outside };
         let body_force = fluid.has_force().then(|| {
             let f = vector(&fluid.force);
             Arc::new(move |x: &Point<2>, t: f64| f(x, t)) as Arc<crate::flow::BodyForce<2>>
@@ -263,18 +253,12 @@ impl Draft<'_> {
         sim::Settings {
             dt: self.scene.time.step,
             order: self.scene.time.order,
-            transport: match numerics.transport {
-                Transport::Nodal => Method::Nodal,
-                Transport::Projected => Method::Projected,
-            },
-            coupling: match numerics.coupling {
-                Coupling::Explicit => sim::Coupling::Explicit,
-                Coupling::Implicit => sim::Coupling::Implicit,
-            },
+            transport: numerics.transport,
+            coupling: numerics.coupling,
             convection: numerics.convection.unwrap_or(fluid.has_inertia()),
             grad_div,
             quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
-            materials: Materials { density: two(fluid.density), viscosity: two(fluid.viscosity) },
+            materials: Materials { density: fluid.density, viscosity: fluid.viscosity },
             conditions,
             gravity: SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()),
             body_force,
@@ -285,18 +269,25 @@ impl Draft<'_> {
 fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
     let mesh = match &scene.mesh {
         MeshSource::File(path) => return gmsh::read::<2>(path),
-        MeshSource::Rectangle { min, max, cells, diagonals } => {
-            let diagonals = match diagonals {
-                schema::Diagonals::Right => mesh::Diagonals::Right,
-                schema::Diagonals::Left => mesh::Diagonals::Left,
-                schema::Diagonals::UnionJack => mesh::Diagonals::UnionJack,
-            };
-            mesh::rectangle(*min, *max, *cells, diagonals)
-        }
+        MeshSource::Rectangle { min, max, cells, diagonals } => mesh::rectangle(*min, *max, *cells, *diagonals),
         MeshSource::Disc { centre, radius, cells } => mesh::disc(*centre, *radius, *cells),
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
     };
     Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+}
+
+/// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.
+fn unreached_profiles(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
+    scene.output.profiles.iter().filter_map(|p| {
+        let late: Vec<String> = p.times.iter().filter(|t| **t > scene.time.end).map(f64::to_string).collect();
+        let what = format!(
+            "profile `{}` is not written at t = {}: the run ends at {}",
+            p.name,
+            late.join(", "),
+            scene.time.end
+        );
+        (!late.is_empty()).then(|| Warning::new(what, ""))
+    })
 }
 
 /// Adds the name `walls` for the whole boundary to a mesh that does not have it.
@@ -329,6 +320,13 @@ fn conditions(scene: &Scene, mesh: &Mesh<2>) -> Result<Conditions<2>> {
         list.push((b.name.clone(), condition));
     }
     Ok(list)
+}
+
+/// The band of a membrane: the scene's, or the book's, but one that is carried where the tension is constant, which with the
+/// other would feed the currents about a drop at rest.
+pub(super) fn band_of(scene: &Scene, membrane: &schema::Membrane) -> Band {
+    let tension = matches!(membrane.area, AreaLaw::Tension { .. });
+    scene.numerics.band.unwrap_or(if tension { Band::Carried } else { Band::Renormalised })
 }
 
 /// Two expressions as a vector function.

@@ -1,10 +1,11 @@
 //! The plan: what a scene solves, what it leaves out and why, and how large that is.
 
 use super::Scene;
-use super::model::Model;
-use super::schema::{AreaLaw, Condition, Contrast, MeshSource};
+use super::model::{Model, band_of};
+use super::schema::{Condition, MeshSource};
 use crate::base::Result;
-use crate::sim::Coupling;
+use crate::elastic::{AreaLaw, Band};
+use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
 
@@ -111,9 +112,10 @@ fn unknowns(model: &Model) -> Vec<String> {
     lines.push(format!("matrix {kind}: {why}"));
     if let Some(factor) = flow.factor() {
         lines.push(format!(
-            "{} entries (one triangle), LDL^T factor {} entries, {:.0} MB",
+            "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",
             flow.matrix_nonzeros(),
             factor.nonzeros(),
+            sim.bytes() as f64 / 1e6,
             sim.factor_bytes() as f64 / 1e6
         ));
     }
@@ -123,7 +125,11 @@ fn unknowns(model: &Model) -> Vec<String> {
 fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
     let derived = |given: bool| if given { "" } else { " (derived)" };
-    let mut lines = vec![format!("BDF{} along characteristics, step {}", s.order, s.dt)];
+    let mut lines = vec![match (model.simulation.is_stokes(), s.convection) {
+        (true, _) => format!("no time derivative in the flow, step {} of order {}", s.dt, s.order),
+        (false, true) => format!("BDF{} along characteristics, step {}", s.order, s.dt),
+        (false, false) => format!("BDF{}, step {}", s.order, s.dt),
+    }];
     lines.push(format!(
         "grad-div {:.4}{}: keeps the divergence that feeds energy into a membrane small",
         s.grad_div,
@@ -140,6 +146,18 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
             "band half-width {eps:.4}{given} on edges of {edge}: {:.2} edges; the error it makes is of first order in it",
             eps / coarse
         ));
+        for m in &scene.membranes {
+            let given = derived(scene.numerics.band.is_some());
+            lines.push(match band_of(scene, m) {
+                Band::Renormalised => {
+                    format!("band of `{}` renormalised{given}: of this half-width whatever the stretch", m.name)
+                }
+                Band::Carried => format!(
+                    "band of `{}` carried with the fluid{given}: keeps the energy, of this half-width at the start",
+                    m.name
+                ),
+            });
+        }
         lines.push(match s.transport {
             Method::Nodal => "level set carried to the nodes (nodal)".into(),
             Method::Projected => "level set projected at the quadrature points (projected)".into(),

@@ -11,7 +11,6 @@ use super::model::Model;
 use crate::base::{Error, Kind, Result, Warning};
 use crate::output::Series;
 use record::Record;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -71,9 +70,10 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     }
     let diagnostics = Diagnostics::new(scene, &model)?;
     model.simulation.keep_reactions(!scene.output.forces.is_empty());
-    let mut seconds = BTreeMap::new();
-    seconds.insert("setup".to_string(), start.elapsed().as_secs_f64());
-    let mut run = Run::start(scene, &folder, options.resume, model, diagnostics, plan, seconds)?;
+    // Not before: a scene or a mesh that is wrong leaves no folder behind, and can be run again once it is mended.
+    folder.make(scene)?;
+    let mut run = Run::start(scene, &folder, options.resume, model, diagnostics, plan)?;
+    run.spent("setup", start);
     let result = run.all_steps(options.stop, observer);
     run.finish(result)
 }
@@ -87,7 +87,6 @@ struct Run<'a> {
     series: Series,
     record: Record,
     plan: String,
-    seconds: BTreeMap<String, f64>,
     saved: Instant,
 }
 
@@ -99,7 +98,6 @@ impl<'a> Run<'a> {
         mut model: Model,
         diagnostics: Diagnostics<'a>,
         plan: String,
-        seconds: BTreeMap<String, f64>,
     ) -> Result<Run<'a>> {
         let columns = diagnostics.columns();
         let names: Vec<&str> = columns.iter().map(String::as_str).collect();
@@ -112,7 +110,7 @@ impl<'a> Run<'a> {
             None => (Series::create(&folder.series(), &names)?, Record::default()),
         };
         let fresh = record.rows == 0;
-        let mut run = Run { scene, folder, model, diagnostics, series, record, plan, seconds, saved: Instant::now() };
+        let mut run = Run { scene, folder, model, diagnostics, series, record, plan, saved: Instant::now() };
         if fresh {
             run.sample(0)?;
         }
@@ -126,7 +124,7 @@ impl<'a> Run<'a> {
             if stop.load(Ordering::Relaxed) {
                 self.save()?;
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
-                    .at(format!("time {}", self.model.simulation.time()))
+                    .at(format!("time {:.6}", self.model.simulation.time()))
                     .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
             }
             let before = self.model.simulation.state().energies.total();
@@ -145,8 +143,12 @@ impl<'a> Run<'a> {
     fn timed(&mut self, phase: &str, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let start = Instant::now();
         let result = work(self);
-        *self.seconds.entry(phase.to_string()).or_default() += start.elapsed().as_secs_f64();
+        self.spent(phase, start);
         result
+    }
+
+    fn spent(&mut self, phase: &str, since: Instant) {
+        *self.record.seconds.entry(phase.to_string()).or_default() += since.elapsed().as_secs_f64();
     }
 
     /// Writes what is due after `step`.
@@ -189,29 +191,24 @@ impl<'a> Run<'a> {
     /// Writes the summary, whatever came of the run, and keeps the last good state.
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
-        if failed {
-            let step = self.model.simulation.state().steps as usize;
-            self.folder.write_fields(&self.model.simulation, step)?;
-            if self.record.fields.last() != Some(&step) {
-                self.record.fields.push(step);
-                self.folder.write_collection(&self.record, self.scene.time.step)?;
-            }
-        }
-        if result.is_ok() || failed {
-            self.save()?;
-        }
+        let result = result.and_then(|()| self.save());
+        let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();
         let steps = self.model.simulation.state().steps as usize;
-        self.folder.write_summary(
-            self.scene,
-            &self.model,
-            &self.record,
-            &result,
-            &alarms,
-            &self.plan,
-            &self.seconds,
-        )?;
-        result.map(|()| Outcome { folder: self.folder.path().to_path_buf(), steps, alarms })
+        let written = self.folder.write_summary(self.scene, &self.model, &self.record, &result, &alarms, &self.plan);
+        // What stopped the run comes first: a disk that is full stops the summary too.
+        result.and(kept).and(written)?;
+        Ok(Outcome { folder: self.folder.path().to_path_buf(), steps, alarms })
+    }
+
+    fn keep_last_state(&mut self) -> Result<()> {
+        let step = self.model.simulation.state().steps as usize;
+        self.folder.write_fields(&self.model.simulation, step)?;
+        if self.record.fields.last() != Some(&step) {
+            self.record.fields.push(step);
+            self.folder.write_collection(&self.record, self.scene.time.step)?;
+        }
+        self.save()
     }
 
     fn alarms(&self) -> Vec<String> {

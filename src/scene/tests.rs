@@ -1,5 +1,7 @@
 use super::*;
 use crate::base::Kind;
+use crate::elastic::AreaLaw;
+use crate::sim::{Contrast, Coupling};
 use proptest::prelude::*;
 use schema::*;
 

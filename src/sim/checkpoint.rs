@@ -1,7 +1,7 @@
 //! A state as bytes, and back, bit by bit.
 
 use super::budget::{Budget, Energies};
-use super::step::State;
+use super::setup::State;
 use crate::base::{Error, Result};
 use crate::flow::FlowState;
 use nalgebra::SVector;
@@ -44,7 +44,7 @@ impl<const D: usize> State<D> {
         let damaged = || {
             Error::input("the checkpoint is damaged or cut off")
                 .value(format!("{} bytes", bytes.len()))
-                .remedy("start afresh without --resume")
+                .remedy("start afresh in another folder with --out")
         };
         let body = bytes.len().checked_sub(8).filter(|n| *n >= MAGIC.len()).ok_or_else(damaged)?;
         let (content, check) = bytes.split_at(body);
@@ -55,7 +55,7 @@ impl<const D: usize> State<D> {
         let mut integer = || words.next().map(|w| u64::from_le_bytes(*w)).ok_or_else(damaged);
         if integer()? != tag {
             return Err(Error::input("the checkpoint belongs to another scene")
-                .remedy("resume with the scene and the settings that the run was started with, or start afresh without --resume"));
+                .remedy("resume with the scene and the settings that the run was started with, or start afresh in another folder with --out"));
         }
         let steps = integer()?;
         let (nodes, pressures, structures) = (integer()? as usize, integer()? as usize, integer()? as usize);

@@ -2,7 +2,9 @@
 
 mod budget;
 mod checkpoint;
+mod setup;
 mod step;
 
 pub use budget::{Budget, Energies};
-pub use step::{Coupling, Materials, Settings, Simulation, State, Structure, TwoFluids};
+pub use setup::{Contrast, Coupling, Materials, Settings, State, Structure};
+pub use step::Simulation;

@@ -1,105 +1,16 @@
 //! The time step.
 
 use super::budget::{Budget, Energies};
+use super::setup::{Coupling, Materials, Settings, State, Structure};
 use crate::base::{Error, Result};
-use crate::elastic::Membrane;
-use crate::fem::{At, Basis, Cells, Conditions, Element, Projector, Rule, Space, integrate};
+use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{BodyForce, Coefficient, FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
+use crate::flow::{Coefficient, FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
 use crate::levelset as band;
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, carry_nodal, carry_projected};
 use nalgebra::SVector;
 use std::sync::Arc;
-
-/// Whether the force of a structure is taken at the old time level or with its change during the step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coupling {
-    /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
-    Explicit,
-    /// Linearised in the velocity of the new time level.
-    Implicit,
-}
-
-/// A property that differs between the two sides of a structure, by (3.19).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TwoFluids {
-    /// Value where `phi < 0`.
-    pub inside: f64,
-    /// Value where `phi > 0`.
-    pub outside: f64,
-}
-
-impl TwoFluids {
-    /// Whether both sides are the same.
-    pub fn is_uniform(&self) -> bool {
-        self.inside == self.outside
-    }
-}
-
-/// Density and viscosity of the fluids.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Materials {
-    /// Density; zero on both sides stands for a flow without inertia.
-    pub density: TwoFluids,
-    /// Dynamic viscosity.
-    pub viscosity: TwoFluids,
-}
-
-/// What a simulation is told.
-pub struct Settings<const D: usize> {
-    /// Time step.
-    pub dt: f64,
-    /// Order in time, 1 or 2.
-    pub order: usize,
-    /// How level sets are carried.
-    pub transport: Method,
-    /// How elastic forces are coupled.
-    pub coupling: Coupling,
-    /// Whether the flow convects itself.
-    pub convection: bool,
-    /// Weight of the grad-div term, in units of viscosity.
-    pub grad_div: f64,
-    /// Degree of the quadrature rule.
-    pub quadrature: usize,
-    /// The fluids.
-    pub materials: Materials,
-    /// Boundary conditions.
-    pub conditions: Conditions<D>,
-    /// Force per mass.
-    pub gravity: SVector<f64, D>,
-    /// Force per volume.
-    pub body_force: Option<Arc<BodyForce<D>>>,
-}
-
-/// A structure: its level set (one number a P2 node) and its law.
-pub struct Structure<const D: usize> {
-    /// Name in the scene.
-    pub name: String,
-    /// Level set, negative inside; its slope at the interface is the stretch.
-    pub phi: Vec<f64>,
-    /// The elastic membrane on its zero level.
-    pub membrane: Membrane<D>,
-    /// Mass per area at rest.
-    pub surface_mass: f64,
-}
-
-/// All that changes in time; a checkpoint holds it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct State<const D: usize> {
-    /// Steps taken.
-    pub steps: u64,
-    /// Velocity and pressure.
-    pub flow: FlowState<D>,
-    /// Level sets, one a structure.
-    pub phi: Vec<Vec<f64>>,
-    /// Velocity one step earlier.
-    pub earlier_u: Vec<SVector<f64, D>>,
-    /// Energies now.
-    pub energies: Energies,
-    /// The energy budget.
-    pub budget: Budget,
-}
 
 /// A simulation in progress.
 pub struct Simulation<const D: usize> {
@@ -179,7 +90,7 @@ impl<const D: usize> Simulation<D> {
     /// by `u^{n+1}`; implicit, the force is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
     /// linearised in `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All three are
     /// of second order, and the scheme is stable for any step when the stiffness in the matrix is at least half the
-    /// true one; with the extrapolated velocity in place of `u^n` it is not (book page on stability).
+    /// true one; with the extrapolated velocity in place of `u^n` it is not (ARCHITECTURE.md, "The time step").
     ///
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
@@ -377,8 +288,8 @@ impl<const D: usize> Simulation<D> {
             return Ok(());
         }
         Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
-            .at(format!("time {time}"))
-            .value(format!("largest velocity {speed:e}"))
+            .at(format!("time {time:.6}"))
+            .value(format!("largest velocity {speed:.3e}"))
             .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
     }
 
@@ -456,7 +367,9 @@ impl<const D: usize> Simulation<D> {
         if sizes(&state) != sizes(&self.state) {
             return Err(Error::input("the checkpoint does not belong to this scene")
                 .value(format!("{:?} instead of {:?}", sizes(&state), sizes(&self.state)))
-                .remedy("resume with the scene that the run was started with, or start afresh without --resume"));
+                .remedy(
+                    "resume with the scene that the run was started with, or start afresh in another folder with --out",
+                ));
         }
         self.set_materials(&state.phi);
         self.state = state;
@@ -469,6 +382,19 @@ impl<const D: usize> Simulation<D> {
     /// Courant number `max |u| dt / h`.
     pub fn courant(&self) -> f64 {
         self.tracer.courant(&self.state.flow.u, self.settings.dt)
+    }
+    /// Bytes of all that grows with the mesh: factors, matrices, feet, fields and the mesh itself. An estimate from the sizes.
+    pub fn bytes(&self) -> usize {
+        let word = size_of::<f64>();
+        let (cells, nodes) = (self.space.mesh().cell_count(), self.space.len());
+        let points = self.flow.velocity().rule().len();
+        // The matrix and its constant part, an index and a value each; the projector's mass matrix is small beside them.
+        let matrices = 2 * 2 * word * self.flow.matrix_nonzeros();
+        let feet = if self.is_stokes() && self.projector.is_none() { 0 } else { 2 * 5 * word * cells * points };
+        let local = self.space.local_count();
+        let fields = word * nodes * (10 * D + 3 * self.structures.len()) + word * cells * local * D;
+        let mesh = cells * (2 * word + word * (D * D + D + 1) + 4 * local);
+        self.factor_bytes() + matrices + feet + fields + mesh
     }
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {

@@ -1,7 +1,16 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
 mod broken_meshes;
+mod elements;
+mod examples;
+mod explain;
+mod failures;
 mod flow;
 mod layers;
 mod meshes;
+mod program;
+mod render;
+mod reproducible;
+mod run_folder;
+mod runs;
 mod scenes;

@@ -8,17 +8,16 @@ use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
 use crate::scene::{Model, Scene};
 use crate::sim::{Simulation, State};
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The folder of a run, with the scene as resolved in it.
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// Makes the folder, or opens it to go on with the run in it.
+    /// The folder of a new run, or of one to go on with. Writes nothing yet.
     ///
     /// # Errors
-    /// A folder that cannot be written, that holds a run which is not to be resumed, or whose run had another scene.
+    /// A folder that holds a run which is not to be resumed, or whose run had another scene.
     pub(super) fn open(scene: &Scene, options: &Options<'_>) -> Result<Folder> {
         let folder = Folder(options.folder.clone());
         let kept = folder.0.join("scene.toml");
@@ -38,8 +37,15 @@ impl Folder {
                     .remedy("resume with the same scene and the same --set, or start afresh in another folder"));
             }
         }
-        for sub in ["", "fields", "checkpoint", "profiles"] {
-            let path = folder.0.join(sub);
+        Ok(folder)
+    }
+
+    /// Makes the folder and keeps the scene in it.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub(super) fn make(&self, scene: &Scene) -> Result<()> {
+        for path in [self.0.clone(), self.0.join("fields"), self.0.join("checkpoint"), self.0.join("profiles")] {
             std::fs::create_dir_all(&path).map_err(|e| {
                 Error::input(format!("the run folder cannot be made: {e}"))
                     .at(path.display().to_string())
@@ -47,8 +53,7 @@ impl Folder {
                     .remedy("choose a folder that can be written with --out")
             })?;
         }
-        write_file(&kept, resolved.as_bytes())?;
-        Ok(folder)
+        write_file(&self.0.join("scene.toml"), scene.to_toml().as_bytes())
     }
 
     /// Its path.
@@ -64,11 +69,13 @@ impl Folder {
         self.0.join("checkpoint").join("latest.bin")
     }
 
-    /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole.
+    /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole: the length of the record and its
+    /// hash, 8 bytes each, the record as JSON, the state.
     pub(super) fn save(&self, scene: &Scene, record: &Record, state: &State<2>) -> Result<()> {
         let record =
             serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
         let mut bytes = (record.len() as u64).to_le_bytes().to_vec();
+        bytes.extend(hash(&record).to_le_bytes());
         bytes.extend(record);
         bytes.extend(state.to_bytes(tag(scene)));
         write_file(&self.latest(), &bytes)
@@ -90,11 +97,15 @@ impl Folder {
             Error::input("the checkpoint is damaged")
                 .at(path.display().to_string())
                 .value(format!("{} bytes", bytes.len()))
-                .remedy("start afresh in another folder")
+                .remedy("start afresh in another folder with --out")
         };
         let (size, rest) = bytes.split_first_chunk::<8>().ok_or_else(damaged)?;
+        let (check, rest) = rest.split_first_chunk::<8>().ok_or_else(damaged)?;
         let size = usize::try_from(u64::from_le_bytes(*size)).unwrap_or(usize::MAX);
         let (record, state) = rest.split_at_checked(size).ok_or_else(damaged)?;
+        if hash(record) != u64::from_le_bytes(*check) {
+            return Err(damaged());
+        }
         let record = serde_json::from_slice(record).map_err(|_| damaged())?;
         let state = State::from_bytes(state, tag(scene)).map_err(|e| e.at(path.display().to_string()))?;
         Ok(Some((record, state)))
@@ -135,7 +146,6 @@ impl Folder {
         result: &Result<()>,
         alarms: &[String],
         plan: &str,
-        seconds: &BTreeMap<String, f64>,
     ) -> Result<()> {
         let sim = &model.simulation;
         let numbering = sim.flow().numbering();
@@ -158,7 +168,7 @@ impl Folder {
                 "level_set": sim.space().len() * sim.structures().len(),
             },
             "factor_entries": sim.flow().factor().map(|f| f.nonzeros()),
-            "seconds": seconds,
+            "seconds": record.seconds,
             "alarms": alarms,
             "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
@@ -180,9 +190,14 @@ fn field_file(step: usize) -> String {
     format!("fields/{step:06}.vtu")
 }
 
-/// Tells scenes apart: a checkpoint fits only the scene that it was made with (FNV-1a of the resolved text).
+/// Tells scenes apart: a checkpoint fits only the scene that it was made with.
 fn tag(scene: &Scene) -> u64 {
-    scene.to_toml().bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+    hash(scene.to_toml().as_bytes())
+}
+
+/// FNV-1a.
+fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }
 
 fn first_difference(a: &str, b: &str) -> String {

@@ -27,6 +27,8 @@ pub(super) struct Record {
     pub area_change: BTreeMap<String, f64>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
+    /// Seconds by phase, of all sessions of the run.
+    pub seconds: BTreeMap<String, f64>,
 }
 
 impl Record {

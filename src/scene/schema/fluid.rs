@@ -4,6 +4,7 @@ use super::write::{Writer, expressions, number, vector};
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::item::{Context, Item};
+use crate::sim::Contrast;
 
 /// The fluid on both sides of a closed structure.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,62 +21,12 @@ pub struct Fluid {
     pub initial_velocity: Vec<Expression>,
 }
 
-/// A property that may differ inside and outside the one closed structure of a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contrast {
-    /// The value where the level set is negative.
-    pub inside: f64,
-    /// The value where the level set is positive; everywhere in a scene without a structure.
-    pub outside: f64,
-}
-
-impl Contrast {
-    /// The same value everywhere.
-    pub fn uniform(value: f64) -> Contrast {
-        Contrast { inside: value, outside: value }
-    }
-
-    /// Whether it is the same everywhere.
-    pub fn is_uniform(&self) -> bool {
-        self.inside == self.outside
-    }
-
-    /// A number or `{ inside, outside }`, each read by `value`; the latter needs exactly one structure.
-    fn read<'a>(item: &Item<'a>, structures: usize, value: impl Fn(&Item<'a>) -> Result<f64>) -> Result<Contrast> {
-        if !item.is_table() {
-            return value(item).map(Contrast::uniform);
-        }
-        let table = item.table(&["inside", "outside"])?;
-        let remedy = "give both: { inside = 1, outside = 1 }";
-        let contrast = Contrast {
-            inside: table.required("inside", remedy, &value)?,
-            outside: table.required("outside", remedy, &value)?,
-        };
-        if structures != 1 {
-            return Err(item
-                .key_error(format!(
-                    "`{}` differs inside and outside, but the scene has {structures} closed structures",
-                    item.key
-                ))
-                .remedy("give one number, or a scene with exactly one [[membrane]]"));
-        }
-        Ok(contrast)
-    }
-
-    fn write(&self) -> String {
-        if self.is_uniform() {
-            return number(self.inside);
-        }
-        format!("{{ inside = {}, outside = {} }}", number(self.inside), number(self.outside))
-    }
-}
-
 impl Fluid {
     pub(super) fn read(item: &Item, structures: usize, context: &Context) -> Result<Fluid> {
         let table = item.table(&["density", "viscosity", "gravity", "force", "initial_velocity"])?;
         let zero = vec![Expression::constant(0.0); context.dimension];
-        let density = |i: &Item| Contrast::read(i, structures, Item::non_negative);
-        let viscosity = |i: &Item| Contrast::read(i, structures, Item::positive);
+        let density = |i: &Item| read_contrast(i, structures, Item::non_negative);
+        let viscosity = |i: &Item| read_contrast(i, structures, Item::positive);
         Ok(Fluid {
             density: table.optional("density", density)?.unwrap_or(Contrast::uniform(1.0)),
             viscosity: table.required("viscosity", "give the dynamic viscosity: viscosity = 0.01", viscosity)?,
@@ -97,8 +48,8 @@ impl Fluid {
 
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[fluid]");
-        out.entry("density", self.density.write());
-        out.entry("viscosity", self.viscosity.write());
+        out.entry("density", write_contrast(self.density));
+        out.entry("viscosity", write_contrast(self.viscosity));
         out.entry("gravity", vector(&self.gravity));
         out.entry("force", expressions(&self.force));
         out.entry("initial_velocity", expressions(&self.initial_velocity));
@@ -113,4 +64,33 @@ fn initial(item: &Item, context: &Context) -> Result<Vec<Expression>> {
             .remedy("write it in x, y and z alone; it holds at time 0"));
     }
     Ok(velocity)
+}
+
+/// A number or `{ inside, outside }`, each read by `value`; the latter needs exactly one structure.
+fn read_contrast<'a>(item: &Item<'a>, structures: usize, value: impl Fn(&Item<'a>) -> Result<f64>) -> Result<Contrast> {
+    if !item.is_table() {
+        return value(item).map(Contrast::uniform);
+    }
+    let table = item.table(&["inside", "outside"])?;
+    let remedy = "give both: { inside = 1, outside = 1 }";
+    let contrast = Contrast {
+        inside: table.required("inside", remedy, &value)?,
+        outside: table.required("outside", remedy, &value)?,
+    };
+    if structures != 1 {
+        return Err(item
+            .key_error(format!(
+                "`{}` differs inside and outside, but the scene has {structures} closed structures",
+                item.key
+            ))
+            .remedy("give one number, or a scene with exactly one [[membrane]]"));
+    }
+    Ok(contrast)
+}
+
+fn write_contrast(c: Contrast) -> String {
+    if c.is_uniform() {
+        return number(c.inside);
+    }
+    format!("{{ inside = {}, outside = {} }}", number(c.inside), number(c.outside))
 }

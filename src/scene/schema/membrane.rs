@@ -3,6 +3,7 @@
 use super::shape::Shape;
 use super::write::{Writer, key, number, text, vector};
 use crate::base::Result;
+use crate::elastic::AreaLaw;
 use crate::scene::item::{Context, Item};
 
 /// A closed elastic membrane.
@@ -20,26 +21,6 @@ pub struct Membrane {
     pub mass: f64,
     /// Lines along which the contour is measured.
     pub chords: Vec<Chord>,
-}
-
-/// The derivative E'(r) of the energy per length or area with respect to the stretch r.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AreaLaw {
-    /// E'(r) = modulus (r - 1).
-    Linear {
-        /// The modulus, >= 0.
-        modulus: f64,
-    },
-    /// E'(r) = modulus max(r - 1, 0): no resistance to compression.
-    OneSided {
-        /// The modulus, >= 0.
-        modulus: f64,
-    },
-    /// E'(r) = tension.
-    Tension {
-        /// The tension, >= 0.
-        tension: f64,
-    },
 }
 
 /// A line through the membrane along which half the distance of its two crossings is measured.

@@ -2,6 +2,7 @@
 
 use super::write::{Writer, list, name, number, text, vector};
 use crate::base::{Error, Result};
+use crate::mesh::Diagonals;
 use crate::scene::item::Item;
 use std::path::{Path, PathBuf};
 
@@ -39,17 +40,6 @@ pub enum MeshSource {
         /// Boxes along each axis.
         cells: [usize; 3],
     },
-}
-
-/// The diagonals that cut the rectangles of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Diagonals {
-    /// From lower left to upper right.
-    Right,
-    /// From lower right to upper left.
-    Left,
-    /// Alternating like the squares of a chessboard.
-    UnionJack,
 }
 
 const DIAGONALS: [(&str, Diagonals); 3] =

@@ -12,10 +12,10 @@ mod time;
 mod write;
 
 pub use boundary::{Boundary, Condition, WALLS};
-pub use fluid::{Contrast, Fluid};
-pub use membrane::{AreaLaw, Chord, Membrane};
-pub use mesh::{Diagonals, MeshSource};
-pub use numerics::{Coupling, Numerics, Transport};
+pub use fluid::Fluid;
+pub use membrane::{Chord, Membrane};
+pub use mesh::MeshSource;
+pub use numerics::Numerics;
 pub use output::{Flux, Force, Output, Picture, Probe, Profile, Quantity};
 pub use shape::Shape;
 pub use time::Time;

@@ -1,0 +1,82 @@
+//! Boundary conditions of the flow, and which facet has which.
+
+use crate::base::{Error, Result};
+use crate::mesh::{Mesh, Point};
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// A velocity as a function of position and time.
+pub type VelocityFunction<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
+
+/// What holds on a part of the boundary.
+#[derive(Clone)]
+pub enum Condition<const D: usize> {
+    /// The velocity is given.
+    Velocity(VelocityFunction<D>),
+    /// The velocity is zero.
+    NoSlip,
+    /// No flow through the wall and no tangential stress.
+    Slip,
+    /// No stress: `(2 mu D(u) - p) n = 0`, "do nothing".
+    Open,
+    /// The same as on the named part, which is a translate of this one.
+    Periodic(String),
+}
+
+/// Conditions by boundary name, in the order of the scene. Where several names hold a facet, the one with the fewest facets
+/// wins, then the later one. An empty list means no slip everywhere. At a node between parts each keeps its normal velocity.
+pub type Conditions<const D: usize> = Vec<(String, Condition<D>)>;
+
+/// For every facet the number of its condition, sorted by ascending priority; `None` means no slip by default.
+pub(super) fn condition_of_facets<const D: usize>(
+    mesh: &Mesh<D>,
+    conditions: &Conditions<D>,
+) -> Result<Vec<(u32, Option<usize>)>> {
+    let count = mesh.facets().len() as u32;
+    if conditions.is_empty() {
+        return Ok((0..count).map(|f| (f, None)).collect());
+    }
+    let mut ranked: Vec<(usize, usize)> = Vec::new();
+    // A periodic condition holds its partner too.
+    let names = |k: usize| -> Vec<&String> {
+        match &conditions[k] {
+            (name, Condition::Periodic(other)) => vec![name, other],
+            (name, _) => vec![name],
+        }
+    };
+    for k in 0..conditions.len() {
+        ranked.push((mesh.boundary(names(k)[0])?.len(), k));
+    }
+    ranked.sort_by_key(|&(size, k)| (std::cmp::Reverse(size), k));
+    let mut rank = vec![None; count as usize];
+    for (r, &(_, k)) in ranked.iter().enumerate() {
+        for name in names(k) {
+            for &f in mesh.boundary(name)? {
+                rank[f as usize] = Some(r);
+            }
+        }
+    }
+    if let Some(f) = rank.iter().position(Option::is_none) {
+        let facet = &mesh.facets()[f];
+        let at: Vec<_> = mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
+        let names: Vec<_> = mesh
+            .boundaries()
+            .iter()
+            .filter(|(_, list)| list.contains(&(f as u32)))
+            .map(|(name, _)| name.clone())
+            .collect();
+        let remedy = if names.is_empty() {
+            "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or add [boundary.walls]"
+                .into()
+        } else {
+            format!("add [boundary.{}] to the scene", names[0])
+        };
+        return Err(Error::scene("a part of the boundary has no condition")
+            .at(format!("boundary facet of cell {} with points {at:?}", facet.cell))
+            .value(if names.is_empty() { "unnamed".into() } else { names.join(", ") })
+            .remedy(remedy));
+    }
+    let mut list: Vec<(usize, u32)> = rank.iter().enumerate().map(|(f, r)| (r.unwrap_or(0), f as u32)).collect();
+    list.sort_unstable();
+    Ok(list.into_iter().map(|(r, f)| (f, Some(ranked[r].1))).collect())
+}

@@ -1,0 +1,279 @@
+//! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
+
+use super::folder::RunFolder;
+use crate::output::{Chart, Curve, Stroke, Table, rounded};
+use crate::scene::schema::{Membrane, Probe, Profile, Quantity};
+use std::f64::consts::PI;
+
+/// A chart and its words.
+pub(super) struct Drawn {
+    /// Name of its file, without ending.
+    pub name: String,
+    pub title: String,
+    pub svg: String,
+    pub caption: String,
+}
+
+/// The curves of a chart in the making.
+struct Sheet<'a> {
+    x_label: &'static str,
+    x: &'a [f64],
+    curves: Vec<(String, Vec<f64>, Stroke)>,
+}
+
+impl<'a> Sheet<'a> {
+    fn add(&mut self, name: impl Into<String>, y: Option<Vec<f64>>, stroke: Stroke) {
+        self.curves.extend(y.map(|y| (name.into(), y, stroke)));
+    }
+    fn line(&mut self, name: impl Into<String>, y: Option<&[f64]>) {
+        self.add(name, y.map(<[f64]>::to_vec), Stroke::Line);
+    }
+    /// The chart, if there is anything to draw on it.
+    fn draw(self, name: impl Into<String>, [title, y_label]: [&str; 2], caption: impl Into<String>) -> Option<Drawn> {
+        if self.curves.is_empty() {
+            return None;
+        }
+        let curves = self.curves.iter().map(|(name, y, stroke)| Curve { name, x: self.x, y, stroke: *stroke });
+        let chart = Chart { title, x_label: self.x_label, y_label, curves: curves.collect(), ..Chart::default() };
+        Some(Drawn { name: name.into(), title: format!("{title}."), svg: chart.svg(), caption: caption.into() })
+    }
+}
+
+/// All charts that the folder has values for, in the order of the page.
+pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
+    let mut charts = Vec::new();
+    if let Some(time) = run.column("time") {
+        let sheet = || Sheet { x_label: "time", x: time, curves: Vec::new() };
+        for m in &run.scene.membranes {
+            charts.extend(axes(run, m, sheet()));
+            charts.extend(chords(run, m, sheet()));
+        }
+        let common = [stretch, area, energies, balance, speed, steps, fluxes];
+        charts.extend(common.iter().filter_map(|chart| chart(run, sheet())));
+        charts.extend(run.scene.output.probes.iter().filter_map(|p| probe(run, p, sheet())));
+        charts.extend(run.scene.output.forces.iter().filter_map(|f| force(run, &f.name, sheet())));
+    }
+    charts.extend(run.profiles.iter().filter_map(|(p, table)| profile(run, p, table)));
+    charts
+}
+
+/// The radius of the circle of the enclosed area.
+fn round_radius(run: &RunFolder, name: &str) -> Option<Vec<f64>> {
+    Some(run.column_of(name, "area")?.iter().map(|a| (a / PI).sqrt()).collect())
+}
+
+fn axes(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
+    let name = &m.name;
+    sheet.line("larger", run.column_of(name, "axis_1"));
+    sheet.line("smaller", run.column_of(name, "axis_2"));
+    if !sheet.curves.is_empty() {
+        sheet.add("circle", round_radius(run, name), Stroke::Dashed);
+    }
+    let title = format!("Semi-axes of {name}");
+    sheet.draw(
+        format!("axes-{name}"),
+        [&title, "length"],
+        "Semi-axes of the ellipse that has the second moments of the inside. Dashed: the radius of the circle of the same \
+         area, the shape at rest in a fluid at rest; both axes end there when nothing drives the flow. A zigzag from row to \
+         row would mean that the time step is too large for the stiffness of the membrane.",
+    )
+}
+
+/// The chords that the scene asks for, or else the extents.
+fn chords(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
+    let name = &m.name;
+    m.chords.iter().for_each(|c| sheet.line(c.name.as_str(), run.column_of(name, &c.name)));
+    let title = format!("Half-chords of {name}");
+    if !sheet.curves.is_empty() {
+        let caption = "Half the distance of the two points where a line of the scene crosses the contour: on a centred ellipse \
+                       along the axes, its semi-axis. Where a chord parts from the semi-axis the shape is no ellipse. A gap \
+                       means that the line misses the contour.";
+        return sheet.draw(format!("chords-{name}"), [&title, "length"], caption);
+    }
+    sheet.line("half width", run.column_of(name, "extent_x"));
+    sheet.line("half height", run.column_of(name, "extent_y"));
+    let title = format!("Extents of {name}");
+    let caption = "Half the width and half the height of the contour. On an ellipse along the axes they are its semi-axes; \
+                   where they part from them the shape is turned, or no ellipse.";
+    sheet.draw(format!("extents-{name}"), [&title, "length"], caption)
+}
+
+/// Perimeters over the length at rest, which is the perimeter at the start over the stretch there.
+fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    let alone = run.scene.membranes.len() == 1;
+    for m in &run.scene.membranes {
+        let Some(perimeter) = run.column_of(&m.name, "perimeter") else { continue };
+        let rest = perimeter.first().map_or(f64::NAN, |p| p / m.stretch);
+        sheet.add(m.name.as_str(), Some(perimeter.iter().map(|p| p / rest).collect()), Stroke::Line);
+        let least = round_radius(run, &m.name).filter(|_| alone);
+        sheet.add("circle", least.map(|r| r.iter().map(|r| 2.0 * PI * r / rest).collect()), Stroke::Dashed);
+    }
+    let circle = if alone { " Dashed: that of a circle of the same area, the least there can be." } else { "" };
+    sheet.draw(
+        "stretch",
+        ["Mean stretch", "perimeter / length at rest"],
+        format!(
+            "The perimeter over its length at rest: above 1 a membrane pulls.{circle} Below the circle it cannot come: then \
+             area is lost."
+        ),
+    )
+}
+
+fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    for m in &run.scene.membranes {
+        let change = |a: &[f64]| a.iter().map(|v| 100.0 * (v / a[0] - 1.0)).collect();
+        sheet.add(m.name.as_str(), run.column_of(&m.name, "area").map(change), Stroke::Line);
+    }
+    sheet.draw(
+        "area",
+        ["Change of the enclosed area", "change (%)"],
+        "No fluid crosses a membrane, so the truth is zero. A few hundredths of a per cent are the error of the mesh and \
+         shrink with it; a steady drift to a per cent or more would mean that the mesh is too coarse or grad_div too small.",
+    )
+}
+
+fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    let kinetic = run.column("energy_kinetic")?;
+    let elastic = run.column("energy_elastic").filter(|e| e.iter().any(|v| *v != 0.0));
+    let total: Vec<f64> = match elastic {
+        Some(elastic) => kinetic.iter().zip(elastic).map(|(k, e)| k + e).collect(),
+        None => kinetic.to_vec(),
+    };
+    let dissipated = run.column("dissipation").map(|rate| cumulative(sheet.x, rate));
+    let sum = |d: &Vec<f64>| d.iter().zip(&total).map(|(d, t)| d + t).collect();
+    let level = dissipated.as_ref().map(sum);
+    sheet.line("kinetic", Some(kinetic));
+    if let Some(elastic) = elastic {
+        sheet.line("elastic", Some(elastic));
+        sheet.add("sum", Some(total), Stroke::Line);
+    }
+    sheet.add("dissipated", dissipated, Stroke::Line);
+    sheet.add("together", level, Stroke::Dashed);
+    sheet.draw(
+        "energy",
+        ["Energy", "energy"],
+        "What the flow and the membranes hold, and what viscosity has taken since the start. Dashed: together, which is the \
+         energy at the start and the work of walls and forces. When nothing drives the flow the energy held can only fall and \
+         the dashed line is level; if it then rises, energy comes from nowhere.",
+    )
+}
+
+/// The integral of a rate since the first row, by trapezes.
+fn cumulative(x: &[f64], rate: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let steps = x.windows(2).zip(rate.windows(2)).map(|(x, r)| 0.5 * (x[1] - x[0]) * (r[0] + r[1]));
+    std::iter::once(0.0)
+        .chain(steps.map(|s| {
+            sum += s;
+            sum
+        }))
+        .collect()
+}
+
+fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    let residual = run.column("energy_balance").map(|b| b.iter().map(|v| 100.0 * v).collect());
+    sheet.add("balance", residual, Stroke::Line);
+    sheet.draw(
+        "energy-balance",
+        ["Energy balance", "from nowhere (%)"],
+        "Energy that came from nowhere since the start, by (3.23), over the energy in play, which is little while a flow \
+         starts from rest. The truth is zero; a fraction of a per cent is the error of the scheme, which a smaller step or a \
+         finer mesh lessens. Several per cent and rising faster and faster would be an instability: then believe nothing on \
+         this page.",
+    )
+}
+
+fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    sheet.line("speed", run.column("velocity_max"));
+    sheet.draw(
+        "speed",
+        ["Largest speed", "speed"],
+        "The largest speed at a node. It changes smoothly but at the start; spikes, or growth without a cause, are the first \
+         sign of an instability.",
+    )
+}
+
+fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    sheet.line("Courant number", run.column("cfl"));
+    let mut caption = "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
+    if !run.scene.membranes.is_empty() {
+        sheet.line("step / explicit limit", run.column("step_over_limit"));
+        caption += " And the step over the largest one that explicit coupling allows (1.54): above 1 explicit coupling is \
+                    unstable, while implicit coupling is not.";
+    }
+    sheet.draw("step", ["Time step", "ratio"], caption)
+}
+
+fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    for flux in &run.scene.output.fluxes {
+        sheet.line(flux.name.as_str(), run.column(&flux.name));
+    }
+    sheet.draw(
+        "fluxes",
+        ["Fluxes", "volume per time"],
+        "What leaves through the boundaries in unit time, negative where it enters. Over the whole boundary they must cancel.",
+    )
+}
+
+fn probe(run: &RunFolder, probe: &Probe, mut sheet: Sheet) -> Option<Drawn> {
+    let (name, of) = (&probe.name, quantity_name(probe.of));
+    sheet.line(of, run.column(name));
+    for component in ["x", "y", "z"] {
+        sheet.line(component, run.column(&format!("{name}_{component}")));
+    }
+    let at: Vec<String> = probe.at.iter().map(|x| rounded(*x, 6)).collect();
+    let title = format!("Probe {name}");
+    sheet.draw(format!("probe-{name}"), [&title, of], format!("The {of} at ({}).", at.join(", ")))
+}
+
+fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
+    for component in ["x", "y", "z"] {
+        sheet.line(component, run.column(&format!("{name}_{component}")));
+        let stress = run.column(&format!("{name}_stress_{component}")).map(<[f64]>::to_vec);
+        sheet.add(format!("{component}, by stress"), stress, Stroke::Dashed);
+    }
+    let title = format!("Force {name}");
+    sheet.draw(
+        format!("force-{name}"),
+        [&title, "force"],
+        "The force of the fluid on the boundary, from the residual of the discrete equations and (dashed) from the integral \
+         of the stress. The first is the more accurate by an order; the distance of the two shows how well the mesh \
+         resolves the flow at the wall.",
+    )
+}
+
+/// Curves on one chart at most: more colours cannot be told apart.
+const MOST_CURVES: usize = 6;
+
+fn profile(run: &RunFolder, profile: &Profile, table: &Table) -> Option<Drawn> {
+    let (name, of) = (&profile.name, quantity_name(profile.of));
+    let distance = table.column("distance").ok()?;
+    let place = ["distance", "x", "y", "z"];
+    let columns: Vec<_> =
+        table.names.iter().zip(&table.columns).filter(|(n, _)| !place.contains(&n.as_str())).collect();
+    let every = columns.len().div_ceil(MOST_CURVES).max(1);
+    // Counted from the end, so that the last time is among them.
+    let first = columns.len().saturating_sub(1) % every;
+    let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
+    columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));
+    let point = |x: &[f64]| x.iter().map(|v| rounded(*v, 6)).collect::<Vec<_>>().join(", ");
+    let mut caption = format!("The {of} along the line from ({}) to ({}).", point(&profile.from), point(&profile.to));
+    if profile.of == Quantity::Pressure && !run.scene.membranes.is_empty() {
+        caption += " A membrane makes it jump over the thickness of its band; wiggles away from the band would mean that the \
+                    mesh is too coarse for it.";
+    }
+    if every > 1 {
+        caption += &format!(" One of {every} columns is shown, all are in profiles/{name}.csv.");
+    }
+    sheet.draw(format!("profile-{name}"), [&format!("Profile {name}"), of], caption)
+}
+
+fn quantity_name(of: Quantity) -> &'static str {
+    match of {
+        Quantity::Pressure => "pressure",
+        Quantity::Velocity => "velocity",
+        Quantity::Speed => "speed",
+        Quantity::LevelSet => "level set",
+        Quantity::Stretch => "stretch",
+    }
+}

@@ -1,0 +1,138 @@
+//! What a run has left in its folder.
+
+use super::summary::Summary;
+use crate::base::{Error, Result, Warning};
+use crate::output::{Table, read_pvd};
+use crate::scene::Scene;
+use crate::scene::schema::Profile;
+use std::path::{Path, PathBuf};
+
+/// The folder of a run.
+pub(super) struct RunFolder {
+    pub path: PathBuf,
+    pub scene: Scene,
+    pub summary: Summary,
+    pub series: Table,
+    /// Stored fields, in the order of time.
+    pub frames: Vec<Frame>,
+    /// Profiles, those that were reached.
+    pub profiles: Vec<(Profile, Table)>,
+    pub warnings: Vec<Warning>,
+}
+
+/// Fields at one time.
+#[derive(Clone, Debug)]
+pub(super) struct Frame {
+    pub time: f64,
+    /// The VTU file.
+    pub file: PathBuf,
+    /// What its picture is called, without ending.
+    pub name: String,
+}
+
+impl RunFolder {
+    pub fn open(path: &Path, overrides: &[String]) -> Result<RunFolder> {
+        let scene = open_scene(path, overrides)?;
+        let summary = path.join("summary.json");
+        if !summary.is_file() {
+            return Err(not_finished(path));
+        }
+        let mut run = RunFolder {
+            path: path.to_path_buf(),
+            summary: Summary::read(&summary)?,
+            series: Table::read(&path.join("series.csv"))?,
+            frames: frames(path)?,
+            profiles: Vec::new(),
+            warnings: Vec::new(),
+            scene,
+        };
+        run.series.column("time").map_err(|e| e.at(path.join("series.csv").display().to_string()))?;
+        run.read_profiles()?;
+        Ok(run)
+    }
+
+    /// Profiles at times that the run has reached are there; without the file there was none.
+    fn read_profiles(&mut self) -> Result<()> {
+        for profile in &self.scene.output.profiles {
+            let file = self.path.join("profiles").join(format!("{}.csv", profile.name));
+            if file.is_file() {
+                let table = Table::read(&file)?;
+                table.column("distance").map_err(|e| e.at(file.display().to_string()))?;
+                self.profiles.push((profile.clone(), table));
+            } else {
+                let what = format!("there is no profile `{}` in this folder", profile.name);
+                self.warnings.push(Warning::new(what, "the run did not come to its first time"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes a folder in the folder of the run, unless it is there.
+    pub fn folder(&self, name: &str) -> Result<PathBuf> {
+        let path = self.path.join(name);
+        std::fs::create_dir_all(&path).map_err(|e| {
+            Error::input("cannot make a folder")
+                .at(path.display().to_string())
+                .value(e)
+                .remedy("copy the run to a disk that may be written to, and render it there")
+        })?;
+        Ok(path)
+    }
+
+    /// A column of the series, if it has one of this name and any row.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.series.column(name).ok().filter(|c| !c.is_empty())
+    }
+
+    /// The columns of what `structure` has measured.
+    pub fn column_of(&self, structure: &str, quantity: &str) -> Option<&[f64]> {
+        self.column(&format!("{structure}.{quantity}"))
+    }
+
+    /// The last value of a column.
+    pub fn last(&self, name: &str) -> Option<f64> {
+        let said = self.summary.last.get(name).copied().flatten();
+        said.or_else(|| self.column(name)?.last().copied())
+    }
+}
+
+/// The resolved scene of a run folder.
+fn open_scene(path: &Path, overrides: &[String]) -> Result<Scene> {
+    let scene = path.join("scene.toml");
+    if scene.is_file() {
+        return Scene::load(&scene, overrides);
+    }
+    Err(Error::input("this is not the folder of a run: it has no scene.toml")
+        .at(path.display().to_string())
+        .value(path.display())
+        .remedy("give a folder that `immersa run` has written"))
+}
+
+fn not_finished(path: &Path) -> Error {
+    let scene = path.join("scene.toml");
+    let scene = scene.display();
+    if path.join("series.csv").is_file() {
+        return Error::input("the run in this folder has not ended: there is no summary.json")
+            .at(path.display().to_string())
+            .value("summary.json")
+            .remedy(format!("end it with `immersa run {scene} --out {} --resume`", path.display()));
+    }
+    Error::input("this folder holds a scene but no run: there is no summary.json")
+        .at(path.display().to_string())
+        .value("summary.json")
+        .remedy(format!("compute it with `immersa run {scene}`, and render the folder that this prints"))
+}
+
+/// The stored fields; none if there is no list of them.
+fn frames(path: &Path) -> Result<Vec<Frame>> {
+    let list = path.join("fields.pvd");
+    if !list.is_file() {
+        return Ok(Vec::new());
+    }
+    let frame = |(time, file): (f64, String)| {
+        let file = path.join(file);
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Frame { time, file, name }
+    };
+    Ok(read_pvd(&list)?.into_iter().map(frame).collect())
+}

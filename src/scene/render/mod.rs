@@ -1,0 +1,61 @@
+//! Pictures, a film, charts and the report page of a run, from nothing but its folder.
+//!
+//! The same folder gives the same bytes, whenever and wherever it is rendered.
+
+mod balances;
+mod charts;
+mod folder;
+mod page;
+mod pictures;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+use crate::base::{Result, Warning};
+use crate::output::write_file;
+use folder::RunFolder;
+use std::path::{Path, PathBuf};
+
+/// What was made.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// All files, the report last.
+    pub files: Vec<PathBuf>,
+    /// The report page.
+    pub report: PathBuf,
+    /// What could not be made, and why.
+    pub warnings: Vec<Warning>,
+}
+
+/// Makes `pictures/NNNNNN.png`, `film.gif` (and `film.mp4` if the program `ffmpeg` is there), `charts/NAME.svg` and
+/// `report.html` in the folder of a run, and replaces those that are there.
+///
+/// # Errors
+/// Of kind [`Input`](crate::base::Kind::Input): the folder is not that of a run; a file of it is missing or damaged; a
+/// file cannot be written. Of kind [`Scene`](crate::base::Kind::Scene): its `scene.toml` is wrong.
+pub fn render(folder: &Path) -> Result<Rendered> {
+    render_with(folder, &[])
+}
+
+/// As [`render`], with single values of the scene set, each written `key.sub=value`: `output.picture.field=speed`.
+///
+/// # Errors
+/// As for [`render`]; a value that the scene does not take.
+pub fn render_with(folder: &Path, overrides: &[String]) -> Result<Rendered> {
+    let mut run = RunFolder::open(folder, overrides)?;
+    let gallery = pictures::draw(&mut run)?;
+    let charts = charts::draw(&run);
+    let mut files = gallery.files.clone();
+    if !charts.is_empty() {
+        run.folder("charts")?;
+    }
+    for chart in &charts {
+        let path = run.path.join("charts").join(format!("{}.svg", chart.name));
+        write_file(&path, chart.svg.as_bytes())?;
+        files.push(path);
+    }
+    let report = run.path.join("report.html");
+    write_file(&report, page::compose(&run, gallery, charts).html().as_bytes())?;
+    files.push(report.clone());
+    Ok(Rendered { files, report, warnings: run.warnings })
+}

@@ -1,0 +1,178 @@
+//! The report page of a run.
+
+use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases};
+use super::charts::Drawn;
+use super::folder::RunFolder;
+use super::pictures::Gallery;
+use crate::base::Warning;
+use crate::output::{Content, Figure, Listing, Number, Report, Section, rounded};
+
+/// The page.
+pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Drawn>) -> Report {
+    let tables = [balances(run), columns(run), phases(run)].into_iter().filter(|t| !t.rows.is_empty());
+    let mut sections: Vec<Section> = tables.map(Section::Table).collect();
+    sections.push(Section::Text("What was computed".into(), run.summary.plan.clone()));
+    sections.push(Section::Text("Settings".into(), run.scene.to_toml()));
+    sections.push(Section::Table(files(run, &gallery)));
+    let figure = |c: Drawn| Figure { title: c.title, content: Content::Svg(c.svg), caption: c.caption };
+    Report {
+        title: title(run),
+        subtitle: subtitle(run),
+        alarms: ending(run).into_iter().chain(run.summary.alarms.iter().cloned()).collect(),
+        notes: run.summary.warnings.iter().cloned().chain(run.warnings.iter().map(Warning::to_string)).collect(),
+        headline: headline(run),
+        film: gallery.film,
+        pictures: gallery.pictures,
+        charts: charts.into_iter().map(figure).collect(),
+        sections,
+        footer: format!(
+            "Made by immersa {} from the files in this folder; `immersa render` makes it again. The equations are those of \
+             G.-H. Cottet, E. Maitre and T. Milcent, Level Set Methods for Fluid-Structure Interaction, Springer 2022; numbers \
+             such as (3.23) are theirs.",
+            env!("CARGO_PKG_VERSION")
+        ),
+    }
+}
+
+fn title(run: &RunFolder) -> String {
+    let titles = [&run.summary.title, &run.scene.title];
+    titles.into_iter().find(|t| !t.is_empty()).cloned().unwrap_or_else(|| "A run of immersa".into())
+}
+
+fn subtitle(run: &RunFolder) -> String {
+    let time = &run.scene.time;
+    let mut parts = Vec::new();
+    parts.extend(run.summary.cells.map(|n| format!("{} cells", grouped(n))));
+    parts.extend(run.summary.steps.map(|n| format!("{} steps of {}", grouped(n), rounded(time.step, 6))));
+    parts.push(format!("order {} in time", time.order));
+    if !run.scene.units.is_empty() {
+        parts.push(format!("units: {}", run.scene.units));
+    }
+    parts.join(" · ")
+}
+
+/// What must be known of a run that did not come to its end.
+fn ending(run: &RunFolder) -> Option<String> {
+    let reached = run
+        .summary
+        .end_time
+        .or_else(|| run.last("time"))
+        .map_or_else(String::new, |t| format!(" at t = {} of {}", rounded(t, 6), rounded(run.scene.time.end, 6)));
+    let why = run.summary.error.as_deref().unwrap_or("no reason is given");
+    match run.summary.status.as_str() {
+        "failed" => Some(format!("The computation failed{reached}: {why}\nWhat follows is the run up to there.")),
+        "interrupted" => Some(format!(
+            "The run was interrupted{reached}; `immersa run` with --resume goes on. What follows is the run up to there."
+        )),
+        _ => None,
+    }
+}
+
+fn headline(run: &RunFolder) -> Vec<Number> {
+    let number = |label: &str, value: String, note: String| Number { label: label.into(), value, note };
+    let mut numbers = Vec::new();
+    let several = run.scene.membranes.len() > 1;
+    for m in run.scene.membranes.iter().take(MOST_MEMBRANES) {
+        let of = if several { format!(" of {}", m.name) } else { String::new() };
+        let last = |quantity: &str| run.last(&format!("{}.{quantity}", m.name));
+        if let Some((a, b)) = last("axis_1").zip(last("axis_2")) {
+            let circle = last("area").map(|a| (a / std::f64::consts::PI).sqrt());
+            let note = circle.map_or_else(String::new, |r| format!("circle of the same area: {}", rounded(r, 4)));
+            numbers.push(number(&format!("Semi-axes{of}"), pair(a, b), note));
+        }
+        if let Some(area) = last("area") {
+            let note =
+                area_change(run, &m.name).map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
+            numbers.push(number(&format!("Area inside{of}"), rounded(area, 5), note));
+        }
+    }
+    if let Some(balance) = energy_balance(run) {
+        let note = "of the energy in play came from nowhere; exact: 0";
+        numbers.push(number("Energy balance", per_cent(balance), note.into()));
+    }
+    if let Some(kinetic) = run.last("energy_kinetic") {
+        let energy = kinetic + run.last("energy_elastic").unwrap_or(0.0);
+        let rise = run.summary.balance.largest_rise;
+        let note = rise.map_or_else(String::new, |r| format!("largest rise in a step: {} of the first", per_cent(r)));
+        numbers.push(number("Energy at the end", rounded(energy, 4), note));
+    }
+    if let Some(speed) = run.last("velocity_max") {
+        numbers.push(number("Largest speed at the end", rounded(speed, 4), peak(run).unwrap_or_default()));
+    }
+    let seconds: Vec<f64> = run.summary.seconds.values().flatten().copied().collect();
+    if !seconds.is_empty() {
+        let time = duration(seconds.iter().sum());
+        let unknowns: u64 = run.summary.unknowns.values().sum();
+        let note = if unknowns > 0 { format!("for {} unknowns", grouped(unknowns)) } else { String::new() };
+        numbers.push(number("Computed in", time, note));
+    }
+    numbers
+}
+
+/// Two lengths with equally many decimals, four digits of the larger.
+fn pair(a: f64, b: f64) -> String {
+    let decade = a.abs().max(b.abs()).log10().floor();
+    if !(-3.0..6.0).contains(&decade) {
+        return format!("{} × {}", rounded(a, 4), rounded(b, 4));
+    }
+    let decimals = (3.0 - decade).max(0.0) as usize;
+    format!("{a:.decimals$} × {b:.decimals$}")
+}
+
+/// Membranes that have numbers at the top; the others stand in the tables.
+const MOST_MEMBRANES: usize = 2;
+
+/// The greatest speed of the run and its time.
+fn peak(run: &RunFolder) -> Option<String> {
+    let speeds = run.column("time")?.iter().zip(run.column("velocity_max")?);
+    // Backwards, so that the first of equal ones is found.
+    let (t, v) = speeds.rev().filter(|(_, v)| v.is_finite()).max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(format!("greatest: {} at t = {}", rounded(*v, 4), rounded(*t, 4)))
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{} s", rounded(s, 3)),
+        s if s < 6000.0 => format!("{} min", rounded(s / 60.0, 3)),
+        s => format!("{} h", rounded(s / 3600.0, 3)),
+    }
+}
+
+/// A whole number with its digits in groups of three.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let starts = |i: usize| i > 0 && (digits.len() - i).is_multiple_of(3);
+    digits.chars().enumerate().flat_map(|(i, c)| starts(i).then_some('\u{202f}').into_iter().chain([c])).collect()
+}
+
+/// The files of the folder, and how to open them.
+fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
+    let fields = match run.scene.membranes.first() {
+        Some(m) => format!(
+            "velocity, pressure and level sets for ParaView: File > Open, Apply, then colour by `velocity` or `pressure`. The \
+             interface: Filters > Contour by `{}.level_set` at 0. In Python: meshio.read of a .vtu",
+            m.name
+        ),
+        None => "velocity and pressure for ParaView: File > Open, Apply, then colour by `velocity` or `pressure`. In Python: \
+                 meshio.read of a .vtu"
+            .to_string(),
+    };
+    let film = gallery.files.iter().any(|f| f.extension().is_some_and(|e| e == "gif"));
+    let rows = [
+        ("scene.toml", true, "the scene with all defaults; `immersa run` computes it again".to_string()),
+        ("series.csv", true, "one row a sample, for a spreadsheet or pandas.read_csv".to_string()),
+        ("profiles/", !run.profiles.is_empty(), "values along lines, a column a time".to_string()),
+        ("fields.pvd, fields/", !run.frames.is_empty(), fields),
+        ("pictures/", !gallery.pictures.is_empty(), "a picture of every stored field, PNG".to_string()),
+        ("film.gif", film, "the pictures as a film (film.mp4 too where ffmpeg is installed)".to_string()),
+        ("charts/", run.column("time").is_some(), "the charts of this page, SVG".to_string()),
+        ("summary.json", true, "how the run ended, its balances and times, for other programs".to_string()),
+    ];
+    let row = |(name, _, what): (&str, bool, String)| vec![name.to_string(), what];
+    Listing {
+        title: "Files in this folder".into(),
+        header: ["file", "what it holds"].map(String::from).to_vec(),
+        rows: rows.into_iter().filter(|r| r.1).map(row).collect(),
+        caption: String::new(),
+    }
+}

@@ -1,0 +1,249 @@
+//! Pictures of the stored fields, and the film they make.
+
+use super::folder::{Frame, RunFolder};
+use crate::base::{Error, Result, Warning};
+use crate::output::{
+    Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded,
+    write_file, write_film,
+};
+use crate::scene::schema::Quantity;
+use nalgebra::SVector;
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// What was drawn.
+#[derive(Default)]
+pub(super) struct Gallery {
+    pub files: Vec<PathBuf>,
+    pub film: Option<Figure>,
+    /// The first, the middle and the last picture.
+    pub pictures: Vec<Figure>,
+}
+
+/// Pictures of a film at most: a page that holds it must stay small enough to open.
+const MOST_FRAMES: usize = 150;
+
+/// Draws all stored fields of a run.
+pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
+    if !wanted(run) {
+        return Ok(Gallery::default());
+    }
+    let folder = run.folder("pictures")?;
+    let painter = Painter::new(run)?;
+    let file = |f: &Frame| folder.join(format!("{}.png", f.name));
+    let paint = |frame: &Frame| -> Result<Image> {
+        let image = painter.paint(frame)?;
+        write_file(&file(frame), &image.png()?)?;
+        Ok(image)
+    };
+    // A few at a time, so that memory stays bounded however long the run was.
+    let batch = 2 * rayon::current_num_threads();
+    let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
+    let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
+    if run.scene.output.film && run.frames.len() > 1 {
+        let every = run.frames.len().div_ceil(MOST_FRAMES);
+        let shown = images.enumerate().filter(|(i, image)| i % every == 0 || image.is_err()).map(|(_, image)| image);
+        let seconds = run.frames.len().min(MOST_FRAMES) as f64 / 6.0;
+        let film = write_film(&run.path.join("film"), shown, seconds.clamp(4.0, 25.0))?;
+        gallery.film = Some(film_figure(&film, painter.film_caption(run, every))?);
+        gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
+        run.warnings.extend(film.warning);
+    } else {
+        images.try_for_each(|image| image.map(drop))?;
+    }
+    gallery.pictures = shown(run, file)?;
+    Ok(gallery)
+}
+
+/// Whether there is anything to draw; warns of what the scene asks for and cannot be made.
+fn wanted(run: &mut RunFolder) -> bool {
+    let output = &run.scene.output;
+    if output.pictures.is_none() {
+        return false;
+    }
+    let missing = match run.frames.len() {
+        _ if run.scene.dimension() != 2 => {
+            ["no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"]
+        }
+        0 => ["no pictures: the run has stored no fields", "it ended before the first step"],
+        1 if output.film => ["no film: the run has stored fields of one time only", "see the picture"],
+        _ => return true,
+    };
+    run.warnings.push(Warning::new(missing[0], missing[1]));
+    run.frames.len() == 1 && run.scene.dimension() == 2
+}
+
+fn film_figure(film: &Film, caption: String) -> Result<Figure> {
+    let content = match &film.mp4 {
+        Some(mp4) => Content::Mp4(read_file(mp4)?),
+        None => Content::Gif(read_file(&film.gif)?),
+    };
+    Ok(Figure { title: "Film.".into(), content, caption })
+}
+
+/// The first, the middle and the last picture.
+fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure>> {
+    let last = run.frames.len().saturating_sub(1);
+    let mut chosen = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
+    chosen.dedup_by_key(|c| c.0);
+    let chosen = chosen.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when)));
+    let figure = |(frame, when): (&Frame, &str)| {
+        let title = format!("{when}, t = {}.", rounded(frame.time, 6));
+        Ok(Figure { title, content: Content::Png(read_file(&file(frame))?), caption: String::new() })
+    };
+    chosen.map(figure).collect()
+}
+
+/// How the pictures of a run look, all in one scale.
+struct Painter {
+    quantity: Quantity,
+    mesh: bool,
+    size: usize,
+    membranes: Vec<String>,
+    scale: Scale,
+    /// The greatest speed, if arrows are drawn.
+    fastest: Option<f64>,
+}
+
+impl Painter {
+    /// Reads all fields once for the scale.
+    fn new(run: &RunFolder) -> Result<Painter> {
+        let picture = run.scene.output.picture;
+        let mut painter = Painter {
+            quantity: picture.field,
+            mesh: picture.mesh,
+            size: picture.size,
+            membranes: run.scene.membranes.iter().map(|m| m.name.clone()).collect(),
+            scale: Scale::of::<2>(FieldData::Scalar(&[])),
+            fastest: None,
+        };
+        let ranges: Vec<Scale> = run.frames.par_iter().map(|f| painter.range(f)).collect::<Result<_>>()?;
+        painter.scale = ranges.into_iter().fold(painter.scale, Scale::with);
+        if painter.quantity == Quantity::Speed {
+            painter.fastest = Some(painter.scale.high);
+        }
+        Ok(painter)
+    }
+
+    fn range(&self, frame: &Frame) -> Result<Scale> {
+        let snapshot = read_vtu::<2>(&frame.file)?;
+        let place = |e: Error| e.at(frame.file.display().to_string());
+        match self.field(&snapshot).map_err(place)? {
+            Field::Borrowed(field) => Ok(Scale::of(field)),
+            // Far from the interface the slope of the level set is no stretch, and where fronts meet it is zero.
+            Field::Stretch(values) => {
+                let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
+                let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
+                Ok(Scale::of::<2>(FieldData::Scalar(&values)))
+            }
+        }
+    }
+
+    /// What is coloured.
+    fn field<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<Field<'a>> {
+        Ok(match self.quantity {
+            Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
+            Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
+            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
+            Quantity::Stretch => Field::Stretch(stretch(snapshot, self.level_set(snapshot)?)),
+        })
+    }
+
+    /// The level set of the membrane; a scene asks for it only when there is exactly one.
+    fn level_set<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<&'a [f64]> {
+        level_set(snapshot, self.membranes.first().map_or("", |name| name))
+    }
+
+    fn paint(&self, frame: &Frame) -> Result<Image> {
+        let snapshot = read_vtu::<2>(&frame.file)?;
+        let place = |e: Error| e.at(frame.file.display().to_string());
+        let field = self.field(&snapshot).map_err(place)?;
+        let interfaces = self.membranes.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
+        let arrows = match self.fastest {
+            Some(fastest) => Some(Arrows { velocity: snapshot.vector("velocity").map_err(place)?, fastest }),
+            None => None,
+        };
+        Picture {
+            space: &snapshot.space,
+            field: match &field {
+                Field::Borrowed(field) => *field,
+                Field::Stretch(values) => FieldData::Scalar(values),
+            },
+            scale: self.scale,
+            title: self.title(),
+            time: Some(frame.time),
+            interfaces: interfaces.map_err(place)?,
+            arrows,
+            mesh: self.mesh,
+            size: [self.size; 2],
+        }
+        .draw()
+    }
+
+    fn title(&self) -> &'static str {
+        match self.quantity {
+            Quantity::Pressure => "Pressure",
+            Quantity::Velocity | Quantity::Speed => "Speed",
+            Quantity::LevelSet => "Level set φ",
+            Quantity::Stretch => "Stretch |grad φ|",
+        }
+    }
+
+    fn film_caption(&self, run: &RunFolder, every: usize) -> String {
+        let [first, last] = [run.frames.first(), run.frames.last()].map(|f| f.map_or(0.0, |f| f.time));
+        let mut caption = format!(
+            "{} from t = {} to t = {}, all pictures in one colour scale",
+            self.title(),
+            rounded(first, 6),
+            rounded(last, 6)
+        );
+        if !self.membranes.is_empty() {
+            caption += "; the black line is the interface";
+        }
+        if self.fastest.is_some() {
+            caption += "; arrows show the velocity, longer by the root of the speed";
+        }
+        if every > 1 {
+            caption += &format!("; one of {every} pictures is shown here, all are in pictures/");
+        }
+        caption + "."
+    }
+}
+
+/// A field of the snapshot, or one derived from it.
+enum Field<'a> {
+    Borrowed(FieldData<'a, 2>),
+    Stretch(Vec<f64>),
+}
+
+fn level_set<'a>(snapshot: &'a Snapshot<2>, membrane: &str) -> Result<&'a [f64]> {
+    snapshot.scalar(&format!("{membrane}.level_set"))
+}
+
+/// Which nodes belong to a cell that the interface cuts.
+fn near_interface(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<bool> {
+    let space = &snapshot.space;
+    let mut near = vec![false; space.len()];
+    for c in 0..space.mesh().cell_count() {
+        let nodes = space.cell_nodes(c);
+        let inside = nodes.iter().filter(|&&n| phi[n as usize] < 0.0).count();
+        if inside > 0 && inside < nodes.len() {
+            nodes.iter().for_each(|&n| near[n as usize] = true);
+        }
+    }
+    near
+}
+
+/// `|grad phi|` at the nodes, the gradient being the mean over the cells around a node.
+fn stretch(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<f64> {
+    let space = &snapshot.space;
+    let mut sums = vec![(SVector::<f64, 2>::zeros(), 0.0); space.len()];
+    for c in 0..space.mesh().cell_count() {
+        for (k, &node) in space.cell_nodes(c).iter().enumerate() {
+            let (sum, count) = &mut sums[node as usize];
+            *sum += space.gradient(phi, c, &space.element().node(k, 2));
+            *count += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum.norm() / count).collect()
+}

@@ -1,0 +1,102 @@
+//! What a simulation is told, and what changes in it.
+
+use super::budget::{Budget, Energies};
+use crate::elastic::Membrane;
+use crate::fem::Conditions;
+use crate::flow::{BodyForce, FlowState};
+use crate::transport::Method;
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// Whether the force of a structure is taken at the old time level or with its change during the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coupling {
+    /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
+    Explicit,
+    /// Linearised in the velocity of the new time level.
+    Implicit,
+}
+
+/// A property that differs between the two sides of a structure, by (3.19).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contrast {
+    /// Value where `phi < 0`.
+    pub inside: f64,
+    /// Value where `phi > 0`.
+    pub outside: f64,
+}
+
+impl Contrast {
+    /// The same on both sides.
+    pub fn uniform(value: f64) -> Contrast {
+        Contrast { inside: value, outside: value }
+    }
+    /// Whether both sides are the same.
+    pub fn is_uniform(&self) -> bool {
+        self.inside == self.outside
+    }
+}
+
+/// Density and viscosity of the fluids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Materials {
+    /// Density; zero on both sides stands for a flow without inertia.
+    pub density: Contrast,
+    /// Dynamic viscosity.
+    pub viscosity: Contrast,
+}
+
+/// What a simulation is told.
+pub struct Settings<const D: usize> {
+    /// Time step.
+    pub dt: f64,
+    /// Order in time, 1 or 2.
+    pub order: usize,
+    /// How level sets are carried.
+    pub transport: Method,
+    /// How elastic forces are coupled.
+    pub coupling: Coupling,
+    /// Whether the flow convects itself.
+    pub convection: bool,
+    /// Weight of the grad-div term, in units of viscosity.
+    pub grad_div: f64,
+    /// Degree of the quadrature rule.
+    pub quadrature: usize,
+    /// The fluids.
+    pub materials: Materials,
+    /// Boundary conditions.
+    pub conditions: Conditions<D>,
+    /// Force per mass.
+    pub gravity: SVector<f64, D>,
+    /// Force per volume.
+    pub body_force: Option<Arc<BodyForce<D>>>,
+}
+
+/// A structure: its level set (one number a P2 node) and its law.
+pub struct Structure<const D: usize> {
+    /// Name in the scene.
+    pub name: String,
+    /// Level set, negative inside; its slope at the interface is the stretch.
+    pub phi: Vec<f64>,
+    /// The elastic membrane on its zero level.
+    pub membrane: Membrane<D>,
+    /// Mass per area at rest.
+    pub surface_mass: f64,
+}
+
+/// All that changes in time; a checkpoint holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<const D: usize> {
+    /// Steps taken.
+    pub steps: u64,
+    /// Velocity and pressure.
+    pub flow: FlowState<D>,
+    /// Level sets, one a structure.
+    pub phi: Vec<Vec<f64>>,
+    /// Velocity one step earlier.
+    pub earlier_u: Vec<SVector<f64, D>>,
+    /// Energies now.
+    pub energies: Energies,
+    /// The energy budget.
+    pub budget: Budget,
+}
