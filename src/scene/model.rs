@@ -160,8 +160,12 @@ impl Draft<'_> {
         if let Some(eps) = self.scene.numerics.thickness {
             return Ok(Some(eps));
         }
-        let edge = distances.iter().filter_map(|d| band_edges(self.space, d, 0.0)).map(|e| e.largest);
-        edge.reduce(f64::max).map(|h| Some(BAND * h)).ok_or_else(|| {
+        let longest = |eps: f64| {
+            distances.iter().filter_map(|d| band_edges(self.space, d, eps)).map(|e| e.largest).reduce(f64::max)
+        };
+        // Edges on the interface first, then those in the band that they make, which on a graded mesh are longer.
+        let edge = longest(0.0).and_then(|h| longest(BAND * h));
+        edge.map(|h| Some(BAND * h)).ok_or_else(|| {
             let e = Error::scene("no interface was found on the mesh").remedy("enlarge the shape or refine the mesh");
             self.scene.blame(&["membrane"], e)
         })
