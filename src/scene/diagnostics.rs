@@ -81,27 +81,23 @@ impl<'a> Diagnostics<'a> {
         names
     }
 
-    /// One row: a value a column. What cannot be measured (an interface that is gone, a force before the first step) is NaN.
+    /// One row: a value a column. What cannot be measured (an interface that is gone, the centre and the axes of one that is
+    /// passing a periodic side, a force before the first step) is NaN.
     pub fn row(&self, model: &Model) -> Result<Vec<f64>> {
         let sim = &model.simulation;
         let (state, space) = (sim.state(), sim.space());
         let mut row = Vec::new();
         for (m, phi) in self.scene.membranes.iter().zip(&state.phi) {
             let contour = Contour::new(space, phi)?;
-            match contour.measures() {
-                Ok(k) => row.extend([
-                    k.area,
-                    k.perimeter,
-                    k.centroid[0],
-                    k.centroid[1],
-                    k.axis_1,
-                    k.axis_2,
-                    k.angle,
-                    k.extent_x,
-                    k.extent_y,
-                ]),
-                Err(_) => row.extend([f64::NAN; MEASURES.len()]),
-            }
+            let periodic = !sim.flow().numbering().translations().is_empty();
+            // In parts on the two sides of the mesh a membrane has an area and a length, but no place and no form.
+            let parted = periodic && contour.lines().iter().any(|l| !l.closed);
+            row.extend(contour.measures().map_or([f64::NAN; MEASURES.len()], |k| {
+                let whole = |v: f64| if parted { f64::NAN } else { v };
+                let form = [k.centroid[0], k.centroid[1], k.axis_1, k.axis_2, k.angle, k.extent_x, k.extent_y];
+                let [x, y, a, b, angle, width, height] = form.map(whole);
+                [k.area, k.perimeter, x, y, a, b, angle, width, height]
+            }));
             for c in &m.chords {
                 let half = contour.half_chord(space, phi, &point(&c.through), &point(&c.direction));
                 row.push(half.unwrap_or(f64::NAN));

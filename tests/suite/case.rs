@@ -16,8 +16,13 @@ pub struct Case {
 impl Case {
     /// The scene of a text; meshes are looked for in `meshes/`.
     pub fn new(text: &str) -> Case {
+        Case::with(text, &[])
+    }
+    /// The same with some values changed: `key=value`.
+    pub fn with(text: &str, changes: &[&str]) -> Case {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/scene.toml");
-        let scene = Scene::parse(text, &path).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
+        let scene = Scene::parse_with(text, &path, &changes).unwrap_or_else(|e| panic!("{e}\n{text}"));
         let mut model = Model::new(&scene).unwrap_or_else(|e| panic!("{e}\n{text}"));
         model.simulation.keep_reactions(true);
         Case { scene, model }

@@ -181,8 +181,9 @@ fn a_membrane_passes_a_periodic_side() {
     );
     let start = [case.get("m.area"), case.get("m.perimeter")];
     assert!((start[0] / (0.0625 * PI) - 1.0).abs() < 1e-4 && (start[1] / (0.5 * PI) - 1.0).abs() < 1e-4);
-    // Half-way through the side: area and perimeter are those of both parts.
+    // Half-way through the side: area and perimeter are those of both parts, which have no common centre.
     case.steps(6);
+    assert!(case.get("m.centre_x").is_nan() && case.get("m.axis_1").is_nan());
     assert!((case.get("m.area") / start[0] - 1.0).abs() < 1e-3);
     assert!((case.get("m.perimeter") / start[1] - 1.0).abs() < 1e-3);
     let case = case.run();

@@ -77,7 +77,8 @@ pub struct Profile {
     pub times: Vec<f64>,
 }
 
-/// The force of the fluid on a named boundary.
+/// The force of the fluid on a named boundary: by the residual of the momentum equation, which is the more accurate one, and by
+/// the stress. At its ends the residual holds the force on what comes next, too: ask for closed boundaries where that matters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Force {
     /// The name of its columns.
