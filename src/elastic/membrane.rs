@@ -13,11 +13,23 @@ struct BandPoint<const D: usize> {
     n: SVector<f64, D>,
     /// Stretch `|grad phi|`.
     r: f64,
-    /// `zeta(phi/(r eps))/(r eps)`; zero outside the band.
+    /// `zeta(phi/(s eps))/(s eps)` with `s` the slope by [`Band`]; zero outside the band.
     w: f64,
 }
 
-/// An elastic membrane on the zero level of `phi`, smeared over the band `|phi| < r eps`.
+/// Over which values of its level set a membrane is spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Band {
+    /// `|phi| < r eps` with the local `r` (the renormalisation of (1.32)-(1.35)): of half-width `eps` in space however the
+    /// membrane is stretched. Its weight is not carried by the fluid, so the force is the derivative of the energy but for terms
+    /// of first order in `eps`: energy comes from nowhere slowly, and a drop that should rest breaks up in the end.
+    Renormalised,
+    /// `|phi| < s eps`, `s` being the slope of the level set at the start: moves with the fluid, so that the force is the
+    /// derivative of the energy; of half-width `eps s / r` in space.
+    Carried,
+}
+
+/// An elastic membrane on the zero level of `phi`, smeared over a band.
 ///
 /// The force is (3.16) integrated weakly, `F(v) = - int E'(r) r P : grad v w`, with `P = I - n n`; the energy is (3.12),
 /// `int E(r) w`. Gradients are taken at the quadrature points. Implicit in the velocity, the form
@@ -27,6 +39,8 @@ struct BandPoint<const D: usize> {
 pub struct Membrane<const D: usize> {
     law: AreaLaw,
     thickness: f64,
+    /// The slope that the band is measured with; `None` for the local one.
+    slope: Option<f64>,
     points: usize,
     cells: Vec<u32>,
     /// Position of a cell in `cells`.
@@ -36,17 +50,22 @@ pub struct Membrane<const D: usize> {
 }
 
 impl<const D: usize> Membrane<D> {
-    /// A membrane whose band has the half-width `thickness` (`eps`, a length).
+    /// A membrane whose band, renormalised, has the half-width `thickness` (`eps`, a length).
     pub fn new(law: AreaLaw, thickness: f64) -> Membrane<D> {
         Membrane {
             law,
             thickness,
+            slope: None,
             points: 0,
             cells: Vec::new(),
             slot: Vec::new(),
             band: Vec::new(),
             implicit_step: None,
         }
+    }
+    /// The same membrane over another band; `slope` is that of the level set at the start.
+    pub fn with_band(self, band: Band, slope: f64) -> Membrane<D> {
+        Membrane { slope: (band == Band::Carried).then_some(slope), ..self }
     }
     /// The law.
     pub fn law(&self) -> AreaLaw {
@@ -61,14 +80,15 @@ impl<const D: usize> Membrane<D> {
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64], implicit_step: Option<f64>) {
         self.implicit_step = implicit_step;
         self.points = basis.rule().len();
-        self.cells = band_cells(basis, phi, self.thickness);
+        self.cells = self.cells_of(basis, phi);
         self.slot.resize(basis.space().mesh().cell_count(), 0);
         self.band.clear();
         for (k, &c) in self.cells.iter().enumerate() {
             self.slot[c as usize] = k as u32;
             for q in 0..self.points {
                 let at = basis.at(c as usize, q);
-                self.band.push(band_point(basis, &at, phi, self.thickness));
+                let point = self.band_point(basis, &at, phi);
+                self.band.push(point);
             }
         }
     }
@@ -77,9 +97,9 @@ impl<const D: usize> Membrane<D> {
     }
     /// Elastic energy (3.12) of the membrane on `phi`. `basis` may have a finer rule than the flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64]) -> f64 {
-        let cells = band_cells(basis, phi, self.thickness);
+        let cells = self.cells_of(basis, phi);
         let [energy] = integrate(basis, Cells::Some(&cells), |at| {
-            let b = band_point(basis, at, phi, self.thickness);
+            let b = self.band_point(basis, at, phi);
             [self.law.energy(b.r) * b.w]
         });
         energy
@@ -92,32 +112,30 @@ impl<const D: usize> Membrane<D> {
     pub fn band_cells(&self) -> &[u32] {
         &self.cells
     }
-}
-
-/// Cells that may hold a point of the band: by the values and the spread of `phi` at the nodes.
-fn band_cells<const D: usize>(basis: &Basis<D>, phi: &[f64], eps: f64) -> Vec<u32> {
-    let space = basis.space();
-    let mesh = space.mesh();
-    let near = |c: usize| {
-        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &n in space.cell_nodes(c) {
-            lo = lo.min(phi[n as usize]);
-            hi = hi.max(phi[n as usize]);
-        }
-        // The band is |phi| < r eps, and r is at most a few times the slope seen over the cell.
-        let slope = (hi - lo) / mesh.diameter(c);
-        let reach = 4.0 * slope * eps + (hi - lo);
-        lo <= reach && hi >= -reach
-    };
-    (0..mesh.cell_count()).filter(|&c| near(c)).map(|c| c as u32).collect()
-}
-
-fn band_point<const D: usize>(basis: &Basis<D>, at: &At<D>, phi: &[f64], eps: f64) -> BandPoint<D> {
-    let g = basis.gradient(at, phi);
-    let r = g.norm();
-    let w = band::surface_weight(basis.value(at, phi), r, eps);
-    let n = if r > 0.0 { g / r } else { SVector::zeros() };
-    BandPoint { n, r, w }
+    /// Cells that may hold a point of the band: by the values and the spread of `phi` at the nodes.
+    fn cells_of(&self, basis: &Basis<D>, phi: &[f64]) -> Vec<u32> {
+        let space = basis.space();
+        let mesh = space.mesh();
+        let near = |c: usize| {
+            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+            for &n in space.cell_nodes(c) {
+                lo = lo.min(phi[n as usize]);
+                hi = hi.max(phi[n as usize]);
+            }
+            // The local slope is at most a few times that over the cell.
+            let slope = self.slope.unwrap_or(4.0 * (hi - lo) / mesh.diameter(c));
+            let reach = slope * self.thickness + (hi - lo);
+            lo <= reach && hi >= -reach
+        };
+        (0..mesh.cell_count()).filter(|&c| near(c)).map(|c| c as u32).collect()
+    }
+    fn band_point(&self, basis: &Basis<D>, at: &At<D>, phi: &[f64]) -> BandPoint<D> {
+        let g = basis.gradient(at, phi);
+        let r = g.norm();
+        let w = band::surface_weight(basis.value(at, phi), self.slope.unwrap_or(r), self.thickness);
+        let n = if r > 0.0 { g / r } else { SVector::zeros() };
+        BandPoint { n, r, w }
+    }
 }
 
 impl<const D: usize> MomentumTerm<D> for Membrane<D> {

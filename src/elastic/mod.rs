@@ -4,4 +4,4 @@ mod area_law;
 mod membrane;
 
 pub use area_law::AreaLaw;
-pub use membrane::{Membrane, explicit_step_limit};
+pub use membrane::{Band, Membrane, explicit_step_limit};

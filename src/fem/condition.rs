@@ -24,7 +24,7 @@ pub enum Condition<const D: usize> {
 }
 
 /// Conditions by boundary name, in the order of the scene. Where several names hold a facet, the one with the fewest facets
-/// wins, then the later one. An empty list means no slip everywhere.
+/// wins, then the later one. An empty list means no slip everywhere. At a node between parts each keeps its normal velocity.
 pub type Conditions<const D: usize> = Vec<(String, Condition<D>)>;
 
 /// For every facet the number of its condition, sorted by ascending priority; `None` means no slip by default.

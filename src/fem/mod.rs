@@ -5,6 +5,7 @@
 
 mod assembly;
 mod condition;
+mod corner;
 mod element;
 mod norms;
 mod numbering;
@@ -20,7 +21,7 @@ pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
 pub use norms::{Errors, scalar_errors, vector_errors};
 pub use numbering::Numbering;
-pub use periodic::Translation;
+pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{Space, Value};

@@ -3,7 +3,8 @@
 //! Prescribed components are eliminated, periodic nodes share their unknowns, and at slip nodes the velocity is
 //! expressed in a frame whose first axes are the wall normals, so that the matrix stays symmetric.
 
-use super::condition::{Condition, Conditions, VelocityFunction, condition_of_facets};
+use super::condition::{Condition, Conditions, condition_of_facets};
+use super::corner::{Prescribed, Side};
 use super::periodic::{Translation, identify, periodic_pairs};
 use super::space::Space;
 use crate::base::Result;
@@ -19,7 +20,7 @@ pub struct Numbering<const D: usize> {
     first_pressure: usize,
     order: usize,
     frames: HashMap<u32, SMatrix<f64, D, D>>,
-    prescribed: Vec<(u32, VelocityFunction<D>)>,
+    prescribed: Vec<(u32, Prescribed<D>)>,
     open: bool,
     translations: Vec<Translation<D>>,
 }
@@ -72,7 +73,7 @@ impl<const D: usize> Numbering<D> {
             }
         }
         let prescribed = (0..velocity.len() as u32)
-            .filter_map(|n| Some((n, marks.fixed.get(&masters[n as usize])?.clone()?)))
+            .filter_map(|n| Some((n, Prescribed::new(marks.fixed.get(&masters[n as usize])?)?)))
             .collect();
         Ok(Numbering {
             velocity: numbers,
@@ -114,7 +115,7 @@ impl<const D: usize> Numbering<D> {
     pub fn lift(&self, space: &Space<D>, t: f64, out: &mut [SVector<f64, D>]) {
         out.fill(SVector::zeros());
         for (n, g) in &self.prescribed {
-            out[*n as usize] = g(&space.nodes()[*n as usize], t);
+            out[*n as usize] = g.at(&space.nodes()[*n as usize], t);
         }
     }
     /// The unknowns of a cell in the order of its local matrix; [`NONE`] where there is none.
@@ -197,8 +198,8 @@ impl<const D: usize> Numbering<D> {
 
 /// What the conditions say about single nodes.
 struct Marks<const D: usize> {
-    /// Nodes whose velocity is given; `None` stands for zero.
-    fixed: BTreeMap<u32, Option<VelocityFunction<D>>>,
+    /// The facets that fix the velocity at a node, by ascending priority, those that slip before all others.
+    fixed: BTreeMap<u32, Vec<Side<D>>>,
     /// Normals of the slip walls at a node.
     normals: BTreeMap<u32, Vec<SVector<f64, D>>>,
     /// Whether some facet is open.
@@ -209,22 +210,30 @@ impl<const D: usize> Marks<D> {
     fn new(velocity: &Space<D>, conditions: &Conditions<D>) -> Result<Marks<D>> {
         let mesh = velocity.mesh();
         let mut marks = Marks { fixed: BTreeMap::new(), normals: BTreeMap::new(), open: false };
-        // In ascending priority, so that the last writer wins at nodes shared by two parts.
         for (f, k) in condition_of_facets(mesh, conditions)? {
             let facet = &mesh.facets()[f as usize];
-            let nodes = velocity.facet_nodes(facet);
+            let (normal, _) = mesh.facet_normal(facet);
+            let nodes: Vec<u32> = velocity.facet_nodes(facet).collect();
+            let side = |velocity| Side { condition: k, normal, velocity };
             match k.map_or(&Condition::NoSlip, |k| &conditions[k].1) {
-                Condition::Velocity(g) => nodes.for_each(|n| drop(marks.fixed.insert(n, Some(Arc::clone(g))))),
-                Condition::NoSlip => nodes.for_each(|n| drop(marks.fixed.insert(n, None))),
-                Condition::Slip => {
-                    let (normal, _) = mesh.facet_normal(facet);
-                    nodes.for_each(|n| marks.normals.entry(n).or_default().push(normal));
-                }
+                Condition::Velocity(g) => marks.fix(&nodes, &side(Some(Arc::clone(g)))),
+                Condition::NoSlip => marks.fix(&nodes, &side(None)),
+                Condition::Slip => nodes.iter().for_each(|&n| marks.normals.entry(n).or_default().push(normal)),
                 Condition::Open => marks.open = true,
                 Condition::Periodic(_) => {}
             }
         }
+        // Nothing passes through a wall that slips, at its ends either.
+        for (n, list) in &marks.normals {
+            if let Some(sides) = marks.fixed.get_mut(n) {
+                sides.splice(0..0, list.iter().map(|&normal| Side { condition: None, normal, velocity: None }));
+            }
+        }
         Ok(marks)
+    }
+
+    fn fix(&mut self, nodes: &[u32], side: &Side<D>) {
+        nodes.iter().for_each(|&n| self.fixed.entry(n).or_default().push(side.clone()));
     }
 
     /// What holds at one of several identified nodes holds at their master, and so at all of them.

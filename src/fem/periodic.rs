@@ -18,11 +18,11 @@ pub struct Translation<const D: usize> {
     pub shift: SVector<f64, D>,
 }
 
-/// Pairs the facets of periodic parts.
-pub(super) fn periodic_pairs<const D: usize>(
-    mesh: &Mesh<D>,
-    conditions: &Conditions<D>,
-) -> Result<Vec<Translation<D>>> {
+/// The pairs of facets that periodic conditions make, each from both of its sides.
+///
+/// # Errors
+/// A name that the mesh does not have, parts that are not translates of each other.
+pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>) -> Result<Vec<Translation<D>>> {
     let centre = |f: u32| {
         let facet = &mesh.facets()[f as usize];
         mesh.facet_points(facet).fold(Point::<D>::zeros(), |s, v| s + mesh.points()[v as usize]) / D as f64

@@ -1,19 +1,18 @@
-//! Integrals over named boundaries: force by the stress, and flux.
+//! Integrals over the boundary: force by the stress, flux, and energy carried out.
 
-use super::coefficient::Coefficient;
 use super::step::FlowState;
 use crate::base::Result;
 use crate::fem::{Rule, Space};
-use crate::mesh::{Facet, Mesh};
-use nalgebra::SVector;
+use crate::mesh::{Facet, Location, Mesh, Point};
+use nalgebra::{ArrayStorage, SVector};
 
 /// Degree of the rule on facets.
 const DEGREE: usize = 5;
 
-/// Sum over the facets of a named boundary and their quadrature points of `f(facet, barycentric, weight * size)`.
-fn over_boundary<const D: usize>(mesh: &Mesh<D>, name: &str, mut f: impl FnMut(&Facet, &[f64; 4], f64)) -> Result<()> {
+/// Calls `f(facet, barycentric, weight * size)` at the quadrature points of facets.
+fn over_boundary<const D: usize>(mesh: &Mesh<D>, facets: &[u32], mut f: impl FnMut(&Facet, &[f64; 4], f64)) {
     let rule = Rule::simplex(D - 1, DEGREE);
-    for &k in mesh.boundary(name)? {
+    for &k in facets {
         let facet = mesh.facets()[k as usize];
         let (_, size) = mesh.facet_normal(&facet);
         for (point, w) in rule.points.iter().zip(&rule.weights) {
@@ -27,41 +26,86 @@ fn over_boundary<const D: usize>(mesh: &Mesh<D>, name: &str, mut f: impl FnMut(&
             f(&facet, &l, w * size);
         }
     }
-    Ok(())
 }
 
-/// Force of the fluid on a boundary by the stress, `-int (2 mu D(u) - p) n ds` with `n` outward from the fluid, for a constant
-/// viscosity (a pointwise one is taken at the first quadrature point of the cell).
+/// A force, and its moment about a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load<const D: usize> {
+    /// The force.
+    pub force: SVector<f64, D>,
+    /// The moment; in the plane only the last component is not zero, counter-clockwise.
+    pub moment: SVector<f64, 3>,
+}
+
+impl<const D: usize> Load<D> {
+    /// No load.
+    pub const ZERO: Load<D> = Load::of(0.0);
+    /// A load that is not known.
+    pub const NAN: Load<D> = Load::of(f64::NAN);
+
+    const fn of(v: f64) -> Load<D> {
+        Load {
+            force: SVector::<f64, D>::from_array_storage(ArrayStorage([[v; D]; 1])),
+            moment: SVector::<f64, 3>::from_array_storage(ArrayStorage([[v; 3]; 1])),
+        }
+    }
+    /// Adds a force that acts at a distance `arm` from the point.
+    pub fn add(&mut self, arm: &SVector<f64, D>, force: &SVector<f64, D>) {
+        let at = |v: &SVector<f64, D>| SVector::<f64, 3>::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
+        self.force += force;
+        self.moment += at(arm).cross(&at(force));
+    }
+}
+
+/// Force of the fluid on a boundary by the stress, `-int (2 mu D(u) - p) n ds` with `n` outward from the fluid, and its moment
+/// about a point. `viscosity` gives `mu` in a cell at barycentric coordinates.
 pub fn traction<const D: usize>(
     velocity: &Space<D>,
     pressure: &Space<D>,
-    viscosity: &Coefficient,
+    viscosity: impl Fn(usize, &[f64; 4]) -> f64,
     state: &FlowState<D>,
     name: &str,
-) -> Result<SVector<f64, D>> {
+    about: &Point<D>,
+) -> Result<Load<D>> {
     let mesh = velocity.mesh();
-    let mut force = SVector::<f64, D>::zeros();
-    over_boundary(mesh, name, |facet, l, w| {
+    let mut load = Load::ZERO;
+    over_boundary(mesh, mesh.boundary(name)?, |facet, l, w| {
         let c = facet.cell as usize;
         let (n, _) = mesh.facet_normal(facet);
         let grad = velocity.jacobian(&state.u, c, l);
         let p = pressure.value(&state.p, c, l);
-        let mu = match viscosity {
-            Coefficient::Constant(mu) => *mu,
-            Coefficient::Pointwise { points, values } => values[c * points],
-        };
-        force += ((grad + grad.transpose()) * n * mu - n * p) * (-w);
-    })?;
-    Ok(force)
+        let force = ((grad + grad.transpose()) * n * viscosity(c, l) - n * p) * (-w);
+        let x = mesh.point_at(&Location { cell: facet.cell, barycentric: *l });
+        load.add(&(x - about), &force);
+    });
+    Ok(load)
+}
+
+/// Kinetic energy that the flow carries out through the boundary per time, `int rho |u|^2 / 2 u . n ds`. `density` gives `rho`
+/// in a cell at barycentric coordinates.
+pub fn kinetic_outflow<const D: usize>(
+    velocity: &Space<D>,
+    density: impl Fn(usize, &[f64; 4]) -> f64,
+    state: &FlowState<D>,
+) -> f64 {
+    let mesh = velocity.mesh();
+    let all: Vec<u32> = (0..mesh.facets().len() as u32).collect();
+    let mut sum = 0.0;
+    over_boundary(mesh, &all, |facet, l, w| {
+        let (n, _) = mesh.facet_normal(facet);
+        let u = velocity.value(&state.u, facet.cell as usize, l);
+        sum += 0.5 * w * density(facet.cell as usize, l) * u.norm_squared() * u.dot(&n);
+    });
+    sum
 }
 
 /// Volume that leaves through a boundary per time, `int u . n ds`.
 pub fn flux<const D: usize>(velocity: &Space<D>, state: &FlowState<D>, name: &str) -> Result<f64> {
     let mesh = velocity.mesh();
     let mut sum = 0.0;
-    over_boundary(mesh, name, |facet, l, w| {
+    over_boundary(mesh, mesh.boundary(name)?, |facet, l, w| {
         let (n, _) = mesh.facet_normal(facet);
         sum += w * velocity.value(&state.u, facet.cell as usize, l).dot(&n);
-    })?;
+    });
     Ok(sum)
 }

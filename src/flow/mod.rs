@@ -7,7 +7,7 @@ mod solver;
 mod step;
 pub mod term;
 
-pub use boundary::{flux, traction};
+pub use boundary::{Load, flux, kinetic_outflow, traction};
 pub use coefficient::Coefficient;
 pub use solver::FlowSolver;
 pub use step::{BodyForce, FlowState, History, Step, StepReport};

@@ -287,7 +287,7 @@ impl<const D: usize> FlowSolver<D> {
         self.numbering.gather(&work.residual, &work.continuity, &mut work.rhs);
         let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not factored")) };
         let report = factor.solve(&self.matrix, &work.rhs, &mut work.x).map_err(|e| {
-            let place = format!("time {}", step.time);
+            let place = format!("time {:.6}", step.time);
             if e.place().is_empty() { e.at(place) } else { e }
         })?;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
@@ -306,7 +306,7 @@ impl<const D: usize> FlowSolver<D> {
         self.numbering.lift(space, step.time, &mut work.lift);
         if let Some(n) = work.lift.iter().position(|g| g.iter().any(|v| !v.is_finite())) {
             return Err(Error::computation("a prescribed velocity is not a finite number")
-                .at(format!("time {}, node at {:?}", step.time, space.nodes()[n].as_slice()))
+                .at(format!("time {:.6}, node at {:?}", step.time, space.nodes()[n].as_slice()))
                 .value(format!("{:?}", work.lift[n].as_slice()))
                 .remedy("check the velocity expressions of the boundary"));
         }
@@ -334,7 +334,7 @@ impl<const D: usize> FlowSolver<D> {
                 return Err(Error::scene(
                     "the prescribed velocities let more fluid in than out, and no boundary is open",
                 )
-                .at(format!("time {}", step.time))
+                .at(format!("time {:.6}", step.time))
                 .value(format!("net outflow {through:e}, gross flow {scale:e}"))
                 .remedy("balance the velocities, or set open = true on an outlet"));
             }

@@ -2,13 +2,12 @@
 
 use super::Scene;
 use super::model::Model;
-use super::schema::{Probe, Profile, Quantity};
+use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
-use crate::flow::{flux, traction};
+use crate::flow::{Load, flux, traction};
 use crate::levelset::Contour;
 use crate::mesh::{Location, Locator, Point};
 use crate::sim::Simulation;
-use nalgebra::SVector;
 
 /// The columns that each membrane has, after its name and a dot.
 const MEASURES: [&str; 9] =
@@ -71,13 +70,12 @@ impl<'a> Diagnostics<'a> {
         }
         names.extend(COMMON.iter().map(ToString::to_string));
         for p in &self.scene.output.probes {
-            match p.of {
-                Quantity::Velocity => names.extend(["x", "y"].map(|c| format!("{}_{c}", p.name))),
-                _ => names.push(p.name.clone()),
-            }
+            names.extend(suffixes(p.of).iter().map(|c| format!("{}{c}", p.name)));
         }
         for f in &self.scene.output.forces {
-            names.extend(["x", "y", "stress_x", "stress_y"].map(|c| format!("{}_{c}", f.name)));
+            let moment = f.about.is_some().then_some(["moment", "stress_moment"]);
+            let columns = ["x", "y", "stress_x", "stress_y"].into_iter().chain(moment.into_iter().flatten());
+            names.extend(columns.map(|c| format!("{}_{c}", f.name)));
         }
         names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
         names
@@ -122,13 +120,18 @@ impl<'a> Diagnostics<'a> {
             over_limit,
         ]);
         for (p, at) in self.scene.output.probes.iter().zip(&self.probes) {
-            row.extend(self.sample(sim, at, p));
+            row.extend(values(sim, at, p.of));
         }
         let pressure = sim.flow().pressure().space();
         for f in &self.scene.output.forces {
-            let residual = sim.reaction(&f.boundary)?.unwrap_or(SVector::<f64, 2>::repeat(f64::NAN));
-            let stress = traction(space, pressure, sim.flow().viscosity(), &state.flow, &f.boundary)?;
-            row.extend([residual[0], residual[1], stress[0], stress[1]]);
+            let about = f.about.as_deref().map_or(Point::<2>::zeros(), point);
+            let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
+            let viscosity = |cell: usize, l: &[f64; 4]| sim.viscosity_at(cell, l);
+            let stress = traction(space, pressure, viscosity, &state.flow, &f.boundary, &about)?;
+            row.extend([residual.force[0], residual.force[1], stress.force[0], stress.force[1]]);
+            if f.about.is_some() {
+                row.extend([residual.moment[2], stress.moment[2]]);
+            }
         }
         for f in &self.scene.output.fluxes {
             row.push(flux(space, &state.flow, &f.boundary)?);
@@ -136,22 +139,17 @@ impl<'a> Diagnostics<'a> {
         Ok(row)
     }
 
-    /// Values along profile number `k`, point by point.
-    pub fn profile(&self, sim: &Simulation<2>, k: usize) -> Vec<f64> {
+    /// Values along profile number `k`, point by point: one list for each component, with the end of its column's name.
+    pub fn profile(&self, sim: &Simulation<2>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
         let of = self.scene.output.profiles[k].of;
-        self.profiles[k].iter().map(|(_, at)| value(sim, at, of)).collect()
+        let rows: Vec<Vec<f64>> = self.profiles[k].iter().map(|(_, at)| values(sim, at, of)).collect();
+        let column = |i: usize| rows.iter().map(|row| row[i]).collect();
+        suffixes(of).iter().enumerate().map(|(i, suffix)| (*suffix, column(i))).collect()
     }
 
     /// The points of profile number `k`.
     pub fn profile_points(&self, k: usize) -> impl Iterator<Item = &Point<2>> {
         self.profiles[k].iter().map(|(x, _)| x)
-    }
-
-    fn sample(&self, sim: &Simulation<2>, at: &Location, probe: &Probe) -> Vec<f64> {
-        match probe.of {
-            Quantity::Velocity => velocity(sim, at).iter().copied().collect(),
-            of => vec![value(sim, at, of)],
-        }
     }
 }
 
@@ -171,19 +169,24 @@ fn line(p: &Profile) -> impl Iterator<Item = Point<2>> {
     (0..n).map(move |i| from + (to - from) * (i as f64 / (n - 1) as f64))
 }
 
-fn velocity(sim: &Simulation<2>, at: &Location) -> SVector<f64, 2> {
-    sim.space().value(&sim.state().flow.u, at.cell as usize, &at.barycentric)
+/// What the columns of a quantity end with, one a component.
+fn suffixes(of: Quantity) -> &'static [&'static str] {
+    match of {
+        Quantity::Velocity => &["_x", "_y"],
+        _ => &[""],
+    }
 }
 
-/// A scalar quantity at a point; of the velocity, its magnitude.
-fn value(sim: &Simulation<2>, at: &Location, of: Quantity) -> f64 {
-    let (state, cell) = (sim.state(), at.cell as usize);
+/// The components of a quantity at a point.
+fn values(sim: &Simulation<2>, at: &Location, of: Quantity) -> Vec<f64> {
+    let (state, space, cell) = (sim.state(), sim.space(), at.cell as usize);
+    let velocity = || space.value(&state.flow.u, cell, &at.barycentric);
+    let phi = |f: &dyn Fn(&Vec<f64>) -> f64| vec![state.phi.first().map_or(f64::NAN, f)];
     match of {
-        Quantity::Pressure => sim.flow().pressure().space().value(&state.flow.p, cell, &at.barycentric),
-        Quantity::Velocity | Quantity::Speed => velocity(sim, at).norm(),
-        Quantity::LevelSet => state.phi.first().map_or(f64::NAN, |f| sim.space().value(f, cell, &at.barycentric)),
-        Quantity::Stretch => {
-            state.phi.first().map_or(f64::NAN, |f| sim.space().gradient(f, cell, &at.barycentric).norm())
-        }
+        Quantity::Pressure => vec![sim.flow().pressure().space().value(&state.flow.p, cell, &at.barycentric)],
+        Quantity::Velocity => velocity().iter().copied().collect(),
+        Quantity::Speed => vec![velocity().norm()],
+        Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),
+        Quantity::Stretch => phi(&|f| space.gradient(f, cell, &at.barycentric).norm()),
     }
 }

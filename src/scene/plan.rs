@@ -1,10 +1,10 @@
 //! The plan: what a scene solves, what it leaves out and why, and how large that is.
 
 use super::Scene;
-use super::model::Model;
+use super::model::{Model, band_of};
 use super::schema::{Condition, MeshSource};
 use crate::base::Result;
-use crate::elastic::AreaLaw;
+use crate::elastic::{AreaLaw, Band};
 use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
@@ -146,6 +146,18 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
             "band half-width {eps:.4}{given} on edges of {edge}: {:.2} edges; the error it makes is of first order in it",
             eps / coarse
         ));
+        for m in &scene.membranes {
+            let given = derived(scene.numerics.band.is_some());
+            lines.push(match band_of(scene, m) {
+                Band::Renormalised => {
+                    format!("band of `{}` renormalised{given}: of this half-width whatever the stretch", m.name)
+                }
+                Band::Carried => format!(
+                    "band of `{}` carried with the fluid{given}: keeps the energy, of this half-width at the start",
+                    m.name
+                ),
+            });
+        }
         lines.push(match s.transport {
             Method::Nodal => "level set carried to the nodes (nodal)".into(),
             Method::Projected => "level set projected at the quadrature points (projected)".into(),

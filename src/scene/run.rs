@@ -124,7 +124,7 @@ impl<'a> Run<'a> {
             if stop.load(Ordering::Relaxed) {
                 self.save()?;
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
-                    .at(format!("time {}", self.model.simulation.time()))
+                    .at(format!("time {:.6}", self.model.simulation.time()))
                     .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
             }
             let before = self.model.simulation.state().energies.total();
@@ -173,7 +173,8 @@ impl<'a> Run<'a> {
         for (k, p) in output.profiles.iter().enumerate() {
             if p.times.iter().any(|&t| time.step_at(t) == step) {
                 let values = self.diagnostics.profile(&self.model.simulation, k);
-                self.record.profiles.entry(p.name.clone()).or_default().push((now, values));
+                let columns = values.into_iter().map(|(suffix, v)| (format!("t={now}{suffix}"), v));
+                self.record.profiles.entry(p.name.clone()).or_default().extend(columns);
                 let points: Vec<_> = self.diagnostics.profile_points(k).copied().collect();
                 self.folder.write_profile(&p.name, &points, &self.record.profiles[&p.name])?;
             }

@@ -5,7 +5,7 @@ use super::setup::{Coupling, Materials, Settings, State, Structure};
 use crate::base::{Error, Result};
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{Coefficient, FlowSolver, History, Step, StepReport};
+use crate::flow::{Coefficient, FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
 use crate::levelset as band;
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, carry_nodal, carry_projected};
@@ -203,24 +203,42 @@ impl<const D: usize> Simulation<D> {
             });
             Coefficient::Pointwise { points, values }
         };
-        let eps = |k: usize| self.structures[k].membrane.thickness();
-        let rho = pointwise(&|at| {
-            let phi = |k: usize| basis.value(at, &level_sets[k]);
-            let bulk = band::density(phi(0), eps(0), density.inside, density.outside, 0.0);
-            self.structures
-                .iter()
-                .enumerate()
-                .fold(bulk, |rho, (k, s)| rho + band::density(phi(k), eps(k), 0.0, 0.0, s.surface_mass))
-        });
+        let at_point = |at: &At<D>, k: usize| basis.value(at, &level_sets[k]);
+        let rho = pointwise(&|at| self.density_of(|k| at_point(at, k)));
         let mu = if viscosity.is_uniform() {
             Coefficient::Constant(viscosity.outside)
         } else {
-            pointwise(&|at| {
-                let phi = basis.value(at, &level_sets[0]);
-                band::viscosity(phi, eps(0), viscosity.inside, viscosity.outside)
-            })
+            pointwise(&|at| self.viscosity_of(|k| at_point(at, k)))
         };
         self.flow.set_materials(rho, mu);
+    }
+
+    /// Density by (3.19) where level set `k` has the value `phi(k)`.
+    fn density_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
+        let rho = self.settings.materials.density;
+        let eps = |s: &Structure<D>| s.membrane.thickness();
+        let bulk = match self.structures.first() {
+            Some(s) if !rho.is_uniform() => band::density(phi(0), eps(s), rho.inside, rho.outside, 0.0),
+            _ => rho.outside,
+        };
+        let heavy = self.structures.iter().enumerate().filter(|(_, s)| s.surface_mass > 0.0);
+        heavy.fold(bulk, |rho, (k, s)| rho + band::density(phi(k), eps(s), 0.0, 0.0, s.surface_mass))
+    }
+    /// Viscosity by (3.19) where level set `k` has the value `phi(k)`.
+    fn viscosity_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
+        let mu = self.settings.materials.viscosity;
+        match self.structures.first() {
+            Some(s) if !mu.is_uniform() => band::viscosity(phi(0), s.membrane.thickness(), mu.inside, mu.outside),
+            _ => mu.outside,
+        }
+    }
+    /// Density in a cell at barycentric coordinates, for the current level sets.
+    pub fn density_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
+        self.density_of(|k| self.space.value(&self.state.phi[k], cell, l))
+    }
+    /// Viscosity in a cell at barycentric coordinates, for the current level sets.
+    pub fn viscosity_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
+        self.viscosity_of(|k| self.space.value(&self.state.phi[k], cell, l))
     }
 
     /// Energies and rates of the current state.
@@ -235,9 +253,17 @@ impl<const D: usize> Simulation<D> {
             elastic,
             dissipation,
             grad_div,
-            power: wall_power + self.body_power(),
+            power: wall_power + self.body_power() - self.carried_out(),
             divergence: div2.sqrt(),
         }
+    }
+
+    /// Kinetic energy that the flow carries out through the boundary per time.
+    fn carried_out(&self) -> f64 {
+        if self.is_stokes() || !self.settings.convection {
+            return 0.0;
+        }
+        kinetic_outflow(&self.space, |cell, l| self.density_at(cell, l), &self.state.flow)
     }
 
     /// Power of gravity and body force.
@@ -262,7 +288,7 @@ impl<const D: usize> Simulation<D> {
             return Ok(());
         }
         Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
-            .at(format!("time {time}"))
+            .at(format!("time {time:.6}"))
             .value(format!("largest velocity {speed:.3e}"))
             .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
     }
@@ -279,8 +305,10 @@ impl<const D: usize> Simulation<D> {
         };
         self.flow.analyse(weight / self.settings.dt)
     }
-    /// Force of the fluid on a named boundary by the residual of the momentum equation in the last step; `None` before the first.
-    pub fn reaction(&self, boundary: &str) -> Result<Option<SVector<f64, D>>> {
+
+    /// Force of the fluid on a named boundary by the residual of the momentum equation in the last step, and its moment about a
+    /// point; `None` before the first. A node that the boundary shares with another one counts in full.
+    pub fn reaction(&self, boundary: &str, about: &Point<D>) -> Result<Option<Load<D>>> {
         let mesh = self.space.mesh();
         let mut nodes: Vec<u32> = Vec::new();
         for &f in mesh.boundary(boundary)? {
@@ -288,7 +316,11 @@ impl<const D: usize> Simulation<D> {
         }
         nodes.sort_unstable();
         nodes.dedup();
-        Ok(self.reactions.as_ref().map(|r| nodes.iter().map(|&n| -r[n as usize]).sum()))
+        Ok(self.reactions.as_ref().map(|r| {
+            let mut load = Load::ZERO;
+            nodes.iter().for_each(|&n| load.add(&(self.space.nodes()[n as usize] - about), &-r[n as usize]));
+            load
+        }))
     }
     /// Whether [`reaction`](Self::reaction) will be asked for; costs one assembly a step.
     pub fn keep_reactions(&mut self, keep: bool) {

@@ -114,8 +114,11 @@ fn shear_flow_is_exact_with_slip_and_periodic_sides_and_gives_the_wall_force_bot
     s.solver.step(&stokes(), &mut state).unwrap();
     let u = vector_errors(&s.velocity, &state.u, |x| (exact(x), SMatrix::<f64, 2, 2>::new(0.0, 1.0, 0.0, 0.0)));
     assert!(u.l2 < 1e-10, "{u:?}");
-    let by_stress = traction(&s.velocity, &s.pressure, s.solver.viscosity(), &state, "top").unwrap();
-    assert!((by_stress - V::new(-mu, 0.0)).norm() < 1e-10, "{by_stress:?}");
+    let about = V::new(0.5, 0.5);
+    let by_stress = traction(&s.velocity, &s.pressure, |_, _| mu, &state, "top", &about).unwrap();
+    assert!((by_stress.force - V::new(-mu, 0.0)).norm() < 1e-10, "{by_stress:?}");
+    // The force is spread evenly over the side, half a unit above the point.
+    assert!((by_stress.moment[2] - 0.5 * mu).abs() < 1e-10, "{by_stress:?}");
     let reaction = s.solver.reaction(&stokes(), &state, immersa::fem::Cells::All);
     let top: V = (0..s.velocity.len()).filter(|&n| s.velocity.nodes()[n][1] == 1.0).map(|n| reaction[n]).sum();
     assert!((top - V::new(mu, 0.0)).norm() < 1e-10, "{top:?}");

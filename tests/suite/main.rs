@@ -1,6 +1,7 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
 mod broken_meshes;
+mod elements;
 mod examples;
 mod explain;
 mod failures;
@@ -9,6 +10,7 @@ mod layers;
 mod meshes;
 mod program;
 mod render;
+mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;

@@ -1,7 +1,7 @@
 //! The folder of a run.
 
 use super::Options;
-use super::record::{Record, Values};
+use super::record::{Column, Record};
 use crate::base::{Error, Kind, Result};
 use crate::mesh::Point;
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
@@ -128,13 +128,12 @@ impl Folder {
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
-    pub(super) fn write_profile(&self, name: &str, points: &[Point<2>], values: &[Values]) -> Result<()> {
+    pub(super) fn write_profile(&self, name: &str, points: &[Point<2>], values: &[Column]) -> Result<()> {
         let column = |f: &dyn Fn(&Point<2>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
         let distance = column(&|p| (p - points[0]).norm());
         let (x, y) = (column(&|p| p[0]), column(&|p| p[1]));
-        let names: Vec<String> = values.iter().map(|(t, _)| format!("t={t}")).collect();
         let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance), ("x", &x), ("y", &y)];
-        columns.extend(names.iter().zip(values).map(|(n, (_, v))| (n.as_str(), v.as_slice())));
+        columns.extend(values.iter().map(|(name, v)| (name.as_str(), v.as_slice())));
         Table::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
     }
 

@@ -5,8 +5,8 @@ use crate::sim::Simulation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The values of a profile at one time.
-pub(super) type Values = (f64, Vec<f64>);
+/// A column of a profile: its name, which tells the time, and its values.
+pub(super) type Column = (String, Vec<f64>);
 
 /// What was written, and the extremes that were seen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub(super) struct Record {
     /// Steps whose fields were written.
     pub fields: Vec<usize>,
     /// Profiles by name.
-    pub profiles: BTreeMap<String, Vec<Values>>,
+    pub profiles: BTreeMap<String, Vec<Column>>,
     /// Largest rise of kinetic and elastic energy in one step, over the initial energy; only what walls and forces did not put in.
     pub largest_rise: f64,
     /// Largest energy balance residual.

@@ -2,6 +2,7 @@
 
 use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
+use crate::elastic::Band;
 use crate::scene::item::Item;
 use crate::sim::Coupling;
 use crate::transport::Method;
@@ -11,6 +12,8 @@ use crate::transport::Method;
 pub struct Numerics {
     /// Half width of the band around an interface, a length.
     pub thickness: Option<f64>,
+    /// Over which values of its level set a membrane is spread; `None` lets its law decide.
+    pub band: Option<Band>,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: Option<f64>,
     /// How level sets are carried.
@@ -23,6 +26,7 @@ pub struct Numerics {
     pub quadrature: Option<usize>,
 }
 
+const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
 const TRANSPORTS: [(&str, Method); 2] = [("nodal", Method::Nodal), ("projected", Method::Projected)];
 const COUPLINGS: [(&str, Coupling); 2] = [("explicit", Coupling::Explicit), ("implicit", Coupling::Implicit)];
 const MOST_DEGREE: usize = 20;
@@ -31,6 +35,7 @@ impl Numerics {
     pub(super) fn read(item: Option<Item>) -> Result<Numerics> {
         let mut numerics = Numerics {
             thickness: None,
+            band: None,
             grad_div: None,
             transport: Method::Nodal,
             coupling: Coupling::Implicit,
@@ -38,9 +43,11 @@ impl Numerics {
             quadrature: None,
         };
         let Some(item) = item else { return Ok(numerics) };
-        let table = item.table(&["thickness", "grad_div", "transport", "coupling", "convection", "quadrature"])?;
+        let table =
+            item.table(&["thickness", "band", "grad_div", "transport", "coupling", "convection", "quadrature"])?;
         let degree = |i: &Item| i.count(1, MOST_DEGREE);
         numerics.thickness = table.optional("thickness", |i| i.unless_auto(Item::positive))?.flatten();
+        numerics.band = table.optional("band", |i| i.unless_auto(|i| i.choice(&BANDS)))?.flatten();
         numerics.grad_div = table.optional("grad_div", |i| i.unless_auto(Item::non_negative))?.flatten();
         numerics.transport = table.optional("transport", |i| i.choice(&TRANSPORTS))?.unwrap_or(numerics.transport);
         numerics.coupling = table.optional("coupling", |i| i.choice(&COUPLINGS))?.unwrap_or(numerics.coupling);
@@ -52,6 +59,7 @@ impl Numerics {
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[numerics]");
         out.entry("thickness", or_auto(self.thickness, number));
+        out.entry("band", or_auto(self.band, |b| name(b, &BANDS).to_string()));
         out.entry("grad_div", or_auto(self.grad_div, number));
         out.entry("transport", name(self.transport, &TRANSPORTS));
         out.entry("coupling", name(self.coupling, &COUPLINGS));

@@ -1,0 +1,77 @@
+//! The same bits for any number of threads, and after a checkpoint.
+
+use immersa::elastic::{AreaLaw, Membrane};
+use immersa::fem::{Element, Space};
+use immersa::levelset::{Ellipse, signed_distance};
+use immersa::mesh::{Diagonals, Point, rectangle};
+use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, State, Structure};
+use immersa::transport::Method;
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// A drop with a stretched skin that falls: every part of the step is at work.
+fn simulation(transport: Method, coupling: Coupling, order: usize) -> Simulation<2> {
+    let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [24; 2], Diagonals::UnionJack).unwrap());
+    let space = Space::new(&mesh, Element::P2);
+    let shape = Ellipse::new(Point::<2>::new(1.0, 1.1), Point::<2>::new(0.6, 0.4), 20.0).unwrap();
+    let structure = Structure {
+        name: "skin".into(),
+        phi: signed_distance(&space, &shape).iter().map(|d| 1.2 * d).collect(),
+        membrane: Membrane::new(AreaLaw::Linear { modulus: 2.0 }, 0.2),
+        surface_mass: 0.1,
+    };
+    let settings = Settings {
+        dt: 5e-3,
+        order,
+        transport,
+        coupling,
+        convection: true,
+        grad_div: 1.0,
+        quadrature: 5,
+        materials: Materials {
+            density: Contrast { inside: 2.0, outside: 1.0 },
+            viscosity: Contrast { inside: 0.1, outside: 0.05 },
+        },
+        conditions: vec![],
+        gravity: SVector::<f64, 2>::new(0.0, -1.0),
+        body_force: None,
+    };
+    Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
+}
+
+const CASES: [(Method, Coupling, usize); 3] = [
+    (Method::Nodal, Coupling::Explicit, 1),
+    (Method::Nodal, Coupling::Implicit, 2),
+    (Method::Projected, Coupling::Implicit, 2),
+];
+
+fn steps(sim: &mut Simulation<2>, count: usize) -> Vec<u8> {
+    for _ in 0..count {
+        sim.step().unwrap();
+    }
+    // Bytes, so that -0 and 0 differ and NaN would show.
+    sim.state().to_bytes(0)
+}
+
+#[test]
+fn one_thread_and_several_give_the_same_bits() {
+    for (transport, coupling, order) in CASES {
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| steps(&mut simulation(transport, coupling, order), 10))
+        };
+        let one = run(1);
+        assert!(run(2) == one && run(3) == one, "{transport:?}, {coupling:?}, order {order}");
+    }
+}
+
+#[test]
+fn a_checkpoint_in_the_middle_changes_no_bit() {
+    for (transport, coupling, order) in CASES {
+        let straight = steps(&mut simulation(transport, coupling, order), 10);
+        let half = steps(&mut simulation(transport, coupling, order), 5);
+        let mut resumed = simulation(transport, coupling, order);
+        resumed.restore(State::from_bytes(&half, 0).unwrap()).unwrap();
+        assert!(steps(&mut resumed, 5) == straight, "{transport:?}, {coupling:?}, order {order}");
+    }
+}
