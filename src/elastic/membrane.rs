@@ -4,6 +4,7 @@ use super::area_law::AreaLaw;
 use crate::fem::{At, Basis, Cells, VectorForm, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::levelset as band;
+use crate::mesh::NONE;
 use nalgebra::{SMatrix, SVector};
 
 /// What a point of the band knows of the level set.
@@ -43,7 +44,7 @@ pub struct Membrane<const D: usize> {
     slope: Option<f64>,
     points: usize,
     cells: Vec<u32>,
-    /// Position of a cell in `cells`.
+    /// Position of a cell in `cells`, [`NONE`] outside the band.
     slot: Vec<u32>,
     band: Vec<BandPoint<D>>,
     implicit_step: Option<f64>,
@@ -81,7 +82,8 @@ impl<const D: usize> Membrane<D> {
         self.implicit_step = implicit_step;
         self.points = basis.rule().len();
         self.cells = self.cells_of(basis, phi);
-        self.slot.resize(basis.space().mesh().cell_count(), 0);
+        self.slot.clear();
+        self.slot.resize(basis.space().mesh().cell_count(), NONE);
         self.band.clear();
         for (k, &c) in self.cells.iter().enumerate() {
             self.slot[c as usize] = k as u32;
@@ -92,8 +94,12 @@ impl<const D: usize> Membrane<D> {
             }
         }
     }
-    fn point(&self, at: &At<D>) -> &BandPoint<D> {
-        &self.band[self.slot[at.cell] as usize * self.points + at.q]
+    /// The point of the band at a quadrature point; outside the band one without weight.
+    fn point(&self, at: &At<D>) -> BandPoint<D> {
+        match self.slot.get(at.cell) {
+            Some(&slot) if slot != NONE => self.band[slot as usize * self.points + at.q],
+            _ => BandPoint { n: SVector::zeros(), r: 0.0, w: 0.0 },
+        }
     }
     /// Elastic energy (3.12) of the membrane on `phi`. `basis` may have a finer rule than the flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64]) -> f64 {
