@@ -12,6 +12,7 @@ use crate::levelset::{
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::sim::{self, Materials, Simulation, Structure};
+use crate::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -69,6 +70,7 @@ impl Model {
         warnings.extend(unreached_profiles(scene));
         let conditions = conditions(scene, &mesh)?;
         check_motion_is_fixed(scene)?;
+        warnings.extend(projection_at_inflow(scene));
         let space = Space::new(&mesh, Element::P2);
         let pairs = fem::periodic_pairs(&mesh, &conditions).map_err(|e| scene.blame(&["boundary"], e))?;
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
@@ -341,6 +343,24 @@ fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
     };
     Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+}
+
+/// A warning when projected transport meets sides that fluid may enter through: the projection amplifies there what the
+/// characteristics bring in from the boundary.
+fn projection_at_inflow(scene: &Scene) -> Option<Warning> {
+    let lets_in = |c: &Condition| match c {
+        Condition::Open => true,
+        Condition::Velocity(v) => v.iter().any(|e| e.is_constant() != Some(0.0)),
+        _ => false,
+    };
+    let side = scene.boundaries.iter().find(|b| lets_in(&b.condition))?;
+    let used = scene.numerics.transport == Method::Projected && !scene.membranes.is_empty();
+    used.then(|| {
+        Warning::new(
+            format!("projected transport is unstable where fluid comes in, as it may through boundary `{}`", side.name),
+            "use transport = \"nodal\" unless that side only moves along itself",
+        )
+    })
 }
 
 /// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.
