@@ -67,6 +67,15 @@ impl Model {
         let mesh = Arc::new(with_walls(mesh));
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
+        if quality.parts > 1 {
+            let file =
+                if let MeshSource::File(path) = &scene.mesh { path.display().to_string() } else { String::new() };
+            let what = "the mesh falls into parts that are not connected, and one pressure cannot be fixed in each";
+            return Err(Error::input(what)
+                .at(file)
+                .value(format!("{} parts", quality.parts))
+                .remedy("run each part on its own, or join them (gmsh: Coherence; before meshing)"));
+        }
         warnings.extend(unreached_profiles(scene));
         let conditions = conditions(scene, &mesh)?;
         check_motion_is_fixed(scene)?;
