@@ -44,7 +44,7 @@ pub struct Membrane<const D: usize> {
     slope: Option<f64>,
     points: usize,
     cells: Vec<u32>,
-    /// Position of a cell in `cells`, [`NONE`] outside the band.
+    /// Position of a cell in `cells`; [`NONE`] for the others.
     slot: Vec<u32>,
     band: Vec<BandPoint<D>>,
     implicit_step: Option<f64>,
@@ -81,9 +81,9 @@ impl<const D: usize> Membrane<D> {
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64], implicit_step: Option<f64>) {
         self.implicit_step = implicit_step;
         self.points = basis.rule().len();
-        self.cells = self.cells_of(basis, phi);
-        self.slot.clear();
+        self.cells.iter().for_each(|&c| self.slot[c as usize] = NONE);
         self.slot.resize(basis.space().mesh().cell_count(), NONE);
+        self.cells = self.cells_of(basis, phi);
         self.band.clear();
         for (k, &c) in self.cells.iter().enumerate() {
             self.slot[c as usize] = k as u32;
@@ -94,12 +94,10 @@ impl<const D: usize> Membrane<D> {
             }
         }
     }
-    /// The point of the band at a quadrature point; outside the band one without weight.
-    fn point(&self, at: &At<D>) -> BandPoint<D> {
-        match self.slot.get(at.cell) {
-            Some(&slot) if slot != NONE => self.band[slot as usize * self.points + at.q],
-            _ => BandPoint { n: SVector::zeros(), r: 0.0, w: 0.0 },
-        }
+    /// What was found at a quadrature point; `None` outside the band.
+    fn point(&self, at: &At<D>) -> Option<&BandPoint<D>> {
+        let slot = self.slot[at.cell];
+        (slot != NONE).then(|| &self.band[slot as usize * self.points + at.q]).filter(|b| b.w > 0.0)
     }
     /// Elastic energy (3.12) of the membrane on `phi`. `basis` may have a finer rule than the flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64]) -> f64 {
@@ -149,7 +147,7 @@ impl<const D: usize> MomentumTerm<D> for Membrane<D> {
         Cells::Some(&self.cells)
     }
     fn force(&self, at: &At<D>) -> VectorForm<D> {
-        let b = self.point(at);
+        let Some(b) = self.point(at) else { return (SVector::zeros(), SMatrix::zeros()) };
         let projection = SMatrix::<f64, D, D>::identity() - b.n * b.n.transpose();
         (SVector::zeros(), projection * (-self.law.tension(b.r) * b.r * b.w))
     }
@@ -157,10 +155,7 @@ impl<const D: usize> MomentumTerm<D> for Membrane<D> {
         self.implicit_step.is_some()
     }
     fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        let (b, Some(dt)) = (self.point(at), self.implicit_step) else { return SMatrix::zeros() };
-        if b.w == 0.0 {
-            return SMatrix::zeros();
-        }
+        let (Some(b), Some(dt)) = (self.point(at), self.implicit_step) else { return SMatrix::zeros() };
         let projection = SMatrix::<f64, D, D>::identity() - b.n * b.n.transpose();
         let tangential = grad_u * projection;
         let bent = if D == 2 && !matches!(self.law, AreaLaw::Tension { .. }) {

@@ -15,6 +15,7 @@ pub trait MomentumTerm<const D: usize>: Sync {
     fn force(&self, at: &At<D>) -> VectorForm<D>;
     /// Whether [`stiffness`](Self::stiffness) is to be put into the matrix.
     fn is_implicit(&self) -> bool;
-    /// `C(u, v)` at a quadrature point: the tensor that is tested with `grad v`, linear in `grad_u`.
+    /// `C(u, v)` at a quadrature point of any cell (zero outside [`cells`](Self::cells)): the tensor that is tested with `grad v`,
+    /// linear in `grad_u`.
     fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D>;
 }

@@ -14,6 +14,7 @@ pub mod schema;
 #[cfg(test)]
 mod tests;
 
+pub use diagnostics::Diagnostics;
 pub use expression::{Expression, ExpressionError};
 pub use model::Model;
 pub use schema::Settings;

@@ -195,6 +195,10 @@ impl Draft<'_> {
             };
             longest = longest.max(edges.largest);
         }
+        // Edges on the interface first, then those in the band that they make, which on a graded mesh are longer.
+        let eps = BAND * longest;
+        let longest =
+            distances.iter().filter_map(|d| band_edges(self.space, d, eps)).map(|e| e.largest).fold(longest, f64::max);
         Ok(Some(self.scene.numerics.thickness.unwrap_or(BAND * longest)))
     }
 
