@@ -3,6 +3,7 @@
 use super::SymmetricMatrix;
 use super::metis::{self, Graph};
 use crate::base::{Error, Result};
+use std::collections::HashSet;
 
 const NONE: usize = usize::MAX;
 
@@ -29,8 +30,8 @@ impl Ordering {
     /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C` small, even zero.
     ///
     /// Unknowns from `first_multiplier` on belong to the second row (pressures). Each is merged with one unknown of the
-    /// first row (a velocity component): the one with the largest entry of `B` that is not yet taken, multipliers with
-    /// the fewest entries first. The graph so compressed is dissected, and each velocity is eliminated before its
+    /// first row (a velocity component): the one with the largest entry of `B` that is not yet taken, if possible on a
+    /// node that has no multiplier yet, multipliers with the fewest entries first. The graph so compressed is dissected, and each velocity is eliminated before its
     /// pressure, so that no pressure is eliminated while its pivot is still the tiny `-C`: for Taylor-Hood elements
     /// LDL^T without pivoting is then accurate to rounding. Depends on the values of `B`: fill the matrix before.
     ///
@@ -124,6 +125,10 @@ impl Ordering {
 }
 
 /// For every multiplier the unknown it is merged with, [`NONE`] for all other unknowns and where none is left.
+///
+/// Of the unknowns that see the same multipliers (the velocity components of a node) one only is given away while there is
+/// another choice: with three pressures on the components of one node near the corner of a box their block of `B` is
+/// singular, and elimination meets a zero pivot.
 fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
     // An entry must be larger by this factor to win over an earlier one: equal ones differ by rounding.
     const CLEARLY_LARGER: f64 = 1.0001;
@@ -133,18 +138,28 @@ fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
         rows[..end].iter().copied().zip(values.iter().map(|v| v.abs()))
     };
     let mut multipliers: Vec<usize> = (first_multiplier..matrix.order()).collect();
+    // Unknowns of one node: those with the same multipliers, told apart by a hash of their list.
+    let mut node = vec![0_u64; first_multiplier];
+    for &p in &multipliers {
+        for (i, _) in entries(p) {
+            node[i] = (node[i] ^ p as u64).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
     multipliers.sort_by_key(|&p| entries(p).len());
     let mut taken = vec![false; first_multiplier];
+    let mut taken_nodes = HashSet::new();
     let mut partners = vec![NONE; matrix.order()];
     for p in multipliers {
-        let mut largest = 0.0;
+        let mut largest = (false, 0.0);
         for (i, size) in entries(p).filter(|&(i, _)| !taken[i]) {
-            if size > CLEARLY_LARGER * largest {
-                (largest, partners[p]) = (size, i);
+            let fresh = !taken_nodes.contains(&node[i]);
+            if size > 0.0 && ((fresh && !largest.0) || (fresh == largest.0 && size > CLEARLY_LARGER * largest.1)) {
+                (largest, partners[p]) = ((fresh, size), i);
             }
         }
         if let Some(taken) = taken.get_mut(partners[p]) {
             *taken = true;
+            taken_nodes.insert(node[partners[p]]);
         }
     }
     partners
@@ -321,13 +336,19 @@ mod tests {
     }
 
     #[test]
-    fn partners_are_the_largest_entries_that_are_left() {
-        // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none.
+    fn partners_are_the_largest_entries_on_nodes_that_are_left() {
+        // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none: 1 and 2 are of one node.
         let mut a = SymmetricMatrix::from_groups(6, [[0, 3], [1, 3], [2, 3], [1, 4], [2, 4]].iter()).unwrap();
         for (i, p, b) in [(0, 3, 1.0), (1, 3, -4.0), (2, 3, 2.0), (1, 4, 3.0), (2, 4, -2.5)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();
         }
-        assert_eq!(partners(&a, 3), [NONE, NONE, NONE, 2, 1, NONE]);
+        assert_eq!(partners(&a, 3), [NONE, NONE, NONE, 0, 1, NONE]);
+        // Without velocity 0 there is no other choice than the second component of the node.
+        let mut a = SymmetricMatrix::from_groups(4, [[0, 2], [1, 2], [0, 3], [1, 3]].iter()).unwrap();
+        for (i, p, b) in [(0, 2, 3.0), (1, 2, 1.0), (0, 3, 4.0), (1, 3, 2.0)] {
+            a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();
+        }
+        assert_eq!(partners(&a, 2), [NONE, NONE, 0, 1]);
     }
 
     #[test]

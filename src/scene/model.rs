@@ -3,7 +3,7 @@
 use super::Scene;
 use super::expression::Expression;
 use super::schema::{self, Condition, MeshSource, Shape};
-use crate::base::{Error, Result, Warning};
+use crate::base::{Error, Kind, Result, Warning};
 use crate::elastic::{self, AreaLaw, Band, Membrane};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{
@@ -12,6 +12,7 @@ use crate::levelset::{
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::sim::{self, Materials, Simulation, Structure};
+use crate::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -23,6 +24,8 @@ const BAND: f64 = 2.5;
 const GRAD_DIV: [f64; 2] = [5.0, 0.1];
 /// Weight of the grad-div term over the viscosity in a flow without inertia.
 const GRAD_DIV_STOKES: f64 = 10.0;
+/// Times at which prescribed velocities are sampled for the velocity scale.
+const SAMPLES: usize = 64;
 /// Degree of the quadrature rule when the scene does not say: FreeFEM's.
 const QUADRATURE: usize = 5;
 
@@ -42,6 +45,8 @@ pub struct Model {
     pub velocity_scale: Option<f64>,
     /// What was found about the mesh.
     pub quality: mesh::Quality<2>,
+    /// Nodes on the boundary, periodic sides left aside.
+    wall_nodes: Vec<u32>,
 }
 
 impl Model {
@@ -58,11 +63,23 @@ impl Model {
             ));
         }
         let (mesh, mut warnings) = load_mesh(scene)?;
+        // `walls` names every side: whether one lacks a condition is told by name and place when the unknowns are numbered.
+        let mesh = Arc::new(with_walls(mesh));
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
+        if quality.parts > 1 {
+            let file =
+                if let MeshSource::File(path) = &scene.mesh { path.display().to_string() } else { String::new() };
+            let what = "the mesh falls into parts that are not connected, and one pressure cannot be fixed in each";
+            return Err(Error::input(what)
+                .at(file)
+                .value(format!("{} parts", quality.parts))
+                .remedy("run each part on its own, or join them (gmsh: Coherence; before meshing)"));
+        }
         warnings.extend(unreached_profiles(scene));
-        let mesh = Arc::new(with_walls(mesh));
         let conditions = conditions(scene, &mesh)?;
+        check_motion_is_fixed(scene)?;
+        warnings.extend(projection_at_inflow(scene));
         let space = Space::new(&mesh, Element::P2);
         let pairs = fem::periodic_pairs(&mesh, &conditions).map_err(|e| scene.blame(&["boundary"], e))?;
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
@@ -74,19 +91,31 @@ impl Model {
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
+        model.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
+        model.check_finite("force", &scene.fluid.force)?;
+        let wall_nodes = model.wall_nodes();
         let warnings = model.warnings;
         let initial = vector(&scene.fluid.initial_velocity);
-        let simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0)).map_err(|e| {
-            if e.what().contains("condition") || e.what().contains("periodic") {
-                scene.blame(&["boundary"], e)
-            } else {
-                e
-            }
-        })?;
-        let mut model =
-            Model { simulation, warnings, explicit_limit: None, band_edges: edges, thickness, velocity_scale, quality };
+        let simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
+            .map_err(|e| if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e })?;
+        let mut model = Model {
+            simulation,
+            warnings,
+            explicit_limit: None,
+            band_edges: edges,
+            thickness,
+            velocity_scale,
+            quality,
+            wall_nodes,
+        };
         model.explicit_limit = model.step_limit();
         Ok(model)
+    }
+
+    /// Whether the band of structure number `k` has reached the boundary: the stress is cut off there.
+    pub fn band_is_cut(&self, k: usize) -> bool {
+        let (s, phi) = (&self.simulation.structures()[k], &self.simulation.state().phi[k]);
+        self.wall_nodes.iter().any(|&n| phi[n as usize].abs() < s.membrane.thickness())
     }
 
     /// The limit (1.54) for the current tension, with the finest edge of the bands; `None` without tension.
@@ -157,36 +186,66 @@ impl Draft<'_> {
         if distances.is_empty() {
             return Ok(None);
         }
-        if let Some(eps) = self.scene.numerics.thickness {
-            return Ok(Some(eps));
+        let mut longest: f64 = 0.0;
+        for (k, d) in distances.iter().enumerate() {
+            let Some(edges) = band_edges(self.space, d, 0.0) else {
+                let e = Error::scene("no part of the interface lies on the mesh")
+                    .remedy("move the shape onto the mesh (does it lie in a hole?), or refine the mesh");
+                return Err(self.scene.blame(&["membrane", &k.to_string(), "shape"], e));
+            };
+            longest = longest.max(edges.largest);
         }
-        let longest = |eps: f64| {
-            distances.iter().filter_map(|d| band_edges(self.space, d, eps)).map(|e| e.largest).reduce(f64::max)
-        };
         // Edges on the interface first, then those in the band that they make, which on a graded mesh are longer.
-        let edge = longest(0.0).and_then(|h| longest(BAND * h));
-        edge.map(|h| Some(BAND * h)).ok_or_else(|| {
-            let e = Error::scene("no interface was found on the mesh").remedy("enlarge the shape or refine the mesh");
-            self.scene.blame(&["membrane"], e)
-        })
+        let eps = BAND * longest;
+        let longest =
+            distances.iter().filter_map(|d| band_edges(self.space, d, eps)).map(|e| e.largest).fold(longest, f64::max);
+        Ok(Some(self.scene.numerics.thickness.unwrap_or(BAND * longest)))
     }
 
-    /// Smallest distance of the interface from a node of the boundary, periodic sides left aside.
-    fn distance_to_wall(&self, distance: &[f64]) -> f64 {
+    /// Nodes on the boundary, periodic sides left aside.
+    fn wall_nodes(&self) -> Vec<u32> {
         let mut wall = vec![true; self.mesh.facets().len()];
         self.pairs.iter().for_each(|p| wall[p.facet as usize] = false);
         let facets = self.mesh.facets().iter().zip(wall).filter(|(_, wall)| *wall);
-        let nodes = facets.flat_map(|(f, _)| self.space.facet_nodes(f).collect::<Vec<_>>());
-        nodes.map(|n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min)
+        facets.flat_map(|(f, _)| self.space.facet_nodes(f).collect::<Vec<_>>()).collect()
+    }
+
+    /// A warning when two bands overlap: their stresses are added, and the fluid between them is not resolved.
+    fn warn_of_overlaps(&mut self, distances: &[Vec<f64>], eps: f64) {
+        for (k, a) in distances.iter().enumerate() {
+            for (l, b) in distances.iter().enumerate().skip(k + 1) {
+                if let Some(n) = (0..a.len()).find(|&n| a[n].abs() < eps && b[n].abs() < eps) {
+                    let (first, second) = (&self.scene.membranes[k].name, &self.scene.membranes[l].name);
+                    let at = self.space.nodes()[n];
+                    self.warnings.push(Warning::new(
+                        format!("the bands of `{first}` and `{second}` overlap, for example at {:.4?}", at.as_slice()),
+                        "move the shapes apart by two band half-widths, or give a smaller thickness",
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Refuses an expression of `[fluid]` that has no finite value at some node at time 0.
+    fn check_finite(&self, key: &str, v: &[Expression]) -> Result<()> {
+        let f = vector(v);
+        let bad = self.space.nodes().iter().find(|x| !f(x, 0.0).iter().all(|c| c.is_finite()));
+        let Some(x) = bad else { return Ok(()) };
+        let e = Error::scene(format!("`fluid.{key}` has no finite value everywhere"))
+            .value(format!("{:?} at {:?}, t = 0", f(x, 0.0).as_slice(), x.as_slice()))
+            .remedy("write an expression that is finite on the whole mesh");
+        Err(self.scene.blame(&["fluid", key], e))
     }
 
     fn structures(&mut self, distances: Vec<Vec<f64>>, thickness: Option<f64>) -> Result<Vec<Structure<2>>> {
         let mut structures = Vec::new();
+        let walls = self.wall_nodes();
+        self.warn_of_overlaps(&distances, thickness.unwrap_or(0.0));
         for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
             let eps = thickness.unwrap_or(0.0);
             let check = check_band(self.space, &distance, eps).and_then(|warning| {
                 self.warnings.extend(warning);
-                let margin = self.distance_to_wall(&distance);
+                let margin = walls.iter().map(|&n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min);
                 if margin > eps {
                     return Ok(());
                 }
@@ -219,8 +278,10 @@ impl Draft<'_> {
                 let v = vector(v);
                 for &f in facets {
                     for n in self.space.facet_nodes(&self.mesh.facets()[f as usize]) {
-                        for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                            speed = speed.max(v(&self.space.nodes()[n as usize], t * self.scene.time.end).norm());
+                        // Multiples of the golden ratio meet no period of an oscillation.
+                        for k in 0..SAMPLES {
+                            let t = self.scene.time.end * (k as f64 * 0.618_033_988_749_895).fract();
+                            speed = speed.max(v(&self.space.nodes()[n as usize], t).norm());
                         }
                     }
                 }
@@ -232,6 +293,9 @@ impl Draft<'_> {
             }
             let gravity = SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()).norm();
             speed = speed.max((gravity * length).sqrt());
+            let force = vector(&fluid.force);
+            let force = self.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max);
+            speed = speed.max((force * length / density).sqrt());
         }
         speed
     }
@@ -270,6 +334,20 @@ impl Draft<'_> {
     }
 }
 
+/// Refuses a flow without inertia whose velocity nothing holds: every side periodic or open, or slipping.
+fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
+    let held = |b: &schema::Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
+    if scene.fluid.has_inertia() || scene.membranes.iter().any(|m| m.mass > 0.0) || scene.boundaries.iter().any(held) {
+        return Ok(());
+    }
+    let e = Error::scene(
+        "nothing fixes the velocity: without inertia a uniform motion or a rotation can be added to the flow",
+    )
+    .value("density 0, and no boundary with a velocity or no_slip")
+    .remedy("give a boundary a velocity or no_slip = true, or the fluid a density");
+    Err(scene.blame(&["boundary"], e))
+}
+
 fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
     let mesh = match &scene.mesh {
         MeshSource::File(path) => return gmsh::read::<2>(path),
@@ -278,6 +356,24 @@ fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
     };
     Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+}
+
+/// A warning when projected transport meets sides that fluid may enter through: the projection amplifies there what the
+/// characteristics bring in from the boundary.
+fn projection_at_inflow(scene: &Scene) -> Option<Warning> {
+    let lets_in = |c: &Condition| match c {
+        Condition::Open => true,
+        Condition::Velocity(v) => v.iter().any(|e| e.is_constant() != Some(0.0)),
+        _ => false,
+    };
+    let side = scene.boundaries.iter().find(|b| lets_in(&b.condition))?;
+    let used = scene.numerics.transport == Method::Projected && !scene.membranes.is_empty();
+    used.then(|| {
+        Warning::new(
+            format!("projected transport is unstable where fluid comes in, as it may through boundary `{}`", side.name),
+            "use transport = \"nodal\" unless that side only moves along itself",
+        )
+    })
 }
 
 /// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.

@@ -131,7 +131,7 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
         (false, false) => format!("BDF{}, step {}", s.order, s.dt),
     }];
     lines.push(format!(
-        "grad-div {:.4}{}: keeps the divergence that feeds energy into a membrane small",
+        "grad-div {:.4}{}: keeps the divergence small, which else feeds energy into a membrane",
         s.grad_div,
         match model.velocity_scale {
             Some(u) => format!(" (derived from the velocity scale {u:.4})"),

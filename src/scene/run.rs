@@ -10,6 +10,7 @@ use super::diagnostics::Diagnostics;
 use super::model::Model;
 use crate::base::{Error, Kind, Result, Warning};
 use crate::output::Series;
+use crate::transport::Method;
 use record::Record;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -163,6 +164,7 @@ impl<'a> Run<'a> {
             let row = self.diagnostics.row(&self.model)?;
             self.series.append(now, &row)?;
             self.record.rows = self.series.rows();
+            self.record.note_walls(&self.model);
             self.record.note_row(self.scene, &self.diagnostics.columns(), &row);
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
@@ -214,10 +216,17 @@ impl<'a> Run<'a> {
     fn alarms(&self) -> Vec<String> {
         let mut alarms = Vec::new();
         if self.record.worst_balance > ENERGY_ALARM {
+            let projected = self.model.simulation.settings().transport == Method::Projected;
             alarms.push(format!(
                 "Energy balance: {:.1} % of the energy in play came from nowhere, so the motion is not to be trusted. \
-                 Take a larger numerics.grad_div, a larger thickness over the edges of the mesh, a smaller step, or transport = \"nodal\".",
-                100.0 * self.record.worst_balance
+                 Take a larger numerics.grad_div, a larger thickness over the edges of the mesh, numerics.band = \"carried\"{} or a smaller step.",
+                100.0 * self.record.worst_balance,
+                if projected { ", transport = \"nodal\"" } else { "" }
+            ));
+        }
+        for (name, time) in &self.record.at_wall {
+            alarms.push(format!(
+                "The band of `{name}` reached the boundary at t = {time:.4}: its stress is cut off there. Enlarge the mesh or give a smaller thickness."
             ));
         }
         for (name, change) in &self.record.area_change {

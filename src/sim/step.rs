@@ -148,7 +148,7 @@ impl<const D: usize> Simulation<D> {
         self.reactions = self.wants_reactions.then(|| self.flow.reaction(&step, &flow, Cells::All));
         self.check_speed(&flow.u, time)?;
 
-        // The interface follows.
+        // The interface follows, and the fluids with it.
         if structures {
             let mean = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
             self.state.phi = self.carried(&mean)?;
@@ -156,6 +156,10 @@ impl<const D: usize> Simulation<D> {
         self.state.flow = flow;
         self.state.earlier_u = current;
         self.state.steps += 1;
+        if !self.has_constant_materials() {
+            let level_sets = self.state.phi.clone();
+            self.set_materials(&level_sets);
+        }
         let now = self.measure(wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
         self.state.energies = now;
@@ -181,11 +185,16 @@ impl<const D: usize> Simulation<D> {
         Ok(moved)
     }
 
+    fn has_constant_materials(&self) -> bool {
+        let Materials { density, viscosity } = self.settings.materials;
+        let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
+        density.is_uniform() && viscosity.is_uniform() && !heavy
+    }
+
     /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.
     fn set_materials(&mut self, level_sets: &[Vec<f64>]) {
         let Materials { density, viscosity } = self.settings.materials;
-        let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
-        if density.is_uniform() && viscosity.is_uniform() && !heavy {
+        if self.has_constant_materials() {
             let (density, viscosity) = (density.outside, viscosity.outside);
             return self.flow.set_materials(Coefficient::Constant(density), Coefficient::Constant(viscosity));
         }
@@ -295,7 +304,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Sets up the matrix of the coming steps and analyses it, without factoring: its size can be asked for then.
     pub fn analyse(&mut self) -> Result<()> {
-        let second = self.settings.order == 2 && self.settings.dt > 0.0;
+        let second = self.settings.order == 2;
         let weight = if self.is_stokes() {
             0.0
         } else if second {

@@ -21,8 +21,11 @@ impl Feet {
 /// Traces characteristics of a P2 velocity back in time.
 ///
 /// Each is followed by steps of the midpoint rule, as many as keep the Courant number of one below 1, through a
-/// velocity that is frozen in time. A characteristic that would leave the domain ends on its boundary; through a periodic
-/// side it goes on at the other one.
+/// velocity that is frozen in time, a hundred steps at most. A characteristic that would leave the domain ends on its
+/// boundary, with the value of the old time there; through a periodic side it goes on at the other one.
+///
+/// Limits: what comes in through an inflow is of first order in time when it changes; on a curved wall that moves along
+/// itself the feet of wall vertices leave the polygon at once, so that a field carried to the nodes stays as it is there.
 #[derive(Clone, Debug)]
 pub struct Tracer<const D: usize> {
     space: Arc<Space<D>>,

@@ -93,8 +93,8 @@ fn check(folder: &Path, case: &Case) {
         let row = times.iter().position(|t| (t - e.time).abs() < 1e-9);
         let row = row.unwrap_or_else(|| panic!("{place}: the series has no row at t = {}", e.time));
         let value = series.column(&e.column).unwrap_or_else(|e| panic!("{place}: {e}"))[row];
-        // Not <=: a value that is no number is wrong.
-        if !((value - e.value).abs() <= e.tolerance) {
+        // A value that is no number is wrong too.
+        if value.is_nan() || (value - e.value).abs() > e.tolerance {
             wrong.push(format!(
                 "{} at t = {}: {value}, but {} +- {} by {:?}, {}",
                 e.column, e.time, e.value, e.tolerance, e.kind, e.source

@@ -87,7 +87,9 @@ fn broken_meshes_are_refused_by_name() {
     let cube = recorded("cube-41-bin.msh");
     let text = |nodes: &str, elements: &str| format!("{header}{nodes}$Elements\n{elements}$EndElements\n").into_bytes();
     let triangles = "2\n1 2 0 1 2 3\n2 2 0 1 3 4\n";
-    let cases: [(&str, Vec<u8>, &[&str]); 9] = [
+    let apart = "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 5 0 0\n5 6 0 0\n6 5 1 0\n$EndNodes\n";
+    let cases: [(&str, Vec<u8>, &[&str]); 10] = [
+        ("apart", text(apart, "2\n1 2 0 1 2 3\n2 2 0 4 5 6\n"), &["not connected", "2 parts"]),
         ("cut", binary[..binary.len() / 2].to_vec(), &["byte"]),
         ("empty", Vec::new(), &["$MeshFormat"]),
         ("nan", text(&square.replace("3 1 1 0", "3 nan 1 0"), triangles), &["not a finite", "point 3", "NaN"]),

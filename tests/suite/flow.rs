@@ -78,6 +78,18 @@ fn stokes_reproduces_polynomials_in_three_dimensions() {
     assert!(u.l2 < 1e-10 && u.h1 < 1e-10 && p.l2 < 1e-10, "{u:?} {p:?}");
 }
 
+/// In these boxes three pressures near a corner were merged with the three components of one velocity node: a zero pivot.
+#[test]
+fn pressures_near_the_corner_of_a_box_have_pivots() {
+    for cells in [[6, 6, 6], [7, 7, 7], [4, 3, 4], [5, 6, 4]] {
+        let mut s = setup(box_mesh([0.0; 3], [1.0; 3], cells).unwrap(), vec![], 1.0, 1.0);
+        let mut state = s.solver.at_rest();
+        let force = |x: &Point<3>, _: f64| SVector::<f64, 3>::new(x[1], x[2] * x[2], -x[0]);
+        let report = s.solver.step(&Step { body_force: Some(&force), ..stokes() }, &mut state).unwrap();
+        assert!(report.solve.residual < 1e-13 && report.solve.refinements == 1, "{cells:?}: {:?}", report.solve);
+    }
+}
+
 #[test]
 fn a_navier_stokes_step_keeps_channel_flow() {
     let mu = 0.05;

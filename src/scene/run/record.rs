@@ -1,6 +1,6 @@
 //! What a run has put into its folder so far; a checkpoint holds it beside the state.
 
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use crate::sim::Simulation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,6 +25,8 @@ pub(super) struct Record {
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
     pub area_change: BTreeMap<String, f64>,
+    /// When the band of a membrane first reached the boundary.
+    pub at_wall: BTreeMap<String, f64>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
     /// Seconds by phase, of all sessions of the run.
@@ -40,6 +42,15 @@ impl Record {
             self.largest_rise = self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
         self.worst_balance = self.worst_balance.max(budget.residual(&e));
+    }
+
+    /// Notes the structures whose bands reach the boundary.
+    pub(super) fn note_walls(&mut self, model: &Model) {
+        for (k, s) in model.simulation.structures().iter().enumerate() {
+            if model.band_is_cut(k) {
+                self.at_wall.entry(s.name.clone()).or_insert(model.simulation.time());
+            }
+        }
     }
 
     /// Notes a row of the series.

@@ -14,7 +14,7 @@ use crate::scene::item::{Context, Item, Table};
 pub struct Output {
     /// Time between rows of the series.
     pub every: f64,
-    /// Time between field files; `None` for none.
+    /// Time between field files; `None` for none. Pictures are drawn from field files, which are written at their times too.
     pub fields: Option<f64>,
     /// Time between pictures; `None` for none.
     pub pictures: Option<f64>,
