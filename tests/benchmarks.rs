@@ -1,5 +1,7 @@
 //! Benchmarks of the flow and of drops: published numbers, and solutions in closed form or by a small linear system.
 
+#![allow(clippy::print_stdout, reason = "the measured numbers are the point of a benchmark")]
+
 #[allow(dead_code, reason = "some of it is for the fast tests alone")]
 #[path = "suite/case.rs"]
 mod case;
