@@ -1,6 +1,7 @@
 //! From a scene to a simulation: the mesh, the smallest model that answers the scene, and every value that the scene left open.
 
 use super::Scene;
+use super::checks::{check_motion_is_fixed, projection_at_inflow, unreached_profiles};
 use super::expression::Expression;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
@@ -12,7 +13,6 @@ use crate::levelset::{
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::sim::{self, Materials, Simulation, Structure};
-use crate::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -334,20 +334,6 @@ impl Draft<'_> {
     }
 }
 
-/// Refuses a flow without inertia whose velocity nothing holds: every side periodic or open, or slipping.
-fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
-    let held = |b: &schema::Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
-    if scene.fluid.has_inertia() || scene.membranes.iter().any(|m| m.mass > 0.0) || scene.boundaries.iter().any(held) {
-        return Ok(());
-    }
-    let e = Error::scene(
-        "nothing fixes the velocity: without inertia a uniform motion or a rotation can be added to the flow",
-    )
-    .value("density 0, and no boundary with a velocity or no_slip")
-    .remedy("give a boundary a velocity or no_slip = true, or the fluid a density");
-    Err(scene.blame(&["boundary"], e))
-}
-
 fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
     let mesh = match &scene.mesh {
         MeshSource::File(path) => return gmsh::read::<2>(path),
@@ -356,38 +342,6 @@ fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
     };
     Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
-}
-
-/// A warning when projected transport meets sides that fluid may enter through: the projection amplifies there what the
-/// characteristics bring in from the boundary.
-fn projection_at_inflow(scene: &Scene) -> Option<Warning> {
-    let lets_in = |c: &Condition| match c {
-        Condition::Open => true,
-        Condition::Velocity(v) => v.iter().any(|e| e.is_constant() != Some(0.0)),
-        _ => false,
-    };
-    let side = scene.boundaries.iter().find(|b| lets_in(&b.condition))?;
-    let used = scene.numerics.transport == Method::Projected && !scene.membranes.is_empty();
-    used.then(|| {
-        Warning::new(
-            format!("projected transport is unstable where fluid comes in, as it may through boundary `{}`", side.name),
-            "use transport = \"nodal\" unless that side only moves along itself",
-        )
-    })
-}
-
-/// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.
-fn unreached_profiles(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
-    scene.output.profiles.iter().filter_map(|p| {
-        let late: Vec<String> = p.times.iter().filter(|t| **t > scene.time.end).map(f64::to_string).collect();
-        let what = format!(
-            "profile `{}` is not written at t = {}: the run ends at {}",
-            p.name,
-            late.join(", "),
-            scene.time.end
-        );
-        (!late.is_empty()).then(|| Warning::new(what, ""))
-    })
 }
 
 /// Adds the name `walls` for the whole boundary to a mesh that does not have it.
