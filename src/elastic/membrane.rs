@@ -112,10 +112,6 @@ impl<const D: usize> Membrane<D> {
     pub fn largest_tension(&self) -> f64 {
         self.band.iter().filter(|b| b.w > 0.0).map(|b| self.law.tension(b.r)).fold(0.0, f64::max)
     }
-    /// The cells of the band that was prepared last.
-    pub fn band_cells(&self) -> &[u32] {
-        &self.cells
-    }
     /// Cells that may hold a point of the band: by the values and the spread of `phi` at the nodes.
     fn cells_of(&self, basis: &Basis<D>, phi: &[f64]) -> Vec<u32> {
         let space = basis.space();

@@ -21,7 +21,7 @@ pub struct FlowSolver<const D: usize> {
     grad_div: f64,
     density: Coefficient,
     viscosity: Coefficient,
-    /// The part of the matrix that stays, and `weight / dt` that it was made with.
+    /// The part of the matrix that stays, and `weight / dt` that it was made with; NaN when it is stale.
     base: Option<(SymmetricMatrix, f64)>,
     matrix: SymmetricMatrix,
     factor: Option<Factor>,
@@ -107,7 +107,8 @@ impl<const D: usize> FlowSolver<D> {
     pub fn set_materials(&mut self, density: Coefficient, viscosity: Coefficient) {
         if density != self.density || viscosity != self.viscosity || !density.is_constant() || !viscosity.is_constant()
         {
-            self.base = None;
+            // No weight equals NaN: the values are stale, the storage is kept.
+            self.base.iter_mut().for_each(|(_, weight)| *weight = f64::NAN);
         }
         self.density = density;
         self.viscosity = viscosity;
@@ -205,9 +206,8 @@ impl<const D: usize> FlowSolver<D> {
     fn prepare(&mut self, step: &Step<'_, D>) -> Result<bool> {
         let weight = step.weight / step.dt;
         let implicit = step.terms.iter().any(|t| t.is_implicit());
-        let constant = self.density.is_constant() && self.viscosity.is_constant();
         self.analyse(weight)?;
-        if self.factor_is_base && !implicit && constant {
+        if self.factor_is_base && !implicit {
             return Ok(false);
         }
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };

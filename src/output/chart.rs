@@ -5,6 +5,7 @@
 
 use super::markup::escape;
 use super::numbers::{tick_text, trimmed};
+use crate::base::fnv1a;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::line::LinePlot;
 use kuva::plot::scatter::ScatterPlot;
@@ -169,9 +170,7 @@ fn steady(svg: &str) -> String {
         }
         out
     };
-    // FNV-1a.
-    let hash =
-        renamed("").bytes().fold(0xcbf2_9ce4_8422_2325u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    let hash = fnv1a(renamed("").as_bytes());
     renamed(&format!("{hash:016x}-"))
 }
 

@@ -2,7 +2,7 @@
 
 use super::budget::{Budget, Energies};
 use super::setup::State;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
 use nalgebra::SVector;
 
@@ -31,7 +31,7 @@ impl<const D: usize> State<D> {
         for v in [b.initial, b.dissipated, b.work, b.exchanged] {
             out.extend(v.to_le_bytes());
         }
-        let check = checksum(&out);
+        let check = fnv1a(&out);
         out.extend(check.to_le_bytes());
         out
     }
@@ -48,7 +48,7 @@ impl<const D: usize> State<D> {
         };
         let body = bytes.len().checked_sub(8).filter(|n| *n >= MAGIC.len()).ok_or_else(damaged)?;
         let (content, check) = bytes.split_at(body);
-        if !content.starts_with(MAGIC) || check != checksum(content).to_le_bytes() {
+        if !content.starts_with(MAGIC) || check != fnv1a(content).to_le_bytes() {
             return Err(damaged());
         }
         let mut words = content[MAGIC.len()..].as_chunks::<8>().0.iter();
@@ -80,11 +80,6 @@ impl<const D: usize> State<D> {
         let budget = Budget { initial: next(), dissipated: next(), work: next(), exchanged: next() };
         Ok(State { steps, flow: FlowState { u, p }, phi, earlier_u, energies, budget })
     }
-}
-
-/// FNV-1a over the bytes: enough to notice a file that was cut off or damaged.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }
 
 #[cfg(test)]

@@ -304,17 +304,10 @@ impl<const D: usize> Simulation<D> {
 
     /// Sets up the matrix of the coming steps and analyses it, without factoring: its size can be asked for then.
     pub fn analyse(&mut self) -> Result<()> {
-        let second = self.settings.order == 2;
-        let weight = if self.is_stokes() {
-            0.0
-        } else if second {
-            1.5
-        } else {
-            1.0
-        };
+        // The first step is one of backward Euler in either order.
+        let weight = if self.is_stokes() { 0.0 } else { 1.0 };
         self.flow.analyse(weight / self.settings.dt)
     }
-
     /// Force of the fluid on a named boundary by the residual of the momentum equation in the last step, and its moment about a
     /// point; `None` before the first. A node that the boundary shares with another one counts in full.
     pub fn reaction(&self, boundary: &str, about: &Point<D>) -> Result<Option<Load<D>>> {

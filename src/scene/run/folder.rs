@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::record::{Column, Record};
-use crate::base::{Error, Kind, Result};
+use crate::base::{Error, Kind, Result, fnv1a};
 use crate::mesh::Point;
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
 use crate::scene::{Model, Scene};
@@ -75,7 +75,7 @@ impl Folder {
         let record =
             serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
         let mut bytes = (record.len() as u64).to_le_bytes().to_vec();
-        bytes.extend(hash(&record).to_le_bytes());
+        bytes.extend(fnv1a(&record).to_le_bytes());
         bytes.extend(record);
         bytes.extend(state.to_bytes(tag(scene)));
         write_file(&self.latest(), &bytes)
@@ -103,7 +103,7 @@ impl Folder {
         let (check, rest) = rest.split_first_chunk::<8>().ok_or_else(damaged)?;
         let size = usize::try_from(u64::from_le_bytes(*size)).unwrap_or(usize::MAX);
         let (record, state) = rest.split_at_checked(size).ok_or_else(damaged)?;
-        if hash(record) != u64::from_le_bytes(*check) {
+        if fnv1a(record) != u64::from_le_bytes(*check) {
             return Err(damaged());
         }
         let record = serde_json::from_slice(record).map_err(|_| damaged())?;
@@ -192,12 +192,7 @@ fn field_file(step: usize) -> String {
 
 /// Tells scenes apart: a checkpoint fits only the scene that it was made with.
 fn tag(scene: &Scene) -> u64 {
-    hash(scene.to_toml().as_bytes())
-}
-
-/// FNV-1a.
-fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
+    fnv1a(scene.to_toml().as_bytes())
 }
 
 fn first_difference(a: &str, b: &str) -> String {
