@@ -24,10 +24,18 @@ pub enum Stroke {
     Dashed,
     /// Marks: measured or published values.
     Points,
+    /// Marks joined by a line: a row of runs.
+    Marked,
+}
+
+impl Stroke {
+    fn has_marks(self) -> bool {
+        matches!(self, Stroke::Points | Stroke::Marked)
+    }
 }
 
 /// A curve of a chart. Points with a coordinate that is not finite, or not positive on a logarithmic axis, leave a gap.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Curve<'a> {
     /// Name in the legend.
     pub name: &'a str,
@@ -37,6 +45,8 @@ pub struct Curve<'a> {
     pub y: &'a [f64],
     /// How it is drawn.
     pub stroke: Stroke,
+    /// Number of its colour; its place among the curves without it.
+    pub colour: Option<usize>,
 }
 
 /// A chart of one or more curves.
@@ -68,16 +78,23 @@ impl Chart<'_> {
     pub fn svg(&self) -> String {
         let parts: Vec<Vec<Vec<(f64, f64)>>> = self.curves.iter().map(|c| self.pieces(c)).collect();
         let all = || parts.iter().flatten().flatten();
-        let only_lines = self.curves.iter().all(|c| c.stroke != Stroke::Points);
+        let only_lines = self.curves.iter().all(|c| !c.stroke.has_marks());
         let x = Axis::of(all().map(|p| p.0), self.log_x, if only_lines && !self.log_x { 0.0 } else { 0.04 });
         let y = Axis::of(all().map(|p| p.1), self.log_y, 0.05);
         let (Some(x), Some(y)) = (x, y) else { return self.empty() };
         let mut plots = Vec::new();
         for (i, (curve, pieces)) in self.curves.iter().zip(&parts).enumerate() {
-            let colour = COLOURS[i % COLOURS.len()];
+            let colour = COLOURS[curve.colour.unwrap_or(i) % COLOURS.len()];
             for (k, piece) in pieces.iter().enumerate() {
-                let data = piece.iter().map(|p| (x.scaled(p.0), y.scaled(p.1)));
-                plots.push(plot(data, curve, colour, k == 0 && self.curves.len() > 1));
+                let data = || piece.iter().map(|p| (x.scaled(p.0), y.scaled(p.1)));
+                let name = (k == 0 && self.curves.len() > 1 && !curve.name.is_empty()).then_some(curve.name);
+                if curve.stroke != Stroke::Points {
+                    // The legend of a marked line shows its marks.
+                    plots.push(line(data(), curve.stroke, colour, name.filter(|_| curve.stroke != Stroke::Marked)));
+                }
+                if curve.stroke.has_marks() {
+                    plots.push(marks(data(), colour, name));
+                }
             }
         }
         let mut layout = Layout::auto_from_plots(&plots)
@@ -126,7 +143,7 @@ impl Chart<'_> {
             }
         }
         pieces.retain(|p| !p.is_empty());
-        pieces.iter().map(|p| if curve.stroke == Stroke::Points { p.clone() } else { thinned(p) }).collect()
+        pieces.iter().map(|p| if curve.stroke.has_marks() { p.clone() } else { thinned(p) }).collect()
     }
     /// Lets the drawing scale and names it for those who cannot see it.
     fn scalable(&self, svg: &str) -> String {
@@ -174,17 +191,20 @@ fn steady(svg: &str) -> String {
     renamed(&format!("{hash:016x}-"))
 }
 
-fn plot(data: impl Iterator<Item = (f64, f64)>, curve: &Curve, colour: &str, named: bool) -> Plot {
-    match curve.stroke {
-        Stroke::Points => {
-            let plot = ScatterPlot::new().with_data(data).with_color(colour).with_size(4.0);
-            if named { plot.with_legend(curve.name).into() } else { plot.into() }
-        }
-        stroke => {
-            let plot = LinePlot::new().with_data(data).with_color(colour).with_stroke_width(1.8);
-            let plot = if stroke == Stroke::Dashed { plot.with_dashed() } else { plot };
-            if named { plot.with_legend(curve.name).into() } else { plot.into() }
-        }
+fn marks(data: impl Iterator<Item = (f64, f64)>, colour: &str, name: Option<&str>) -> Plot {
+    let plot = ScatterPlot::new().with_data(data).with_color(colour).with_size(4.0);
+    match name {
+        Some(name) => plot.with_legend(name).into(),
+        None => plot.into(),
+    }
+}
+
+fn line(data: impl Iterator<Item = (f64, f64)>, stroke: Stroke, colour: &str, name: Option<&str>) -> Plot {
+    let plot = LinePlot::new().with_data(data).with_color(colour).with_stroke_width(1.8);
+    let plot = if stroke == Stroke::Dashed { plot.with_dashed() } else { plot };
+    match name {
+        Some(name) => plot.with_legend(name).into(),
+        None => plot.into(),
     }
 }
 
@@ -294,7 +314,7 @@ mod tests {
     use super::*;
 
     fn curve<'a>(name: &'a str, x: &'a [f64], y: &'a [f64], stroke: Stroke) -> Curve<'a> {
-        Curve { name, x, y, stroke }
+        Curve { name, x, y, stroke, colour: None }
     }
 
     #[test]
