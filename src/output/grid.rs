@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn people_see_few_digits_and_files_hold_all() {
-        assert_eq!(grid().text(), "Steps\nrun            error\nn = 30, \"a\"   0.0123\nn = 60             -\n");
+        assert_eq!(grid().text(), "Steps\nrun           error\nn = 30, \"a\"  0.0123\nn = 60            -\n");
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("steps.csv");
         grid().write(&path).unwrap();
