@@ -1,5 +1,7 @@
 //! `immersa study`: the same scene many times.
 
+mod stability;
+
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
 use crate::base::Result;
@@ -9,11 +11,16 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Subcommand)]
-pub(super) enum Study {}
+pub(super) enum Study {
+    /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
+    Stability(stability::Arguments),
+}
 
 /// Does a study.
 pub(super) fn study(study: &Study) -> Result<()> {
-    match *study {}
+    match study {
+        Study::Stability(a) => a.conduct(),
+    }
 }
 
 /// What all studies are told.
