@@ -47,8 +47,9 @@ impl Findings {
     /// What a terminal shows.
     pub fn text(&self) -> String {
         let mut parts: Vec<String> = self.grids.iter().map(Grid::text).collect();
-        parts.extend(self.notes.iter().map(|n| format!("note: {n}\n")));
-        parts.extend(self.statements.iter().map(|s| format!("{s}\n")));
+        parts.push(self.notes.iter().map(|n| format!("note: {n}\n")).collect());
+        parts.push(self.statements.iter().map(|s| format!("{s}\n")).collect());
+        parts.retain(|p| !p.is_empty());
         parts.join("\n")
     }
     /// What other programs read: title, statements, notes, alarms, and the tables by name.

@@ -1,7 +1,7 @@
 //! Which values of a scene are stable at its own time step.
 
 use super::verdict::Verdict;
-use super::{cells, check, columns, heading, per_cent, trial};
+use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::Result;
 use crate::output::{Cell, Chart, Curve, Grid, Stroke, rounded};
 use crate::scene::Model;
@@ -128,11 +128,7 @@ impl Scan {
              in by more than {}.",
             per_cent(self.tolerance)
         )];
-        for p in points {
-            if let Some(reason) = &p.verdict.refused {
-                notes.push(format!("{}refused: {reason}", heading(&p.combination)));
-            }
-        }
+        notes.extend(refusals(points.iter().filter_map(|p| Some((&p.combination[..], p.verdict.refused.as_deref()?)))));
         notes
     }
 
