@@ -3,6 +3,7 @@
 mod explain;
 mod new;
 mod progress;
+mod reference;
 mod render;
 mod report;
 mod run;
@@ -33,6 +34,8 @@ enum Command {
     Render(render::Arguments),
     /// Write a commented scene to start from
     New(new::Arguments),
+    /// Print what may stand in a scene: keys, values, units, defaults
+    Reference(reference::Arguments),
 }
 
 /// A scene and changes to it.
@@ -79,6 +82,7 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Explain(a) => explain::explain(&a),
         Command::Render(a) => render::render(&a),
         Command::New(a) => new::new(&a),
+        Command::Reference(a) => reference::reference(&a),
     }
 }
 
