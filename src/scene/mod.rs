@@ -9,6 +9,7 @@ mod model;
 pub(crate) mod nearest;
 mod overrides;
 mod plan;
+pub mod reference;
 pub mod render;
 pub mod run;
 pub mod schema;

@@ -5,6 +5,8 @@ use crate::sim::{Contrast, Coupling};
 use proptest::prelude::*;
 use schema::*;
 
+mod reference;
+
 const MEMBRANE: &str = r#"
 title = "Relaxing elliptical membrane"
 [mesh]

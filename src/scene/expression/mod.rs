@@ -111,6 +111,11 @@ impl PartialEq for Expression {
     }
 }
 
+/// The names of the functions.
+pub(crate) fn functions() -> impl Iterator<Item = &'static str> {
+    FUNCTIONS.iter().map(|f| f.0)
+}
+
 /// Whether `name` may not name a constant: a variable, `pi` or a function.
 pub(crate) fn is_reserved(name: &str) -> bool {
     name == "pi" || VARIABLES.contains(&name) || FUNCTIONS.iter().any(|f| f.0 == name)

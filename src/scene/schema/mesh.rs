@@ -1,5 +1,6 @@
 //! `[mesh]`: where the mesh comes from.
 
+use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::write::{Writer, list, name, number, text, vector};
 use crate::base::{Error, Result};
 use crate::mesh::Diagonals;
@@ -44,13 +45,64 @@ pub enum MeshSource {
 
 const DIAGONALS: [(&str, Diagonals); 3] =
     [("right", Diagonals::Right), ("left", Diagonals::Left), ("union-jack", Diagonals::UnionJack)];
+const DIAGONAL_WORDS: [&str; 3] = words(&DIAGONALS);
+
+pub(super) static KEYS: Keys = Keys {
+    about: "Where the mesh comes from: exactly one of these.",
+    keys: &[
+        row(
+            "file",
+            Value("path"),
+            "",
+            OneOf,
+            "A mesh of gmsh (MSH 2.2, 4.0 or 4.1), relative to the folder of the scene.",
+        ),
+        row("rectangle", Table(&RECTANGLE), "", OneOf, "A rectangle; its sides are left, right, bottom and top."),
+        row("disc", Table(&DISC), "", OneOf, "A disc."),
+        row("box", Table(&BOX), "", OneOf, "A box of tetrahedra; no flow can be computed on it yet."),
+    ],
+};
+
+static RECTANGLE: Keys = Keys {
+    about: "A rectangle of equal rectangles, each cut into triangles.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "Lower left corner."),
+        row("max", Value("point"), "m", Required, "Upper right corner."),
+        row("cells", Value("two whole numbers from 1 to 100000"), "", Required, "Rectangles along each axis."),
+        row(
+            "diagonals",
+            Choice(&DIAGONAL_WORDS),
+            "",
+            Default("\"right\""),
+            "How each is cut: by the diagonal that rises to the right, to the left, or by both in turn.",
+        ),
+    ],
+};
+
+static DISC: Keys = Keys {
+    about: "A disc.",
+    keys: &[
+        row("centre", Value("point"), "m", Required, "Centre."),
+        row("radius", Value("number > 0"), "m", Required, "Radius."),
+        row("cells", Value("whole number from 1 to 100000"), "", Required, "Cells along a radius."),
+    ],
+};
+
+static BOX: Keys = Keys {
+    about: "A box of equal boxes, each cut into tetrahedra.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "Corner with the smallest coordinates."),
+        row("max", Value("point"), "m", Required, "Corner with the largest coordinates."),
+        row("cells", Value("three whole numbers from 1 to 100000"), "", Required, "Boxes along each axis."),
+    ],
+};
+
 /// More cells along an axis exceed any memory.
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
     pub(super) fn read(item: &Item, folder: &Path) -> Result<MeshSource> {
-        let kinds = ["file", "rectangle", "disc", "box"];
-        let (kind, item) = item.table(&kinds)?.exactly_one(&kinds)?;
+        let (kind, item) = item.table(&KEYS)?.exactly_one(&KEYS)?;
         match kind {
             "file" => {
                 let file = item.text()?;
@@ -60,7 +112,7 @@ impl MeshSource {
                 Ok(MeshSource::File(absolute(&folder.join(file))))
             }
             "rectangle" => {
-                let table = item.table(&["min", "max", "cells", "diagonals"])?;
+                let table = item.table(&RECTANGLE)?;
                 let min = table.required("min", "give the lower left corner: min = [0, 0]", Item::vector)?;
                 Ok(MeshSource::Rectangle {
                     min,
@@ -70,7 +122,7 @@ impl MeshSource {
                 })
             }
             "disc" => {
-                let table = item.table(&["centre", "radius", "cells"])?;
+                let table = item.table(&DISC)?;
                 Ok(MeshSource::Disc {
                     centre: table.required("centre", "give the centre: centre = [0, 0]", Item::vector)?,
                     radius: table.required("radius", "give the radius: radius = 1", Item::positive)?,
@@ -79,7 +131,7 @@ impl MeshSource {
                 })
             }
             _ => {
-                let table = item.table(&["min", "max", "cells"])?;
+                let table = item.table(&BOX)?;
                 let min = table.required("min", "give the lowest corner: min = [0, 0, 0]", Item::vector)?;
                 Ok(MeshSource::Box {
                     min,

@@ -2,6 +2,7 @@
 
 mod boundary;
 mod fluid;
+mod keys;
 mod membrane;
 mod mesh;
 mod numerics;
@@ -13,6 +14,7 @@ mod write;
 
 pub use boundary::{Boundary, Condition, WALLS};
 pub use fluid::Fluid;
+pub use keys::{Absent, Key, Keys, Kind};
 pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
@@ -23,6 +25,7 @@ pub use time::Time;
 use super::expression::is_reserved;
 use super::item::{Context, Item};
 use crate::base::Result;
+use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
 use std::path::Path;
 use write::Writer;
@@ -52,8 +55,35 @@ pub struct Settings {
     pub output: Output,
 }
 
-const KEYS: [&str; 10] =
-    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "time", "numerics", "output"];
+/// The keys of a scene.
+pub static KEYS: Keys = Keys {
+    about: "A scene is a TOML file. Lengths, times and masses are in any consistent system of units; \
+        units below are those of SI.",
+    keys: &[
+        row("title", Value("text"), "", Derived("the name of the file"), "What the scene is called."),
+        row("units", Value("text"), "", Default("\"\""), "The units of the scene, in words; nothing is converted."),
+        row(
+            "constants",
+            Value("table of numbers or expressions"),
+            "",
+            Optional,
+            "Names that expressions may use; each may use those before it.",
+        ),
+        row("mesh", Table(&mesh::KEYS), "", Required, "Where the mesh comes from."),
+        row("fluid", Table(&fluid::KEYS), "", Required, "What flows, and what drives it."),
+        row(
+            "boundary",
+            Named(&boundary::KEYS),
+            "",
+            Derived("no slip everywhere"),
+            "What happens on the named parts of the boundary.",
+        ),
+        row("membrane", List(&membrane::KEYS), "", Optional, "Elastic interfaces."),
+        row("time", Table(&time::KEYS), "", Required, "How long, in which steps."),
+        row("numerics", Table(&numerics::KEYS), "", Optional, "How the equations are solved."),
+        row("output", Table(&output::KEYS), "", Optional, "What is written, and when."),
+    ],
+};
 
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
