@@ -1,16 +1,25 @@
 //! `[mesh]`: where the mesh comes from.
 
-use super::write::{Writer, list, name, number, text, vector};
+use super::shape::Shape;
+use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
 use crate::mesh::Diagonals;
-use crate::scene::item::Item;
+use crate::scene::item::{Context, Item};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Where the mesh comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeshSource {
-    /// A gmsh file, as an absolute path.
-    File(PathBuf),
+    /// A gmsh file.
+    File {
+        /// The file, as an absolute path.
+        path: PathBuf,
+        /// How many times every triangle is cut into four.
+        refine: usize,
+        /// Curves that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
+        geometry: Vec<(String, Shape)>,
+    },
     /// A rectangle of `cells[0] x cells[1]` rectangles, each cut into triangles.
     Rectangle {
         /// Lower left corner.
@@ -44,20 +53,37 @@ pub enum MeshSource {
 
 const DIAGONALS: [(&str, Diagonals); 3] =
     [("right", Diagonals::Right), ("left", Diagonals::Left), ("union-jack", Diagonals::UnionJack)];
+/// The kinds of meshes, and what a mesh file may have beside it.
+const KEYS: [&str; 6] = ["file", "rectangle", "disc", "box", "refine", "geometry"];
+/// A mesh refined more often has a million times its triangles.
+const MOST_REFINEMENTS: usize = 10;
 /// More cells along an axis exceed any memory.
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
-    pub(super) fn read(item: &Item, folder: &Path) -> Result<MeshSource> {
-        let kinds = ["file", "rectangle", "disc", "box"];
-        let (kind, item) = item.table(&kinds)?.exactly_one(&kinds)?;
+    pub(super) fn read(item: &Item, folder: &Path, constants: &BTreeMap<String, f64>) -> Result<MeshSource> {
+        let [kinds @ .., _, _] = &KEYS;
+        let mesh = item.table(&KEYS)?;
+        let (kind, item) = mesh.exactly_one(kinds)?;
+        for key in ["refine", "geometry"] {
+            if let (Some(item), true) = (mesh.get(key), kind != "file") {
+                return Err(item
+                    .key_error(format!("`{key}` is for mesh files"))
+                    .remedy(format!("give the {kind} more cells")));
+            }
+        }
         match kind {
             "file" => {
                 let file = item.text()?;
                 if file.is_empty() {
                     return Err(item.error("the name of the mesh file is empty").remedy("name a gmsh file (.msh)"));
                 }
-                Ok(MeshSource::File(absolute(&folder.join(file))))
+                let context = Context { dimension: 2, constants: constants.clone() };
+                Ok(MeshSource::File {
+                    path: absolute(&folder.join(file)),
+                    refine: mesh.optional("refine", |i| i.count(0, MOST_REFINEMENTS))?.unwrap_or(0),
+                    geometry: mesh.optional("geometry", |i| curves(i, &context))?.unwrap_or_default(),
+                })
             }
             "rectangle" => {
                 let table = item.table(&["min", "max", "cells", "diagonals"])?;
@@ -97,7 +123,7 @@ impl MeshSource {
 
     /// Tries to open the mesh file, if there is one. Errors: it is missing or cannot be read.
     pub fn check_readable(&self) -> Result<()> {
-        let MeshSource::File(path) = self else { return Ok(()) };
+        let MeshSource::File { path, .. } = self else { return Ok(()) };
         let failed = |e: std::io::Error| {
             Error::input(format!("the mesh file cannot be read: {e}"))
                 .value(path.display())
@@ -110,7 +136,13 @@ impl MeshSource {
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[mesh]");
         match self {
-            MeshSource::File(path) => out.entry("file", text(&path.to_string_lossy())),
+            MeshSource::File { path, refine, geometry } => {
+                out.entry("file", text(&path.to_string_lossy()));
+                out.entry("refine", refine);
+                for (name, curve) in geometry {
+                    out.entry(&format!("geometry.{}", key(name)), curve.write());
+                }
+            }
             MeshSource::Rectangle { min, max, cells, diagonals } => {
                 let (min, max, diagonals) = (vector(min), vector(max), name(*diagonals, &DIAGONALS));
                 let cells = whole(cells);
@@ -129,6 +161,11 @@ impl MeshSource {
             }
         }
     }
+}
+
+/// Curves by the name of their boundary.
+fn curves(item: &Item, context: &Context) -> Result<Vec<(String, Shape)>> {
+    item.open_table()?.items().map(|(name, item)| Ok((name.to_string(), Shape::read(&item, context)?))).collect()
 }
 
 fn whole(v: &[usize]) -> String {

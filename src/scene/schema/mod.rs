@@ -1,6 +1,7 @@
 //! The tables of a scene: their types, defaults and checks, and how they are written.
 
 mod boundary;
+mod exact;
 mod fluid;
 mod membrane;
 mod mesh;
@@ -12,6 +13,7 @@ mod time;
 mod write;
 
 pub use boundary::{Boundary, Condition, WALLS};
+pub use exact::Exact;
 pub use fluid::Fluid;
 pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
@@ -50,10 +52,12 @@ pub struct Settings {
     pub numerics: Numerics,
     /// What is written.
     pub output: Output,
+    /// The exact solution, where one is known.
+    pub exact: Exact,
 }
 
-const KEYS: [&str; 10] =
-    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "time", "numerics", "output"];
+const KEYS: [&str; 11] =
+    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "time", "numerics", "output", "exact"];
 
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
@@ -61,7 +65,7 @@ impl Settings {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
-        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder))?;
+        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
         let fluid = |i: &Item| Fluid::read(i, membranes.len(), &context);
@@ -74,6 +78,7 @@ impl Settings {
             boundaries: boundary::read(scene.get("boundary"), &context)?,
             numerics: Numerics::read(scene.get("numerics"))?,
             output: Output::read(scene.get("output"), &time, &membranes, &context)?,
+            exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,
             fluid,
@@ -100,6 +105,7 @@ impl Settings {
         self.time.write(&mut out);
         self.numerics.write(&mut out);
         self.output.write(&mut out);
+        self.exact.write(&mut out);
         out.text
     }
 }
