@@ -3,6 +3,7 @@
 mod checks;
 mod diagnostics;
 mod document;
+mod errors;
 pub mod expression;
 mod item;
 mod model;
@@ -10,6 +11,7 @@ pub(crate) mod nearest;
 mod overrides;
 mod plan;
 pub mod reference;
+mod refined;
 pub mod render;
 pub mod run;
 pub mod schema;

@@ -5,6 +5,7 @@
 //! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
 
 mod campaign;
+pub mod convergence;
 mod findings;
 mod trial;
 

@@ -1,5 +1,7 @@
 //! `immersa study`: the same scene many times.
 
+mod convergence;
+
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
 use crate::base::Result;
@@ -9,11 +11,16 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Subcommand)]
-pub(super) enum Study {}
+pub(super) enum Study {
+    /// Halve mesh size, time step or thickness, and say what the numbers tend to
+    Convergence(convergence::Arguments),
+}
 
 /// Does a study.
 pub(super) fn study(study: &Study) -> Result<()> {
-    match *study {}
+    match study {
+        Study::Convergence(a) => convergence::run(a),
+    }
 }
 
 /// What all studies are told.
