@@ -14,11 +14,12 @@ use crate::sim::Simulation;
 const MEASURES: [&str; 9] =
     ["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
 /// The columns that every run has.
-const COMMON: [&str; 8] = [
+const COMMON: [&str; 9] = [
     "energy_kinetic",
     "energy_elastic",
     "dissipation",
     "energy_balance",
+    "work",
     "velocity_max",
     "divergence",
     "cfl",
@@ -112,6 +113,7 @@ impl<'a> Diagnostics<'a> {
             e.elastic,
             e.dissipation,
             state.budget.residual(&e),
+            state.budget.work,
             sim.largest_speed(),
             e.divergence,
             sim.courant(),

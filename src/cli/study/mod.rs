@@ -1,6 +1,7 @@
 //! `immersa study`: the same scene many times.
 
 mod convergence;
+mod stability;
 
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
@@ -14,12 +15,15 @@ use std::path::{Path, PathBuf};
 pub(super) enum Study {
     /// Halve mesh size, time step or thickness, and say what the numbers tend to
     Convergence(convergence::Arguments),
+    /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
+    Stability(stability::Arguments),
 }
 
 /// Does a study.
 pub(super) fn study(study: &Study) -> Result<()> {
     match study {
         Study::Convergence(a) => convergence::run(a),
+        Study::Stability(a) => a.conduct(),
     }
 }
 
