@@ -12,6 +12,7 @@ mod energy;
 mod explicit_limit;
 mod freefem;
 mod relaxation;
+mod semi_implicit;
 mod space_order;
 mod time_order;
 mod transport;
