@@ -10,6 +10,7 @@ mod tools;
 
 mod energy;
 mod explicit_limit;
+mod failures;
 mod freefem;
 mod relaxation;
 mod semi_implicit;

@@ -18,6 +18,7 @@ pub const STRETCH: f64 = 1.26253110;
 pub struct Case {
     /// Squares along a side.
     pub n: usize,
+    pub diagonals: Diagonals,
     /// `E'(r) = modulus (r - 1)`, or `modulus` where there is constant `tension`.
     pub modulus: f64,
     /// A drop, with a carried band, instead of a membrane.
@@ -37,6 +38,7 @@ impl Case {
     /// The book's listing (section 3.6.1.1) with the grad-div term.
     pub const LISTING: Case = Case {
         n: 30,
+        diagonals: Diagonals::UnionJack,
         modulus: 1.0,
         tension: false,
         thickness: 0.1,
@@ -51,7 +53,7 @@ impl Case {
     };
 
     pub fn simulation(&self) -> Simulation<2> {
-        let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [self.n; 2], Diagonals::UnionJack).unwrap());
+        let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [self.n; 2], self.diagonals).unwrap());
         let space = Space::new(&mesh, Element::P2);
         let [a, b] = self.semi_axes;
         let shape = Ellipse::new(point(1.0, 1.0), point(a, b), 0.0).unwrap();
