@@ -95,6 +95,7 @@ impl Model {
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
+        settings.check_coupling(&structures).map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         model.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         model.check_finite("force", &scene.fluid.force)?;
         let wall_nodes = model.wall_nodes();

@@ -86,7 +86,7 @@ fn simulation(cells: usize) -> Simulation<2> {
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 23] = [
     "membrane.area",
     "membrane.perimeter",
     "membrane.centre_x",

@@ -36,13 +36,12 @@ pub(super) fn findings(study: &Study<'_>) -> Findings {
     Findings {
         title: format!("Convergence: {}", study.scene.title),
         subtitle: study.what_is_halved(),
-        alarms: Vec::new(),
         statements: study.statements(),
         notes: study.notes(),
         headline: study.headline(),
         grids,
         drawings,
-        command: String::new(),
+        ..Findings::default()
     }
 }
 
