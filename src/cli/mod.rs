@@ -3,6 +3,7 @@
 mod explain;
 mod new;
 mod progress;
+mod reference;
 mod render;
 mod report;
 mod run;
@@ -38,6 +39,8 @@ enum Command {
     /// Compute a scene many times, to learn what its numbers are worth
     #[command(subcommand)]
     Study(study::Study),
+    /// Print what may stand in a scene: keys, values, units, defaults
+    Reference(reference::Arguments),
 }
 
 /// A scene and changes to it.
@@ -85,6 +88,7 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Render(a) => render::render(&a),
         Command::New(a) => new::new(&a),
         Command::Study(s) => study::study(&s),
+        Command::Reference(a) => reference::reference(&a),
     }
 }
 

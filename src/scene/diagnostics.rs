@@ -1,6 +1,7 @@
 //! What a run measures: the columns of the series, and profiles along lines.
 
 use super::Scene;
+use super::errors;
 use super::model::Model;
 use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
@@ -79,6 +80,7 @@ impl<'a> Diagnostics<'a> {
             names.extend(columns.map(|c| format!("{}_{c}", f.name)));
         }
         names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
+        names.extend(errors::columns(&self.scene.exact));
         names
     }
 
@@ -134,6 +136,7 @@ impl<'a> Diagnostics<'a> {
         for f in &self.scene.output.fluxes {
             row.push(flux(space, &state.flow, &f.boundary)?);
         }
+        row.extend(errors::row(&self.scene.exact, sim));
         Ok(row)
     }
 

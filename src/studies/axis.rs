@@ -89,10 +89,10 @@ impl Axis {
             MeshSource::Rectangle { cells, .. } => Ok(format!("mesh.rectangle.cells={}", scaled(cells, n))),
             MeshSource::Box { cells, .. } => Ok(format!("mesh.box.cells={}", scaled(cells, n))),
             MeshSource::Disc { .. } => Ok(format!("mesh.disc.cells={n}")),
-            MeshSource::File(path) => Err(Error::scene("a mesh from a file has no number of cells to be set")
+            MeshSource::File { path, .. } => Err(Error::scene("a mesh from a file has no number of cells to be set")
                 .at("--cells")
                 .value(path.display())
-                .remedy("give a list of files: --vary mesh.file=coarse.msh,fine.msh")),
+                .remedy("refine it with --vary mesh.refine=0,1,2 or give files: --vary mesh.file=coarse.msh,fine.msh")),
         };
         let choices = values.iter().map(|&n| Ok(Choice::new("n", &n.to_string(), set(n)?)));
         Ok(Axis { name: "n".into(), choices: choices.collect::<Result<_>>()? })

@@ -6,6 +6,7 @@
 
 mod axis;
 mod campaign;
+pub mod convergence;
 mod findings;
 pub mod stability;
 mod trial;

@@ -1,5 +1,6 @@
 //! `immersa study`: the same scene many times.
 
+mod convergence;
 mod stability;
 
 use super::progress::Runs;
@@ -12,6 +13,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Subcommand)]
 pub(super) enum Study {
+    /// Halve mesh size, time step or thickness, and say what the numbers tend to
+    Convergence(convergence::Arguments),
     /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
     Stability(stability::Arguments),
 }
@@ -19,6 +22,7 @@ pub(super) enum Study {
 /// Does a study.
 pub(super) fn study(study: &Study) -> Result<()> {
     match study {
+        Study::Convergence(a) => convergence::run(a),
         Study::Stability(a) => a.conduct(),
     }
 }

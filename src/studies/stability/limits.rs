@@ -302,8 +302,15 @@ fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing> {
     });
     let title = format!("Largest stable step over {}", if name == "n" { "the edge of the mesh" } else { name });
     let x_label = if name == "n" { "shortest edge in the band" } else { name };
-    let chart =
-        Chart { title: &title, x_label, y_label: "time step", log_x: true, log_y: true, curves: curves.collect() };
+    let chart = Chart {
+        title: &title,
+        x_label,
+        y_label: "time step",
+        log_x: true,
+        log_y: true,
+        curves: curves.collect(),
+        ..Chart::default()
+    };
     Some(Drawing {
         name: format!("limit-over-{}", name.replace('.', "-")),
         svg: chart.svg(),

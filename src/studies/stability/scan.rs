@@ -191,6 +191,7 @@ impl Scan {
             log_x: low > 0.0 && high > 4.0 * low,
             log_y: true,
             curves: curves.collect(),
+            ..Chart::default()
         };
         let svg = chart.svg();
         let caption = format!("Orange: unstable runs; what is above {CEILING} % is drawn there.");
