@@ -65,7 +65,7 @@ impl Findings {
             "tables": tables,
         })
     }
-    /// Writes `study.json`, `NAME.csv` a table, `charts/NAME.svg` a chart and `report.html` into the folder, replacing those that
+    /// Writes `study.json`, `NAME.csv` and `NAME.md` a table, `charts/NAME.svg` a chart and `report.html` into the folder, replacing those that
     /// are there, and gives the path of the report.
     ///
     /// # Errors
@@ -79,6 +79,7 @@ impl Findings {
         })?;
         for grid in self.files() {
             grid.write(&folder.join(format!("{}.csv", grid.name)))?;
+            write_file(&folder.join(format!("{}.md", grid.name)), grid.markdown().as_bytes())?;
         }
         for drawing in &self.drawings {
             write_file(&charts.join(format!("{}.svg", drawing.name)), drawing.svg.as_bytes())?;

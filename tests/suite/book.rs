@@ -3,7 +3,6 @@
 //! A figure has a line `<!-- keep FROM as TO -->` above it, which `book/make` obeys. A number has `<!-- is WHAT -->` behind it: a place in
 //! a table, `FILE time=T COLUMN`, or an expression and the names in it, `EXPRESSION; NAME FILE time=T COLUMN; ...`.
 
-use immersa::output::Table;
 use immersa::scene::schema::{KEYS, Keys, Kind};
 use immersa::scene::{Expression, Model, Scene, reference};
 use std::collections::BTreeMap;
@@ -186,18 +185,22 @@ fn known(table: &toml::Table, keys: &Keys, place: &str) {
     }
 }
 
-/// What stands in a table at `FILE time=T COLUMN`, or `FILE KEY=V COLUMN` with any other column as the key.
+/// What stands in a table at `FILE time=T COLUMN`, or `FILE KEY=V,... COLUMN` with any other columns as the keys.
 fn looked_up(folder: &Path, place: &str) -> f64 {
     let [file, row, column] = place.split_whitespace().collect::<Vec<_>>()[..] else { panic!("`{place}` is no place") };
-    let table = Table::read(&folder.join(file)).unwrap();
-    let (key, at) = row.split_once('=').unwrap();
-    let at: f64 = at.parse().unwrap();
-    let keys = table.column(key).unwrap_or_else(|_| panic!("{place}: no column {key}"));
-    let k = keys
-        .iter()
-        .position(|v| (v - at).abs() <= 1e-9 * at.abs().max(1.0))
-        .unwrap_or_else(|| panic!("{place}: no row"));
-    table.column(column).unwrap_or_else(|_| panic!("{place}: no column {column}"))[k]
+    let text = fs::read_to_string(folder.join(file)).unwrap_or_else(|e| panic!("{place}: {e}"));
+    let mut lines = text.lines().map(|l| l.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    let at = |name: &str| names.iter().position(|n| *n == name).unwrap_or_else(|| panic!("{place}: no column {name}"));
+    // A table of a study has columns of words, too.
+    let same = |cell: &str, wanted: &str| match (cell.parse::<f64>(), wanted.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-9 * b.abs().max(1.0),
+        _ => cell == wanted,
+    };
+    let keys: Vec<(&str, &str)> = row.split(',').map(|k| k.split_once('=').unwrap()).collect();
+    let mut found = lines.filter(|cells| keys.iter().all(|(key, value)| same(cells[at(key)], value)));
+    let cells = found.next().unwrap_or_else(|| panic!("{place}: no row"));
+    cells[at(column)].parse().unwrap_or_else(|_| panic!("{place}: no number"))
 }
 
 fn value_of(folder: &Path, what: &str) -> f64 {

@@ -41,12 +41,12 @@ fn stability_finds_the_limit_of_the_explicit_coupling_and_goes_on_where_it_was_i
     ended.expect(0, &["explicit coupling, order 1, dt = "]);
     let limits = found["tables"]["limits"].as_array().unwrap();
     let number = |row: usize, key: &str| limits[row][key].as_f64();
-    let (stable, unstable) = (number(0, "stable at").unwrap(), number(0, "unstable at").unwrap());
-    let formula = number(0, "(1.54)").unwrap();
+    let (stable, unstable) = (number(0, "stable").unwrap(), number(0, "unstable").unwrap());
+    let formula = number(0, "formula").unwrap();
     assert!(unstable > stable && unstable <= 1.3001 * stable, "{stable} {unstable}");
     let ratio = number(0, "ratio").unwrap();
     assert!((ratio - (stable * unstable).sqrt() / formula).abs() < 1e-9 && (0.8..2.0).contains(&ratio), "{ratio}");
-    assert_eq!((number(1, "stable at"), number(1, "unstable at")), (Some(0.2), None));
+    assert_eq!((number(1, "stable"), number(1, "unstable")), (Some(0.2), None));
     assert_eq!(limits[1]["remark"], "stable at the largest step tried");
     let said = found["statements"][1].as_str().unwrap();
     assert!(said.contains("the largest step tried") && said.contains("times the explicit limit"), "{said}");
@@ -81,9 +81,9 @@ fn stability_takes_ends_of_its_range_and_refused_bands_as_results() {
     );
     ended.expect(0, &["thickness = 0.1: refused"]);
     let limits = &found["tables"]["limits"];
-    assert_eq!((limits[0]["remark"].as_str(), limits[0]["stable at"].as_f64()), (Some("refused"), None));
+    assert_eq!((limits[0]["remark"].as_str(), limits[0]["stable"].as_f64()), (Some("refused"), None));
     assert_eq!(limits[1]["remark"], "unstable at the smallest step tried");
-    assert_eq!(limits[1]["unstable at"].as_f64(), Some(0.1));
+    assert_eq!(limits[1]["unstable"].as_f64(), Some(0.1));
     let notes = found["notes"].to_string();
     assert!(notes.contains("thinner than the mesh allows") && notes.contains("more than 2 %"), "{notes}");
 }
@@ -113,9 +113,9 @@ fn a_scan_tells_stable_unstable_and_refused_values_apart() {
     assert_eq!((outcome(0), outcome(1)), ("refused", "refused"));
     assert!(outcome(2).starts_with("unstable from t = ") && outcome(4).starts_with("unstable from t = "), "{rows:?}");
     assert_eq!((outcome(3), outcome(5)), ("stable", "stable"));
-    assert!(rows[2]["growth, %"].as_f64().unwrap() > 2.0 && rows[3]["growth, %"].as_f64().unwrap() < 0.1);
-    assert_eq!(rows[2]["band / edge"].as_f64().unwrap(), 0.2 / 0.125);
-    assert_eq!(found["tables"]["map"].as_array().unwrap().len(), 3);
+    assert!(rows[2]["growth"].as_f64().unwrap() > 0.02 && rows[3]["growth"].as_f64().unwrap() < 1e-3);
+    assert_eq!(rows[2]["band/edge"].as_f64().unwrap(), 0.2 / 0.125);
+    assert_eq!(found["tables"]["map"].as_array().unwrap().len(), 2);
     let said = found["statements"][0].as_str().unwrap();
     assert!(
         said.contains("refused at thickness = 0.1") && said.contains("unstable at thickness = 0.2 (from"),

@@ -120,11 +120,11 @@ impl Limits {
     }
 
     fn table(&self, limits: &[Limit]) -> Grid {
-        let header = ["edge", "stable at", "unstable at", "(1.54)", "ratio", "growth, %", "rate, %", "remark"];
+        let header = ["edge", "stable", "unstable", "formula", "ratio", "growth", "rate", "remark"];
         let mut grid = Grid::new("limits", "Largest stable steps", columns(&self.axes, &header));
         for l in limits {
             let number = |v: Option<f64>, digits| Cell::Number(v.unwrap_or(f64::NAN), digits);
-            let of_stable = |v: f64| l.bracket.stable.map(|_| 100.0 * v);
+            let of_stable = |v: f64| l.bracket.stable.map(|_| v);
             let mut row = cells(&l.combination);
             row.extend([
                 number(l.edge, 4),
@@ -138,9 +138,9 @@ impl Limits {
             ]);
             grid.rows.push(row);
         }
-        grid.caption = "(1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band; ratio: the \
-                        measured limit over it. At the largest stable step: the largest growth of the energy beyond the balance, \
-                        and the rate per time at which it changes in the second half of the run, negative while energy is lost."
+        grid.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
+                        the measured limit over it. Growth: of the energy beyond the balance at the largest stable step, the most in the \
+                        run. Rate: its change per time in the second half of that run, negative while energy is lost."
             .into();
         grid
     }
