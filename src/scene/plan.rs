@@ -36,7 +36,10 @@ fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
     let mesh = model.simulation.space().mesh();
     let (lo, hi) = mesh.bounding_box();
     let source = match &scene.mesh {
-        MeshSource::File(path) => format!("{}", path.display()),
+        MeshSource::File { path, refine: 0, .. } => format!("{}", path.display()),
+        MeshSource::File { path, refine, .. } => {
+            format!("{}, every triangle cut into {}", path.display(), 4usize.saturating_pow(*refine as u32))
+        }
         MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
         MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
         MeshSource::Box { .. } => "box".into(),
