@@ -7,12 +7,14 @@ mod reference;
 mod render;
 mod report;
 mod run;
+mod study;
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Kind, Result};
 use crate::scene::Scene;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Structures immersed in a flow: level sets and finite elements on unstructured meshes.
 #[derive(Parser)]
@@ -34,6 +36,9 @@ enum Command {
     Render(render::Arguments),
     /// Write a commented scene to start from
     New(new::Arguments),
+    /// Compute a scene many times, to learn what its numbers are worth
+    #[command(subcommand)]
+    Study(study::Study),
     /// Print what may stand in a scene: keys, values, units, defaults
     Reference(reference::Arguments),
 }
@@ -82,8 +87,29 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Explain(a) => explain::explain(&a),
         Command::Render(a) => render::render(&a),
         Command::New(a) => new::new(&a),
+        Command::Study(s) => study::study(&s),
         Command::Reference(a) => reference::reference(&a),
     }
+}
+
+/// A flag that Ctrl-C sets; when it comes again the program ends at once, the last checkpoint being still there.
+fn stop_on_interrupt() -> &'static AtomicBool {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    // Without a handler Ctrl-C ends the program at once, too.
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(Kind::Interrupted.exit_code().into());
+        }
+    });
+    &STOP
+}
+
+fn set_threads(threads: Option<std::num::NonZeroUsize>) -> Result<()> {
+    let Some(n) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n.get()).build_global();
+    pool.map_err(|e| {
+        Error::scene(format!("{n} threads cannot be started: {e}")).at("--threads").value(n).remedy("give fewer")
+    })
 }
 
 /// The exit code of `work`, also when it panics: that is a defect of the program.

@@ -3,7 +3,7 @@
 use super::document::{Document, Entry, Node, Place, Value};
 use super::expression::Expression;
 use super::nearest::{advice, nearest};
-use super::schema::Keys;
+use super::schema::{Absent, Keys};
 use crate::base::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -302,10 +302,11 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The one value among `keys` that must be written, with its key.
+    /// The one value of which exactly one of `keys` must be written, with its key.
     pub fn exactly_one(&self, keys: &Keys) -> Result<(&'static str, Item<'a>)> {
-        let mut found = keys.names().filter_map(|k| self.get(k).map(|i| (k, i)));
-        let all = keys.names().collect::<Vec<_>>().join(", ");
+        let names = || keys.keys.iter().filter(|k| k.absent == Absent::OneOf).map(|k| k.name);
+        let mut found = names().filter_map(|k| self.get(k).map(|i| (k, i)));
+        let all = names().collect::<Vec<_>>().join(", ");
         let Some(first) = found.next() else {
             return Err(self.missing(&format!("one of {all}"), "").remedy(format!("give exactly one of {all}")));
         };

@@ -162,6 +162,8 @@ impl Folder {
             "steps": sim.state().steps,
             "end_time": sim.time(),
             "cells": sim.space().mesh().cell_count(),
+            "edge": model.quality.greatest_diameter.value,
+            "memory": sim.bytes(),
             "unknowns": {
                 "velocity": numbering.first_pressure(),
                 "pressure": numbering.order() - numbering.first_pressure(),
@@ -169,6 +171,7 @@ impl Folder {
             },
             "factor_entries": sim.flow().factor().map(|f| f.nonzeros()),
             "seconds": record.seconds,
+            "cpu_seconds": record.cpu_seconds,
             "alarms": alarms,
             "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,

@@ -1,6 +1,7 @@
 //! The tables of a scene: their types, defaults and checks, and how they are written.
 
 mod boundary;
+mod exact;
 mod fluid;
 mod keys;
 mod membrane;
@@ -13,6 +14,7 @@ mod time;
 mod write;
 
 pub use boundary::{Boundary, Condition, WALLS};
+pub use exact::Exact;
 pub use fluid::Fluid;
 pub use keys::{Absent, Key, Keys, Kind};
 pub use membrane::{Chord, Membrane};
@@ -53,6 +55,8 @@ pub struct Settings {
     pub numerics: Numerics,
     /// What is written.
     pub output: Output,
+    /// The exact solution, where one is known.
+    pub exact: Exact,
 }
 
 /// The keys of a scene.
@@ -82,6 +86,13 @@ pub static KEYS: Keys = Keys {
         row("time", Table(&time::KEYS), "", Required, "How long, in which steps."),
         row("numerics", Table(&numerics::KEYS), "", Optional, "How the equations are solved."),
         row("output", Table(&output::KEYS), "", Optional, "What is written, and when."),
+        row(
+            "exact",
+            Table(&exact::KEYS),
+            "",
+            Optional,
+            "A solution that is known, against which the run measures itself.",
+        ),
     ],
 };
 
@@ -91,7 +102,7 @@ impl Settings {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
-        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder))?;
+        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
         let fluid = |i: &Item| Fluid::read(i, membranes.len(), &context);
@@ -104,6 +115,7 @@ impl Settings {
             boundaries: boundary::read(scene.get("boundary"), &context)?,
             numerics: Numerics::read(scene.get("numerics"))?,
             output: Output::read(scene.get("output"), &time, &membranes, &context)?,
+            exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,
             fluid,
@@ -130,6 +142,7 @@ impl Settings {
         self.time.write(&mut out);
         self.numerics.write(&mut out);
         self.output.write(&mut out);
+        self.exact.write(&mut out);
         out.text
     }
 }

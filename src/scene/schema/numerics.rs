@@ -29,7 +29,8 @@ pub struct Numerics {
 
 const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
 const TRANSPORTS: [(&str, Method); 2] = [("nodal", Method::Nodal), ("projected", Method::Projected)];
-const COUPLINGS: [(&str, Coupling); 2] = [("explicit", Coupling::Explicit), ("implicit", Coupling::Implicit)];
+const COUPLINGS: [(&str, Coupling); 3] =
+    [("explicit", Coupling::Explicit), ("semi-implicit", Coupling::SemiImplicit), ("implicit", Coupling::Implicit)];
 const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
 const TRANSPORT_WORDS: [&str; TRANSPORTS.len()] = words(&TRANSPORTS);
 const COUPLING_WORDS: [&str; COUPLINGS.len()] = words(&COUPLINGS);
