@@ -1,5 +1,6 @@
 //! The command-line program: commands, messages, exit codes.
 
+mod compare;
 mod explain;
 mod new;
 mod progress;
@@ -11,7 +12,7 @@ mod study;
 use crate::base::{Error, Kind, Result};
 use crate::scene::Scene;
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -38,6 +39,8 @@ enum Command {
     /// Compute a scene many times, to learn what its numbers are worth
     #[command(subcommand)]
     Study(study::Study),
+    /// Compute a scene here and in FreeFEM: differences and times
+    Compare(compare::Arguments),
 }
 
 /// A scene and changes to it.
@@ -60,9 +63,17 @@ struct Overrides {
 impl SceneArguments {
     /// The scene, every value checked, with all files it names at hand.
     fn load(&self) -> Result<Scene> {
-        let scene = Scene::load(&self.scene, &self.overrides.set)?;
+        self.load_after(&[])
+    }
+    /// The same with values set before those of the command line.
+    fn load_after(&self, settings: &[String]) -> Result<Scene> {
+        let scene = Scene::load(&self.scene, &[settings, &self.overrides.set].concat())?;
         scene.check_files()?;
         Ok(scene)
+    }
+    /// The scene file.
+    fn path(&self) -> &Path {
+        &self.scene
     }
 }
 
@@ -85,6 +96,7 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Render(a) => render::render(&a),
         Command::New(a) => new::new(&a),
         Command::Study(s) => study::study(&s),
+        Command::Compare(a) => compare::compare(&a),
     }
 }
 

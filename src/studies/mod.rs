@@ -5,9 +5,15 @@
 //! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
 
 mod campaign;
+mod compare;
 mod findings;
+mod freefem;
 mod trial;
+mod twin;
 
 pub use campaign::{Campaign, Listener};
+pub use compare::{Bound, Comparison, compare};
 pub use findings::{Drawing, Findings};
+pub use freefem::{About, Case, Reading};
 pub use trial::{End, Outcome, Trial};
+pub use twin::{Loop, Twin};

@@ -3,6 +3,7 @@
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
 use crate::base::Result;
+use crate::scene::Scene;
 use crate::studies::{Campaign, Findings};
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -38,11 +39,19 @@ pub(super) struct Common {
 impl Common {
     /// Does the study `kind` in its folder, writes its findings there and prints them.
     pub(super) fn conduct(&self, kind: &str, study: impl FnOnce(&mut Campaign<'_>) -> Result<Findings>) -> Result<()> {
-        let scene = self.scene.load()?;
+        self.conduct_with(&self.scene.load()?, kind, study).map(drop)
+    }
+    /// The same with a scene that was read already; gives what was found.
+    pub(super) fn conduct_with(
+        &self,
+        scene: &Scene,
+        kind: &str,
+        study: impl FnOnce(&mut Campaign<'_>) -> Result<Findings>,
+    ) -> Result<Findings> {
         set_threads(Some(self.threads))?;
         let folder = self.out.clone().unwrap_or_else(|| Path::new("studies").join(format!("{}-{kind}", scene.name())));
         let mut runs = Runs::new(self.quiet);
-        let found = study(&mut Campaign::new(&scene, &folder, stop_on_interrupt(), &mut runs));
+        let found = study(&mut Campaign::new(scene, &folder, stop_on_interrupt(), &mut runs));
         runs.finish();
         let mut found = found?;
         found.command = command_line();
@@ -57,7 +66,7 @@ impl Common {
         for alarm in &found.alarms {
             let _ = writeln!(std::io::stderr().lock(), "ALARM: {alarm}");
         }
-        Ok(())
+        Ok(found)
     }
 }
 
