@@ -12,7 +12,7 @@ use std::path::Path;
 /// Steps for which a loop is timed that is not the twin's first: enough for a mean, few enough to wait for.
 const TIMED_STEPS: usize = 10;
 /// Times at which values are printed side by side.
-const SHOWN_TIMES: usize = 4;
+const SHOWN_TIMES: usize = 2;
 
 /// What a comparison is told.
 #[derive(Clone, Debug)]
@@ -106,7 +106,8 @@ pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> R
         ),
         ..Findings::default()
     };
-    found.grids = vec![differences(&times, &pairs), side_by_side(&times, &pairs), times_of(&costs, twin.loops(), reading)];
+    found.grids =
+        vec![differences(&times, &pairs), side_by_side(&times, &pairs), times_of(&costs, twin.loops(), reading)];
     found.drawings = drawings(&times, &pairs, reading);
     found.statements = statements(&pairs, &costs, reading);
     found.alarms = alarms(&pairs, &told.bounds);
@@ -404,10 +405,10 @@ fn headline(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) -> Vec<Number
         all.push(number("CPU seconds a step", rounded(ours.per_step, 3), "immersa, one thread"));
         let live = theirs.iter().filter(|c| reading.recorded.is_none() && c.per_step.is_finite());
         all.extend(live.map(|c| {
-            number(&format!("{}, over immersa's", c.who), format!("{} times", rounded(c.per_step / ours.per_step, 2)), "CPU time of a step")
-                &format!("{who}, over immersa's"),
+            number(
+                &format!("{}, over immersa's", c.who),
                 format!("{} times", rounded(c.per_step / ours.per_step, 2)),
-                note.trim(),
+                "CPU time of a step",
             )
         }));
     }

@@ -5,15 +5,20 @@
 //! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
 
 mod campaign;
+mod choice;
 mod compare;
 mod findings;
 mod freefem;
+mod front;
+mod precision;
 mod trial;
 mod twin;
 
 pub use campaign::{Campaign, Listener};
+pub use choice::{Factor, Method, Quantity, numbers};
 pub use compare::{Bound, Comparison, compare};
 pub use findings::{Drawing, Findings};
 pub use freefem::{About, Case, Reading};
+pub use precision::{Precision, Truth, precision};
 pub use trial::{End, Outcome, Trial};
 pub use twin::{Loop, Twin};

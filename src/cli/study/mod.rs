@@ -9,12 +9,19 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+mod precision;
+
 #[derive(clap::Subcommand)]
-pub(super) enum Study {}
+pub(super) enum Study {
+    /// What accuracy costs: error against CPU time for methods, meshes and steps
+    Precision(Box<precision::Arguments>),
+}
 
 /// Does a study.
 pub(super) fn study(study: &Study) -> Result<()> {
-    match *study {}
+    match study {
+        Study::Precision(a) => precision::precision(a),
+    }
 }
 
 /// What all studies are told.
