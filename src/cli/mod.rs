@@ -1,5 +1,6 @@
 //! The command-line program: commands, messages, exit codes.
 
+mod compare;
 mod explain;
 mod new;
 mod progress;
@@ -12,7 +13,7 @@ mod study;
 use crate::base::{Error, Kind, Result};
 use crate::scene::Scene;
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -41,6 +42,8 @@ enum Command {
     Study(study::Study),
     /// Print what may stand in a scene: keys, values, units, defaults
     Reference(reference::Arguments),
+    /// Compute a scene here and in FreeFEM: differences and times
+    Compare(compare::Arguments),
 }
 
 /// A scene and changes to it.
@@ -63,9 +66,17 @@ struct Overrides {
 impl SceneArguments {
     /// The scene, every value checked, with all files it names at hand.
     fn load(&self) -> Result<Scene> {
-        let scene = Scene::load(&self.scene, &self.overrides.set)?;
+        self.load_after(&[])
+    }
+    /// The same with values set before those of the command line.
+    fn load_after(&self, settings: &[String]) -> Result<Scene> {
+        let scene = Scene::load(&self.scene, &[settings, &self.overrides.set].concat())?;
         scene.check_files()?;
         Ok(scene)
+    }
+    /// The scene file.
+    fn path(&self) -> &Path {
+        &self.scene
     }
 }
 
@@ -89,6 +100,7 @@ fn dispatch(command: Command) -> Result<()> {
         Command::New(a) => new::new(&a),
         Command::Study(s) => study::study(&s),
         Command::Reference(a) => reference::reference(&a),
+        Command::Compare(a) => compare::compare(&a),
     }
 }
 

@@ -99,10 +99,10 @@ pub struct Chart<'a> {
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 350.0;
-/// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last.
-const COLOURS: [&str; 6] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
+/// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last, and grey.
+const COLOURS: [&str; 7] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#888888"];
 /// What is neither a curve nor text; shows on white and on black.
-const NEUTRAL: &str = "#888888";
+const NEUTRAL: &str = COLOURS[6];
 /// A line of more points is thinned; no screen shows more.
 const MOST_POINTS: usize = 4000;
 

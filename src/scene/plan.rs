@@ -167,9 +167,10 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
         });
         lines.push(match s.coupling {
             Coupling::Explicit => "membrane force explicit".into(),
-            Coupling::SemiImplicit => {
-                "membrane force of a level set predicted by implicit diffusion: semi-implicit (3.62)-(3.64)".into()
-            }
+            Coupling::SemiImplicit => format!(
+                "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored {}",
+                if is_stiff(scene) || !model.simulation.flow().density().is_constant() { "in each step" } else { "once" }
+            ),
             Coupling::Implicit => "membrane force implicit in the velocity".into(),
         });
     }
@@ -208,14 +209,13 @@ fn steps(model: &Model, scene: &Scene) -> Vec<String> {
     let ratio = time.step / limit;
     let coupling = model.simulation.settings().coupling;
     lines.push(format!("explicit step limit (1.54) at the start: {limit:.3e}; the step is {ratio:.2} of it"));
-    let stiff = scene.membranes.iter().any(|m| !matches!(m.area, AreaLaw::Tension { .. }));
     match coupling {
         Coupling::Explicit if ratio > 1.0 => {
             lines
                 .push("the explicit coupling will be unstable: take a smaller step, or coupling = \"implicit\"".into());
         }
         Coupling::Explicit => {}
-        Coupling::SemiImplicit if stiff => {
+        Coupling::SemiImplicit if is_stiff(scene) => {
             lines.push("the semi-implicit coupling is made for constant tension: with another law prefer coupling = \"implicit\"".into());
         }
         Coupling::SemiImplicit | Coupling::Implicit => {
@@ -226,6 +226,11 @@ fn steps(model: &Model, scene: &Scene) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Whether some membrane has more than a constant tension.
+fn is_stiff(scene: &Scene) -> bool {
+    scene.membranes.iter().any(|m| !matches!(m.area, AreaLaw::Tension { .. }))
 }
 
 fn both(c: Contrast) -> String {

@@ -140,6 +140,9 @@ impl<'a> Run<'a> {
             }
             let before = self.model.simulation.state().energies.total();
             self.timed("steps", |run| run.model.simulation.step().map(drop))?;
+            if step == 1 {
+                self.record.note_first_step();
+            }
             self.record.note_rise(before, &self.model.simulation);
             self.timed("output", |run| run.sample(step))?;
             let due = self.scene.output.checkpoint.is_some_and(|s| self.saved.elapsed().as_secs_f64() >= s);

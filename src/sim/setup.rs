@@ -89,7 +89,7 @@ impl<const D: usize> Settings<D> {
             (
                 "the semi-implicit scheme (3.62)-(3.64) is of order 1 in time",
                 format!("order {}", self.order),
-                "order = 1",
+                "time.order = 1",
             )
         } else if inside <= 0.0 || outside <= 0.0 {
             let what = "the semi-implicit scheme (3.62)-(3.64) needs inertia: it predicts the velocity that the force gives to the fluid";

@@ -46,6 +46,10 @@ impl<'a> Campaign<'a> {
     pub fn folder(&self) -> &Path {
         &self.folder
     }
+    /// Set to stop as soon as possible.
+    pub fn stop(&self) -> &'a AtomicBool {
+        self.stop
+    }
     /// Who listens.
     pub fn listener(&mut self) -> &mut dyn Listener {
         self.listener

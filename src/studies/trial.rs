@@ -123,6 +123,14 @@ impl Outcome {
     pub fn cpu_per_step(&self) -> f64 {
         self.cpu_seconds() / self.summary.steps.unwrap_or(0) as f64
     }
+    /// Seconds of all processors in the first step, which factors.
+    pub fn cpu_first_step(&self) -> f64 {
+        self.summary.cpu_seconds.get("first_step").copied().flatten().unwrap_or(f64::NAN)
+    }
+    /// Seconds of all processors a step after the first.
+    pub fn cpu_per_later_step(&self) -> f64 {
+        (self.cpu_seconds() - self.cpu_first_step()) / (self.summary.steps.unwrap_or(0) as f64 - 1.0)
+    }
     /// Unknowns of all fields.
     pub fn unknowns(&self) -> u64 {
         self.summary.unknowns.values().sum()

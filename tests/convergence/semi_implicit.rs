@@ -1,9 +1,8 @@
 //! The book's semi-implicit scheme (3.62)-(3.64): right for constant tension, of little use for an area law.
 
-use crate::membrane::{Case, advance, area_error, balance, half_chords, largest_rise};
-use immersa::elastic::{AreaLaw, Membrane};
-use immersa::fem::{Basis, Projector, Rule};
-use immersa::fem::{Element, Space};
+use crate::membrane::{Case, area_error, balance, half_chords, largest_rise};
+use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
+use immersa::fem::{Basis, Element, Projector, Rule, Space};
 use immersa::flow::{Coefficient, FlowSolver, History, Step};
 use immersa::levelset::Contour;
 use immersa::sim::Coupling;
@@ -54,30 +53,55 @@ pub fn divergence_form(case: Case, end: f64) -> (f64, f64) {
     (energy, 100.0 * area)
 }
 
+/// Constant tension, what the scheme is made for: at four times the limit (1.54), where the explicit coupling has lost the drop, the energy
+/// falls but for what the tests of the drop at rest allow, and the oscillation is that of the explicit coupling at a small step.
 #[test]
-fn explore() {
-    use std::io::Write;
-    let out = std::cell::RefCell::new(std::io::stdout());
-    for dt in [5e-2, 2e-2, 1e-2, 5e-3] {
+fn a_drop_beyond_the_explicit_limit() {
+    let limit = explicit_step_limit(DROP.viscosity, DROP.thickness, 1.0, 2.0 / DROP.n as f64);
+    let exact = half_chords(&Case { dt: 1.25e-3, ..DROP }.run(0.5));
+    let lost = Case { dt: 2e-2, ..DROP }.run(0.2);
+    assert!(balance(&lost) > 1.0);
+    for (dt, chords, created) in [(2e-2, 8e-3, 5e-4), (1e-2, 2.3e-3, 9e-4), (5e-3, 6e-4, 7e-4)] {
         let mut sim = Case { dt, coupling: SEMI, ..DROP }.simulation();
-        let e = sim.state().energies.total();
-        for k in 1..=2 {
-            let rise = largest_rise(&mut sim, 0.5 * k as f64) / e;
-            writeln!(
-                out.borrow_mut(),
-                "semi {dt}: {} rise {rise:+.2e} E/E0 {:.5} bal {:+.5} area {:+.4} {:.5?}",
-                sim.time(),
-                sim.state().energies.total() / e,
-                balance(&sim),
-                area_error(&sim),
-                half_chords(&sim)
-            )
-            .unwrap();
-        }
+        let rise = largest_rise(&mut sim, 0.5) / sim.state().budget.initial;
+        let [a, b] = half_chords(&sim);
+        let error = (a - exact[0]).abs().max((b - exact[1]).abs());
+        let residual = balance(&sim);
+        println!(
+            "Drop, semi-implicit, dt = {dt} ({:.1} of the limit), t = .5: half-chords {error:.1e} off, balance {residual:+.5}, largest rise {rise:+.1e} E0, area {:+.3} %",
+            dt / limit,
+            area_error(&sim)
+        );
+        assert!(error < chords && residual.abs() < created && rise < 0.0, "{error} {residual} {rise}");
     }
-    let mut sim = Case { dt: 1.25e-3, ..DROP }.simulation();
-    for k in 1..=2 {
-        advance(&mut sim, 0.5 * k as f64);
-        println!("expl {:.5?} {}", half_chords(&sim), balance(&sim));
+}
+
+/// An area law at a step below the limit: the explicit coupling's motion and balance.
+#[test]
+fn an_area_law_below_the_explicit_limit() {
+    let small = Case { modulus: 10.0, dt: 1.25e-3, ..Case::LISTING };
+    let (explicit, semi) = (small.run(0.2), Case { coupling: SEMI, ..small }.run(0.2));
+    let (a, b) = (half_chords(&explicit)[0], half_chords(&semi)[0]);
+    let residuals = [balance(&semi), balance(&explicit)];
+    println!(
+        "Area law, lambda = 10, dt = 1.25e-3, t = .2: half-chord {b:.5}, explicit {a:.5}, balances {residuals:.4?}"
+    );
+    assert!((a - b).abs() < 4e-4 && (residuals[0] - residuals[1]).abs() < 2e-3);
+}
+
+/// An area law at the steps that the scheme is for: wrong or unstable. With lambda = 1 at 1.7 times the limit the run
+/// looks well, but 7 % of the energy come from nowhere by t = 2; with lambda = 10 at 1.8 times 4 % by t = .4, and at 3.6 times it
+/// blows up. The implicit coupling bears all of these.
+#[test]
+fn an_area_law_beyond_the_explicit_limit() {
+    for (modulus, grad_div, dt, end, range) in
+        [(1.0, 1.0, 2e-2, 2.0, 0.05..0.08), (10.0, 16.0, 5e-3, 0.4, 0.03..0.05), (10.0, 16.0, 1e-2, 0.4, 10.0..1e5)]
+    {
+        let case = Case { modulus, grad_div, dt, ..Case::LISTING };
+        let [semi, implicit] = [SEMI, Coupling::Implicit].map(|coupling| balance(&Case { coupling, ..case }.run(end)));
+        println!(
+            "Area law, lambda = {modulus}, dt = {dt}, t = {end}: balance {semi:+.4}, implicit coupling {implicit:+.4}"
+        );
+        assert!(range.contains(&semi) && implicit.abs() < 0.025, "{semi} {implicit}");
     }
 }

@@ -1,11 +1,13 @@
 //! `immersa study`: the same scene many times.
 
 mod convergence;
+mod precision;
 mod stability;
 
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
 use crate::base::Result;
+use crate::scene::Scene;
 use crate::studies::{Campaign, Findings};
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -17,6 +19,8 @@ pub(super) enum Study {
     Convergence(convergence::Arguments),
     /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
     Stability(stability::Arguments),
+    /// What accuracy costs: error against CPU time for methods, meshes and steps
+    Precision(Box<precision::Arguments>),
 }
 
 /// Does a study.
@@ -24,6 +28,7 @@ pub(super) fn study(study: &Study) -> Result<()> {
     match study {
         Study::Convergence(a) => convergence::run(a),
         Study::Stability(a) => a.conduct(),
+        Study::Precision(a) => precision::precision(a),
     }
 }
 
@@ -49,11 +54,19 @@ pub(super) struct Common {
 impl Common {
     /// Does the study `kind` in its folder, writes its findings there and prints them.
     pub(super) fn conduct(&self, kind: &str, study: impl FnOnce(&mut Campaign<'_>) -> Result<Findings>) -> Result<()> {
-        let scene = self.scene.load()?;
+        self.conduct_with(&self.scene.load()?, kind, study).map(drop)
+    }
+    /// The same with a scene that was read already; gives what was found.
+    pub(super) fn conduct_with(
+        &self,
+        scene: &Scene,
+        kind: &str,
+        study: impl FnOnce(&mut Campaign<'_>) -> Result<Findings>,
+    ) -> Result<Findings> {
         set_threads(Some(self.threads))?;
         let folder = self.out.clone().unwrap_or_else(|| Path::new("studies").join(format!("{}-{kind}", scene.name())));
         let mut runs = Runs::new(self.quiet);
-        let found = study(&mut Campaign::new(&scene, &folder, stop_on_interrupt(), &mut runs));
+        let found = study(&mut Campaign::new(scene, &folder, stop_on_interrupt(), &mut runs));
         runs.finish();
         let mut found = found?;
         found.command = command_line();
@@ -68,7 +81,7 @@ impl Common {
         for alarm in &found.alarms {
             let _ = writeln!(std::io::stderr().lock(), "ALARM: {alarm}");
         }
-        Ok(())
+        Ok(found)
     }
 }
 

@@ -33,7 +33,7 @@ pub struct Summary {
     pub unknowns: BTreeMap<String, u64>,
     /// Seconds by phase.
     pub seconds: Numbers,
-    /// Seconds of all processors by phase.
+    /// Seconds of all processors by phase; those of `first_step` are a part of those of `steps`.
     pub cpu_seconds: Numbers,
     /// What goes against the balances.
     pub alarms: Vec<String>,

@@ -43,6 +43,12 @@ impl Record {
         *self.cpu_seconds.entry(phase.to_string()).or_default() += start.1.elapsed().as_secs_f64();
     }
 
+    /// Notes what the first step cost, a part of `steps`: with a constant matrix it alone factors.
+    pub(super) fn note_first_step(&mut self) {
+        let spent = self.cpu_seconds.get("steps").copied().unwrap_or_default();
+        self.cpu_seconds.insert("first_step".to_string(), spent);
+    }
+
     /// Notes a rise of the energy in the step that was just made.
     pub(super) fn note_rise(&mut self, before: f64, sim: &Simulation<2>) {
         let (e, budget) = (sim.state().energies, sim.state().budget);
