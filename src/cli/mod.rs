@@ -4,6 +4,7 @@ mod compare;
 mod explain;
 mod new;
 mod progress;
+mod reference;
 mod render;
 mod report;
 mod run;
@@ -41,6 +42,8 @@ enum Command {
     Study(study::Study),
     /// Compute a scene here and in FreeFEM: differences and times
     Compare(compare::Arguments),
+    /// Print what may stand in a scene: keys, values, units, defaults
+    Reference(reference::Arguments),
 }
 
 /// A scene and changes to it.
@@ -97,6 +100,7 @@ fn dispatch(command: Command) -> Result<()> {
         Command::New(a) => new::new(&a),
         Command::Study(s) => study::study(&s),
         Command::Compare(a) => compare::compare(&a),
+        Command::Reference(a) => reference::reference(&a),
     }
 }
 

@@ -9,6 +9,7 @@ use crate::base::fnv1a;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::line::LinePlot;
 use kuva::plot::scatter::ScatterPlot;
+use kuva::render::annotations::TextAnnotation;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
@@ -49,6 +50,34 @@ pub struct Curve<'a> {
     pub colour: Option<usize>,
 }
 
+/// A triangle that shows a slope on logarithmic axes, its order written at its upright side: a power of `x` from `x[0]` to `x[1]`
+/// that is `y` at `x[0]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Left and right end.
+    pub x: [f64; 2],
+    /// The ordinate at the left end.
+    pub y: f64,
+    /// The power.
+    pub order: f64,
+    /// Whether the triangle lies above its slope, for a place above the curves; else below.
+    pub above: bool,
+}
+
+impl Slope {
+    /// The ordinate at the right end.
+    fn end(&self) -> f64 {
+        self.y * (self.x[1] / self.x[0]).powf(self.order)
+    }
+    /// The corner with the right angle.
+    fn corner(&self) -> (f64, f64) {
+        if self.above { (self.x[0], self.end()) } else { (self.x[1], self.y) }
+    }
+    fn corners(&self) -> [(f64, f64); 3] {
+        [(self.x[0], self.y), (self.x[1], self.end()), self.corner()]
+    }
+}
+
 /// A chart of one or more curves.
 #[derive(Clone, Debug, Default)]
 pub struct Chart<'a> {
@@ -64,12 +93,16 @@ pub struct Chart<'a> {
     pub log_y: bool,
     /// The curves.
     pub curves: Vec<Curve<'a>>,
+    /// Slope triangles; drawn where both axes are logarithmic.
+    pub slopes: Vec<Slope>,
 }
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 350.0;
 /// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last, and grey.
 const COLOURS: [&str; 7] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#888888"];
+/// What is neither a curve nor text; shows on white and on black.
+const NEUTRAL: &str = "#888888";
 /// A line of more points is thinned; no screen shows more.
 const MOST_POINTS: usize = 4000;
 
@@ -77,7 +110,9 @@ impl Chart<'_> {
     /// The chart as an SVG document that scales to the width of its page.
     pub fn svg(&self) -> String {
         let parts: Vec<Vec<Vec<(f64, f64)>>> = self.curves.iter().map(|c| self.pieces(c)).collect();
-        let all = || parts.iter().flatten().flatten();
+        let slopes: Vec<&Slope> = self.slopes.iter().filter(|s| self.can_draw(s)).collect();
+        let corners: Vec<(f64, f64)> = slopes.iter().flat_map(|s| s.corners()).collect();
+        let all = || parts.iter().flatten().flatten().chain(&corners);
         let only_lines = self.curves.iter().all(|c| !c.stroke.has_marks());
         let x = Axis::of(all().map(|p| p.0), self.log_x, if only_lines && !self.log_x { 0.0 } else { 0.04 });
         let y = Axis::of(all().map(|p| p.1), self.log_y, 0.05);
@@ -97,6 +132,7 @@ impl Chart<'_> {
                 }
             }
         }
+        plots.extend(slopes.iter().map(|s| triangle(s, &x, &y)));
         let mut layout = Layout::auto_from_plots(&plots)
             .with_x_label(self.x_label)
             .with_y_label(self.y_label)
@@ -129,7 +165,14 @@ impl Chart<'_> {
         if self.log_y {
             layout = layout.with_log_y();
         }
+        for slope in slopes {
+            layout = layout.with_annotation(number(slope, &x, &y));
+        }
         self.scalable(&kuva::render_to_svg(plots, layout))
+    }
+    fn can_draw(&self, slope: &Slope) -> bool {
+        let good = |v: f64| v.is_finite() && v > 0.0;
+        self.log_x && self.log_y && slope.corners().iter().all(|p| good(p.0) && good(p.1))
     }
     /// The runs of points that can be drawn.
     fn pieces(&self, curve: &Curve) -> Vec<Vec<(f64, f64)>> {
@@ -208,6 +251,24 @@ fn line(data: impl Iterator<Item = (f64, f64)>, stroke: Stroke, colour: &str, na
     }
 }
 
+/// The sides of a slope triangle.
+fn triangle(slope: &Slope, x: &Axis, y: &Axis) -> Plot {
+    let [a, b, c] = slope.corners();
+    let data = [a, b, c, a].map(|p| (x.scaled(p.0), y.scaled(p.1)));
+    LinePlot::new().with_data(data).with_color(NEUTRAL).with_stroke_width(1.2).into()
+}
+
+/// The order of a slope, beside the middle of the upright side of its triangle.
+fn number(slope: &Slope, x: &Axis, y: &Axis) -> TextAnnotation {
+    // Fractions of the axes that move the text, whose foot is written six pixels up, aside and down to its place.
+    let (aside, down) = (x.fraction(0.02), y.fraction(0.04));
+    let (at, _) = slope.corner();
+    let middle = (slope.y * slope.end()).sqrt();
+    let text = trimmed(&format!("{:.1}", slope.order));
+    let place = if slope.above { at / aside } else { at * aside };
+    TextAnnotation::new(text, x.scaled(place), y.scaled(middle / down)).with_color("currentColor").with_font_size(12)
+}
+
 fn theme() -> Theme {
     Theme {
         background: "none".into(),
@@ -269,6 +330,10 @@ impl Axis {
         let room = if flat { 0.05 * low.abs().max(f64::MIN_POSITIVE * 1e9) } else { margin * (high - low) };
         let room = if low == 0.0 && high == 0.0 { 1.0 } else { room };
         Some(Axis { low: low - room, high: high + room, log, shift: 0 })
+    }
+    /// The factor that leads over a part of a logarithmic axis.
+    fn fraction(&self, part: f64) -> f64 {
+        (self.high / self.low).powf(part)
     }
     /// The value as it is handed to `kuva`.
     fn scaled(&self, v: f64) -> f64 {
@@ -383,6 +448,23 @@ mod tests {
         assert_eq!(power_text(1.0, 14), "10⁻¹⁴");
         assert_eq!(power_text(5e3, 14), "5·10⁻¹¹");
         assert_eq!(power_text(0.05, 0), "0.05");
+    }
+
+    #[test]
+    fn slopes_are_triangles_with_their_order_beside_them() {
+        let (x, y) = ([0.1, 0.2, 0.4], [1e-3, 4e-3, 1.6e-2]);
+        let slope = Slope { x: [0.1, 0.2], y: 5e-4, order: 2.0, above: false };
+        let curves = vec![curve("e", &x, &y, Stroke::Marked)];
+        let chart = Chart { log_x: true, log_y: true, curves: curves.clone(), slopes: vec![slope], ..Chart::default() };
+        let svg = chart.svg();
+        assert_well_formed(&svg);
+        assert!(svg.contains(">2</text>") && svg.contains(NEUTRAL), "{svg}");
+        assert_eq!(slope.corners(), [(0.1, 5e-4), (0.2, 2e-3), (0.2, 5e-4)]);
+        let plain = Chart { log_x: true, log_y: true, curves, ..Chart::default() }.svg();
+        assert!(plain.len() < svg.len());
+        for bad in [Slope { y: 0.0, ..slope }, Slope { x: [0.0, 1.0], ..slope }, Slope { order: f64::NAN, ..slope }] {
+            assert_well_formed(&Chart { slopes: vec![bad], ..chart.clone() }.svg());
+        }
     }
 
     #[test]

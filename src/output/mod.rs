@@ -22,7 +22,7 @@ mod series;
 mod vtu;
 mod vtu_read;
 
-pub use chart::{Chart, Curve, Stroke};
+pub use chart::{Chart, Curve, Slope, Stroke};
 pub use colours::Scale;
 pub use field::FieldData;
 pub use file::{read as read_file, read_text, write_file};

@@ -3,12 +3,15 @@
 mod checks;
 mod diagnostics;
 mod document;
+mod errors;
 pub mod expression;
 mod item;
 mod model;
 pub(crate) mod nearest;
 mod overrides;
 mod plan;
+pub mod reference;
+mod refined;
 pub mod render;
 pub mod run;
 pub mod schema;

@@ -3,6 +3,7 @@
 use super::Scene;
 use super::checks::{check_motion_is_fixed, projection_at_inflow, unreached_profiles};
 use super::expression::Expression;
+use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::elastic::{self, AreaLaw, Band, Membrane};
@@ -68,8 +69,11 @@ impl Model {
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
         if quality.parts > 1 {
-            let file =
-                if let MeshSource::File(path) = &scene.mesh { path.display().to_string() } else { String::new() };
+            let file = if let MeshSource::File { path, .. } = &scene.mesh {
+                path.display().to_string()
+            } else {
+                String::new()
+            };
             let what = "the mesh falls into parts that are not connected, and one pressure cannot be fixed in each";
             return Err(Error::input(what)
                 .at(file)
@@ -91,6 +95,7 @@ impl Model {
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
+        settings.check_coupling(&structures).map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         model.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         model.check_finite("force", &scene.fluid.force)?;
         let wall_nodes = model.wall_nodes();
@@ -336,7 +341,10 @@ impl Draft<'_> {
 
 fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
     let mesh = match &scene.mesh {
-        MeshSource::File(path) => return gmsh::read::<2>(path),
+        MeshSource::File { path, refine, geometry } => {
+            let (mesh, warnings) = gmsh::read::<2>(path)?;
+            return Ok((refined(scene, mesh, *refine, geometry)?, warnings));
+        }
         MeshSource::Rectangle { min, max, cells, diagonals } => mesh::rectangle(*min, *max, *cells, *diagonals),
         MeshSource::Disc { centre, radius, cells } => mesh::disc(*centre, *radius, *cells),
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
@@ -389,7 +397,7 @@ fn vector(v: &[Expression]) -> impl Fn(&Point<2>, f64) -> SVector<f64, 2> + Send
     move |x, t| SVector::<f64, 2>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval([x[0], x[1], 0.0], t)))
 }
 
-fn shape(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
+pub(super) fn shape(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
     let point = |p: &[f64; 2]| Point::<2>::new(p[0], p[1]);
     Ok(match shape {
         Shape::Circle { centre, radius } => Box::new(Circle::new(point(centre), *radius)?),

@@ -3,6 +3,7 @@
 use super::budget::{Budget, Energies};
 use super::setup::{Coupling, Materials, Settings, State, Structure};
 use crate::base::{Error, Result};
+use crate::elastic::Predictor;
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{Coefficient, FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
@@ -19,6 +20,8 @@ pub struct Simulation<const D: usize> {
     flow: FlowSolver<D>,
     tracer: Tracer<D>,
     projector: Option<Projector<D>>,
+    /// One a structure with the semi-implicit coupling, else none.
+    predictors: Vec<Predictor<D>>,
     fine: Option<Basis<D>>,
     structures: Vec<Structure<D>>,
     state: State<D>,
@@ -33,13 +36,18 @@ const ENERGY_DEGREE: usize = 8;
 impl<const D: usize> Simulation<D> {
     /// A simulation on `mesh` that starts from `initial` velocity (one vector at a position) and the level sets of `structures`.
     ///
-    /// Allocates no more than the scene needs: no mass matrix without projected transport, no feet without convection or structures.
+    /// Allocates no more than the scene needs: no mass matrix without projected transport, no feet without convection or structures, no
+    /// predictor without the semi-implicit coupling.
+    ///
+    /// # Errors
+    /// Boundary conditions that do not fit the mesh, a coupling that cannot be had ([`Settings::check_coupling`]), too little memory.
     pub fn new(
         mesh: &Arc<Mesh<D>>,
         settings: Settings<D>,
         structures: Vec<Structure<D>>,
         initial: impl Fn(&Point<D>) -> SVector<f64, D>,
     ) -> Result<Simulation<D>> {
+        settings.check_coupling(&structures)?;
         let space = Arc::new(Space::new(mesh, Element::P2));
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
@@ -48,6 +56,10 @@ impl<const D: usize> Simulation<D> {
         let tracer = Tracer::new(&space, translations);
         let projected = settings.transport == Method::Projected && !structures.is_empty();
         let projector = if projected { Some(Projector::new(flow.velocity().clone(), translations)?) } else { None };
+        let semi = settings.coupling == Coupling::SemiImplicit;
+        let predictors = structures.iter().filter(|_| semi);
+        let predictors =
+            predictors.map(|_| Predictor::new(flow.velocity().clone(), translations)).collect::<Result<_>>()?;
         let fine = (!structures.is_empty())
             .then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, ENERGY_DEGREE.max(settings.quadrature)))));
         let mut state_flow = flow.at_rest();
@@ -67,6 +79,7 @@ impl<const D: usize> Simulation<D> {
             flow,
             tracer,
             projector,
+            predictors,
             fine,
             structures,
             state,
@@ -87,7 +100,7 @@ impl<const D: usize> Simulation<D> {
     /// One step: predict the interface, solve the flow with the force that it exerts, move the interface with the new velocity.
     ///
     /// Order 1 is the book's scheme (section 3.6.1): the force of `phi^n`, backward Euler along the characteristics of `u^n`, transport
-    /// by `u^{n+1}`; implicit, the force is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
+    /// by `u^{n+1}`; semi-implicit, the force is that of [`Predictor`]'s level set; implicit, it is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
     /// linearised in `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All three are
     /// of second order, and the scheme is stable for any step when the stiffness in the matrix is at least half the
     /// true one; with the extrapolated velocity in place of `u^n` it is not (ARCHITECTURE.md, "The time step").
@@ -103,6 +116,7 @@ impl<const D: usize> Simulation<D> {
 
         // Where the interface will be.
         let predicted = if second && structures { self.carried(&current)? } else { self.state.phi.clone() };
+        let diffused = self.diffused(&current)?;
 
         // Where the fluid comes from.
         if convection && second {
@@ -116,7 +130,7 @@ impl<const D: usize> Simulation<D> {
         // Forces and materials there.
         self.set_materials(&predicted);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(&predicted) {
+        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(&predicted)) {
             s.membrane.prepare(self.flow.velocity(), phi, implicit);
         }
 
@@ -183,6 +197,20 @@ impl<const D: usize> Simulation<D> {
             moved.push(out);
         }
         Ok(moved)
+    }
+
+    /// The level sets whose force the semi-implicit coupling takes, from the velocity `u` of the current state; `None` with any other coupling.
+    fn diffused(&mut self, u: &[SVector<f64, D>]) -> Result<Option<Vec<Vec<f64>>>> {
+        if self.predictors.is_empty() {
+            return Ok(None);
+        }
+        let mut level_sets = self.carried(u)?;
+        let (dt, density) = (self.settings.dt, self.flow.density());
+        let parts = self.predictors.iter_mut().zip(&self.structures).zip(&self.state.phi).zip(&mut level_sets);
+        for (((predictor, s), phi), carried) in parts {
+            predictor.predict(&s.membrane, dt, (|at: &At<D>| density.at(at), density.is_constant()), phi, carried)?;
+        }
+        Ok(Some(level_sets))
     }
 
     fn has_constant_materials(&self) -> bool {
@@ -400,7 +428,9 @@ impl<const D: usize> Simulation<D> {
     }
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {
-        self.flow.factor().map_or(0, |f| f.bytes()) + self.projector.as_ref().map_or(0, Projector::bytes)
+        self.flow.factor().map_or(0, |f| f.bytes())
+            + self.projector.as_ref().map_or(0, Projector::bytes)
+            + self.predictors.iter().map(Predictor::bytes).sum::<usize>()
     }
 }
 

@@ -35,6 +35,8 @@ pub struct Findings {
     pub headline: Vec<Number>,
     /// The tables.
     pub grids: Vec<Grid>,
+    /// Tables that only files hold: every run of a search.
+    pub details: Vec<Grid>,
     /// The charts.
     pub drawings: Vec<Drawing>,
     /// The command that makes the study again.
@@ -51,7 +53,7 @@ impl Findings {
     }
     /// What other programs read: title, statements, notes, alarms, and the tables by name.
     pub fn json(&self) -> Value {
-        let tables: serde_json::Map<String, Value> = self.grids.iter().map(|g| (g.name.clone(), g.json())).collect();
+        let tables: serde_json::Map<String, Value> = self.files().map(|g| (g.name.clone(), g.json())).collect();
         json!({
             "title": self.title,
             "version": env!("CARGO_PKG_VERSION"),
@@ -74,7 +76,7 @@ impl Findings {
                 .at(charts.display().to_string())
                 .remedy("choose a folder that can be written with --out")
         })?;
-        for grid in &self.grids {
+        for grid in self.files() {
             grid.write(&folder.join(format!("{}.csv", grid.name)))?;
         }
         for drawing in &self.drawings {
@@ -86,6 +88,10 @@ impl Findings {
         let page = folder.join("report.html");
         write_file(&page, self.page().html().as_bytes())?;
         Ok(page)
+    }
+    /// The tables that files hold.
+    fn files(&self) -> impl Iterator<Item = &Grid> {
+        self.grids.iter().chain(&self.details)
     }
     fn page(&self) -> Report {
         let figure = |d: &Drawing| Figure {

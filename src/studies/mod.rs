@@ -4,21 +4,24 @@
 //! the same study started again goes on where it stopped. A trial that blows up is a result, not the end of the study. What
 //! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
 
+mod axis;
 mod campaign;
-mod choice;
 mod compare;
+pub mod convergence;
 mod findings;
 mod freefem;
 mod front;
-mod precision;
+mod method;
+pub mod precision;
+pub mod stability;
 mod trial;
 mod twin;
 
+pub use axis::{Axis, Choice, combinations, in_words, settings};
 pub use campaign::{Campaign, Listener};
-pub use choice::{Factor, Method, Quantity, numbers};
 pub use compare::{Bound, Comparison, compare};
 pub use findings::{Drawing, Findings};
 pub use freefem::{About, Case, Reading};
-pub use precision::{Precision, Truth, precision};
+pub use method::Method;
 pub use trial::{End, Outcome, Trial};
 pub use twin::{Loop, Twin};

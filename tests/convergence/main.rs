@@ -10,8 +10,10 @@ mod tools;
 
 mod energy;
 mod explicit_limit;
+mod failures;
 mod freefem;
 mod relaxation;
+mod semi_implicit;
 mod space_order;
 mod time_order;
 mod transport;

@@ -1,5 +1,9 @@
 //! `immersa study`: the same scene many times.
 
+mod convergence;
+mod precision;
+mod stability;
+
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
 use crate::base::Result;
@@ -9,10 +13,12 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-mod precision;
-
 #[derive(clap::Subcommand)]
 pub(super) enum Study {
+    /// Halve mesh size, time step or thickness, and say what the numbers tend to
+    Convergence(convergence::Arguments),
+    /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
+    Stability(stability::Arguments),
     /// What accuracy costs: error against CPU time for methods, meshes and steps
     Precision(Box<precision::Arguments>),
 }
@@ -20,6 +26,8 @@ pub(super) enum Study {
 /// Does a study.
 pub(super) fn study(study: &Study) -> Result<()> {
     match study {
+        Study::Convergence(a) => convergence::run(a),
+        Study::Stability(a) => a.conduct(),
         Study::Precision(a) => precision::precision(a),
     }
 }

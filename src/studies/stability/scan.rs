@@ -1,0 +1,204 @@
+//! Which values of a scene are stable at its own time step.
+
+use super::verdict::Verdict;
+use super::{cells, check, columns, heading, per_cent, trial};
+use crate::base::Result;
+use crate::output::{Cell, Chart, Curve, Grid, Stroke, rounded};
+use crate::scene::Model;
+use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
+use crate::studies::{Campaign, Drawing, Findings, Trial};
+
+/// A scan of values that are not the step.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    /// What differs; the first axis is that of the charts.
+    pub axes: Vec<Axis>,
+    /// Steps of a run; those of the scene without it.
+    pub steps: Option<usize>,
+    /// Growth of the energy beyond the balance above which a run is unstable, [`TOLERANCE`](super::TOLERANCE) or another.
+    pub tolerance: f64,
+}
+
+/// What came of a combination.
+struct Point {
+    combination: Vec<Choice>,
+    /// Half-width of the band over the longest edge in it; NaN where the scene cannot be run.
+    resolution: f64,
+    verdict: Verdict,
+}
+
+/// Per cent of energy from nowhere, or of area, that a chart goes up to.
+const CEILING: f64 = 1e3;
+
+impl Scan {
+    /// Runs all combinations and says what came of them.
+    ///
+    /// # Errors
+    /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
+    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
+        check(campaign, &self.axes)?;
+        let all = combinations(&self.axes);
+        let mut points = Vec::new();
+        for (k, combination) in all.iter().enumerate() {
+            let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
+            let run = trial(combination, scene.time.step, self.steps.unwrap_or(scene.time.steps()));
+            let outcome = campaign.run(&run, k + 1, all.len())?;
+            let verdict = Verdict::of(&outcome, self.tolerance)?;
+            // A mesh that cannot be read ended the study above.
+            let model = Model::new(&scene).ok();
+            let resolution = model.and_then(|m| Some(m.thickness? / m.band_edges?[1])).unwrap_or(f64::NAN);
+            points.push(Point { combination: combination.clone(), resolution, verdict });
+        }
+        let mut grids = vec![self.table(&points)];
+        grids.extend(self.map(&points));
+        Ok(Findings {
+            title: format!("Stability: {}", campaign.scene().title),
+            subtitle: format!("{} combinations of values at the time step of the scene", all.len()),
+            statements: self.statements(&points),
+            notes: self.notes(&points),
+            grids,
+            drawings: self.charts(&points),
+            ..Findings::default()
+        })
+    }
+
+    fn table(&self, points: &[Point]) -> Grid {
+        let header = ["band / edge", "growth, %", "from nowhere, %", "area, %", "outcome"];
+        let mut grid = Grid::new("scan", "What came of each", columns(&self.axes, &header));
+        for p in points {
+            let v = &p.verdict;
+            let numbers = [100.0 * v.growth, 100.0 * v.from_nowhere, 100.0 * v.area].map(|v| Cell::Number(v, 3));
+            let [resolution, outcome] = [Cell::Number(p.resolution, 3), Cell::text(v.in_words())];
+            grid.rows.push([cells(&p.combination), vec![resolution], numbers.to_vec(), vec![outcome]].concat());
+        }
+        grid.caption = "Growth: of kinetic and elastic energy beyond what was there and was put in. From nowhere: the residual of \
+                        the energy balance (3.23). Area: change of an enclosed area. Of each the largest in the run."
+            .into();
+        grid
+    }
+
+    /// The outcomes with the first axis downwards and all others across.
+    fn map(&self, points: &[Point]) -> Option<Grid> {
+        let [first, others @ ..] = &self.axes[..] else { return None };
+        let across = combinations(others);
+        if across.len() < 2 {
+            return None;
+        }
+        let header = std::iter::once(first.name.clone()).chain(across.iter().map(|c| in_words(c)));
+        let mut grid = Grid::new("map", "Where it is unstable, and from when on", header);
+        for choice in &first.choices {
+            let outcome = |rest: &Vec<Choice>| {
+                let found =
+                    points.iter().find(|p| p.combination.first() == Some(choice) && p.combination[1..] == rest[..]);
+                Cell::text(found.map_or_else(String::new, |p| p.verdict.in_words().replace("unstable from ", "")))
+            };
+            grid.rows.push(cells(std::slice::from_ref(choice)).into_iter().chain(across.iter().map(outcome)).collect());
+        }
+        Some(grid)
+    }
+
+    fn statements(&self, points: &[Point]) -> Vec<String> {
+        let Some(first) = self.axes.first() else { return Vec::new() };
+        let sentence = |rest: Vec<Choice>| {
+            let of = points.iter().filter(|p| p.combination[1..] == rest[..]);
+            let (mut stable, mut unstable, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+            for p in of {
+                let value = p.combination.first().map_or("", |c| c.value.as_str());
+                match (&p.verdict.refused, p.verdict.unstable_from) {
+                    (Some(_), _) => refused.push(value.to_string()),
+                    (None, Some(t)) => unstable.push(format!("{value} (from t = {})", rounded(t, 3))),
+                    (None, None) => stable.push(value.to_string()),
+                }
+            }
+            let parts = [("unstable", unstable), ("stable", stable), ("refused", refused)];
+            let part =
+                |(word, values): &(&str, Vec<String>)| format!("{word} at {} = {}", first.name, values.join(", "));
+            let text = parts.iter().filter(|p| !p.1.is_empty()).map(part).collect::<Vec<_>>().join("; ");
+            match rest.is_empty() {
+                true => format!("At the step of the scene {text}."),
+                false => format!("{}{text}.", heading(&rest)),
+            }
+        };
+        combinations(&self.axes[1..]).into_iter().map(sentence).collect()
+    }
+
+    fn notes(&self, points: &[Point]) -> Vec<String> {
+        let mut notes = vec![format!(
+            "A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put \
+             in by more than {}.",
+            per_cent(self.tolerance)
+        )];
+        for p in points {
+            if let Some(reason) = &p.verdict.refused {
+                notes.push(format!("{}refused: {reason}", heading(&p.combination)));
+            }
+        }
+        notes
+    }
+
+    /// Energy from nowhere and error of the area over the first axis, if it has two numbers or more.
+    fn charts(&self, points: &[Point]) -> Vec<Drawing> {
+        let Some(first) = self.axes.first() else { return Vec::new() };
+        if first.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
+            return Vec::new();
+        }
+        let energy =
+            self.chart("energy", "Energy from nowhere", "largest, % of the energy in play", points, |v| v.from_nowhere);
+        let area = self.chart("area", "Change of the enclosed area", "largest, %", points, |v| v.area);
+        if points.iter().all(|p| p.verdict.area.is_nan()) { vec![energy] } else { vec![energy, area] }
+    }
+
+    fn chart(
+        &self,
+        name: &str,
+        what: &str,
+        y_label: &str,
+        points: &[Point],
+        value: impl Fn(&Verdict) -> f64,
+    ) -> Drawing {
+        let axis = &self.axes[0];
+        let place = |p: &Point| {
+            let x = p.combination.first().and_then(Choice::number).unwrap_or(f64::NAN);
+            [x, (100.0 * value(&p.verdict)).abs().min(CEILING)]
+        };
+        let mut rows: Vec<(String, Vec<[f64; 2]>)> = combinations(&self.axes[1..])
+            .into_iter()
+            .map(|rest| {
+                (in_words(&rest), points.iter().filter(|p| p.combination[1..] == rest[..]).map(place).collect())
+            })
+            .collect();
+        for (_, row) in &mut rows {
+            row.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
+        rows.push((
+            "unstable".into(),
+            points.iter().filter(|p| p.verdict.unstable_from.is_some()).map(place).collect(),
+        ));
+        let columns: Vec<[Vec<f64>; 2]> =
+            rows.iter().map(|(_, row)| [0, 1].map(|i| row.iter().map(|p| p[i]).collect())).collect();
+        let last = rows.len() - 1;
+        let curves = rows.iter().zip(&columns).enumerate().map(|(i, ((name, _), [x, y]))| {
+            let stroke = if i == last { Stroke::Points } else { Stroke::Marked };
+            let name = if name.is_empty() { "stable" } else { name };
+            // Orange, which no other curve has.
+            let colour = Some(if i == last { 1 } else { i + usize::from(i > 0) });
+            Curve { name, x, y, stroke, colour }
+        });
+        let numbers: Vec<f64> = axis.choices.iter().filter_map(Choice::number).collect();
+        let [low, high] =
+            [numbers.iter().copied().fold(f64::INFINITY, f64::min), numbers.iter().copied().fold(0.0, f64::max)];
+        let title = format!("{what} over {}", axis.name);
+        let chart = Chart {
+            title: &title,
+            x_label: &axis.name,
+            y_label,
+            log_x: low > 0.0 && high > 4.0 * low,
+            log_y: true,
+            curves: curves.collect(),
+            ..Chart::default()
+        };
+        let svg = chart.svg();
+        let caption = format!("Orange: unstable runs; what is above {CEILING} % is drawn there.");
+        Drawing { name: format!("{name}-over-{}", axis.name.replace('.', "-")), svg, caption, title }
+    }
+}
