@@ -19,3 +19,4 @@ mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod studies;
