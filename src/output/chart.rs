@@ -391,7 +391,8 @@ fn power_text(v: f64, shift: i32) -> String {
         ));
     }
     let raised: String = exponent.to_string().chars().map(superscript).collect();
-    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}·10{raised}") }
+    // Short, since `kuva` leaves no room for more.
+    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}e{exponent}") }
 }
 
 fn superscript(digit: char) -> char {
@@ -477,7 +478,7 @@ mod tests {
     #[test]
     fn numbers_on_logarithmic_axes_are_powers() {
         assert_eq!(power_text(1.0, 14), "10⁻¹⁴");
-        assert_eq!(power_text(5e3, 14), "5·10⁻¹¹");
+        assert_eq!(power_text(5e3, 14), "5e-11");
         assert_eq!(power_text(0.05, 0), "0.05");
     }
 
