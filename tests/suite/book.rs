@@ -205,7 +205,7 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
-/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this value, a number or a word. Several
+/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this value, a number or words joined by `_`. Several
 /// keys are joined by `&`.
 fn looked_up(folder: &Path, place: &str) -> f64 {
     let mut parts = place.trim().splitn(3, ' ');
@@ -218,7 +218,7 @@ fn looked_up(folder: &Path, place: &str) -> f64 {
         row.split('&').map(|k| k.split_once('=').unwrap()).map(|(key, value)| (at(key), value)).collect();
     let same = |cell: &str, value: &str| match (cell.parse::<f64>(), value.parse::<f64>()) {
         (Ok(a), Ok(b)) => (a - b).abs() <= 1e-9 * b.abs().max(1.0),
-        _ => cell == value,
+        _ => cell.replace(' ', "_") == value,
     };
     let mut rows = lines.filter(|cells| wanted.iter().all(|(i, value)| same(&cells[*i], value)));
     let found = rows.next().unwrap_or_else(|| panic!("{place}: no such row"));
