@@ -52,6 +52,19 @@ fn heading(combination: &[Choice]) -> String {
     }
 }
 
+/// What was refused and why, a line a reason.
+fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<String> {
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for (combination, reason) in refused {
+        let reason = reason.lines().map(str::trim).collect::<Vec<_>>().join("; ");
+        match reasons.iter_mut().find(|r| r.0 == reason) {
+            Some(known) => known.1.push(in_words(combination)),
+            None => reasons.push((reason, vec![in_words(combination)])),
+        }
+    }
+    reasons.into_iter().map(|(reason, of)| format!("refused ({}): {reason}", of.join("; "))).collect()
+}
+
 /// A fraction in per cent.
 fn per_cent(v: f64) -> String {
     format!("{} %", rounded(100.0 * v, 2))

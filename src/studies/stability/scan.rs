@@ -1,7 +1,7 @@
 //! Which values of a scene are stable at its own time step.
 
 use super::verdict::Verdict;
-use super::{cells, check, columns, heading, per_cent, trial};
+use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::Result;
 use crate::output::{Cell, Chart, Curve, Grid, Stroke, rounded};
 use crate::scene::Model;
@@ -25,6 +25,20 @@ struct Point {
     /// Half-width of the band over the longest edge in it; NaN where the scene cannot be run.
     resolution: f64,
     verdict: Verdict,
+}
+
+impl Point {
+    /// The value on the first axis.
+    fn first(&self) -> Option<&Choice> {
+        self.combination.first()
+    }
+    /// Whether the values on all axes but the first are these.
+    fn is_of(&self, rest: &[Choice]) -> bool {
+        self.combination.iter().skip(1).eq(rest)
+    }
+    fn is_at(&self, first: &Choice, rest: &[Choice]) -> bool {
+        self.first() == Some(first) && self.is_of(rest)
+    }
 }
 
 /// Per cent of energy from nowhere, or of area, that a chart goes up to.
@@ -63,36 +77,35 @@ impl Scan {
     }
 
     fn table(&self, points: &[Point]) -> Grid {
-        let header = ["band / edge", "growth, %", "from nowhere, %", "area, %", "outcome"];
+        let header = ["band/edge", "growth", "from_nowhere", "area", "outcome"];
         let mut grid = Grid::new("scan", "What came of each", columns(&self.axes, &header));
         for p in points {
             let v = &p.verdict;
-            let numbers = [100.0 * v.growth, 100.0 * v.from_nowhere, 100.0 * v.area].map(|v| Cell::Number(v, 3));
+            let numbers = [v.growth, v.from_nowhere, v.area].map(|v| Cell::Number(v, 3));
             let [resolution, outcome] = [Cell::Number(p.resolution, 3), Cell::text(v.in_words())];
             grid.rows.push([cells(&p.combination), vec![resolution], numbers.to_vec(), vec![outcome]].concat());
         }
-        grid.caption = "Growth: of kinetic and elastic energy beyond what was there and was put in. From nowhere: the residual of \
-                        the energy balance (3.23). Area: change of an enclosed area. Of each the largest in the run."
+        grid.caption = "Growth: of kinetic and elastic energy beyond what was there and was put in, over that. From nowhere: the \
+                        residual of the energy balance (3.23). Area: relative change of an enclosed area. Of each the largest in the run."
             .into();
         grid
     }
 
-    /// The outcomes with the first axis downwards and all others across.
+    /// The outcomes with the values of the first axis side by side.
     fn map(&self, points: &[Point]) -> Option<Grid> {
         let [first, others @ ..] = &self.axes[..] else { return None };
-        let across = combinations(others);
-        if across.len() < 2 {
+        let rows = combinations(others);
+        if rows.len() < 2 {
             return None;
         }
-        let header = std::iter::once(first.name.clone()).chain(across.iter().map(|c| in_words(c)));
+        let header = others.iter().map(|a| a.name.clone()).chain(first.choices.iter().map(|c| c.label.clone()));
         let mut grid = Grid::new("map", "Where it is unstable, and from when on", header);
-        for choice in &first.choices {
-            let outcome = |rest: &Vec<Choice>| {
-                let found =
-                    points.iter().find(|p| p.combination.first() == Some(choice) && p.combination[1..] == rest[..]);
+        for rest in rows {
+            let outcome = |choice: &Choice| {
+                let found = points.iter().find(|p| p.is_at(choice, &rest));
                 Cell::text(found.map_or_else(String::new, |p| p.verdict.in_words().replace("unstable from ", "")))
             };
-            grid.rows.push(cells(std::slice::from_ref(choice)).into_iter().chain(across.iter().map(outcome)).collect());
+            grid.rows.push(cells(&rest).into_iter().chain(first.choices.iter().map(outcome)).collect());
         }
         Some(grid)
     }
@@ -100,10 +113,10 @@ impl Scan {
     fn statements(&self, points: &[Point]) -> Vec<String> {
         let Some(first) = self.axes.first() else { return Vec::new() };
         let sentence = |rest: Vec<Choice>| {
-            let of = points.iter().filter(|p| p.combination[1..] == rest[..]);
+            let of = points.iter().filter(|p| p.is_of(&rest));
             let (mut stable, mut unstable, mut refused) = (Vec::new(), Vec::new(), Vec::new());
             for p in of {
-                let value = p.combination.first().map_or("", |c| c.value.as_str());
+                let value = p.first().map_or("", |c| c.value.as_str());
                 match (&p.verdict.refused, p.verdict.unstable_from) {
                     (Some(_), _) => refused.push(value.to_string()),
                     (None, Some(t)) => unstable.push(format!("{value} (from t = {})", rounded(t, 3))),
@@ -119,7 +132,7 @@ impl Scan {
                 false => format!("{}{text}.", heading(&rest)),
             }
         };
-        combinations(&self.axes[1..]).into_iter().map(sentence).collect()
+        combinations(self.axes.get(1..).unwrap_or_default()).into_iter().map(sentence).collect()
     }
 
     fn notes(&self, points: &[Point]) -> Vec<String> {
@@ -128,11 +141,7 @@ impl Scan {
              in by more than {}.",
             per_cent(self.tolerance)
         )];
-        for p in points {
-            if let Some(reason) = &p.verdict.refused {
-                notes.push(format!("{}refused: {reason}", heading(&p.combination)));
-            }
-        }
+        notes.extend(refusals(points.iter().filter_map(|p| Some((&p.combination[..], p.verdict.refused.as_deref()?)))));
         notes
     }
 
@@ -142,30 +151,27 @@ impl Scan {
         if first.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
             return Vec::new();
         }
-        let energy =
-            self.chart("energy", "Energy from nowhere", "largest, % of the energy in play", points, |v| v.from_nowhere);
-        let area = self.chart("area", "Change of the enclosed area", "largest, %", points, |v| v.area);
+        let labels = ["Energy from nowhere", "largest, % of the energy in play"];
+        let energy = self.chart(first, "energy", labels, points, |v| v.from_nowhere);
+        let area = self.chart(first, "area", ["Change of the enclosed area", "largest, %"], points, |v| v.area);
         if points.iter().all(|p| p.verdict.area.is_nan()) { vec![energy] } else { vec![energy, area] }
     }
 
     fn chart(
         &self,
+        axis: &Axis,
         name: &str,
-        what: &str,
-        y_label: &str,
+        [what, y_label]: [&str; 2],
         points: &[Point],
         value: impl Fn(&Verdict) -> f64,
     ) -> Drawing {
-        let axis = &self.axes[0];
         let place = |p: &Point| {
-            let x = p.combination.first().and_then(Choice::number).unwrap_or(f64::NAN);
+            let x = p.first().and_then(Choice::number).unwrap_or(f64::NAN);
             [x, (100.0 * value(&p.verdict)).abs().min(CEILING)]
         };
-        let mut rows: Vec<(String, Vec<[f64; 2]>)> = combinations(&self.axes[1..])
+        let mut rows: Vec<(String, Vec<[f64; 2]>)> = combinations(self.axes.get(1..).unwrap_or_default())
             .into_iter()
-            .map(|rest| {
-                (in_words(&rest), points.iter().filter(|p| p.combination[1..] == rest[..]).map(place).collect())
-            })
+            .map(|rest| (in_words(&rest), points.iter().filter(|p| p.is_of(&rest)).map(place).collect()))
             .collect();
         for (_, row) in &mut rows {
             row.sort_by(|a, b| a[0].total_cmp(&b[0]));
