@@ -12,6 +12,7 @@ use kuva::plot::scatter::ScatterPlot;
 use kuva::render::annotations::TextAnnotation;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
+use kuva::render::render_utils::{format_log_tick, generate_ticks_log};
 use kuva::render::theme::Theme;
 use std::sync::Arc;
 
@@ -101,9 +102,8 @@ const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 350.0;
 /// Size of the numbers on axes.
 const TICK_SIZE: u32 = 12;
-/// Pixels left of a chart with a logarithmic vertical axis, of which `kuva` takes the second number for the numbers on it.
-const LEFT: f64 = 60.0;
-const NUMBERS: f64 = 24.0;
+/// Pixels left of the axis of a chart but for the numbers there.
+const LEFT: f64 = 36.0;
 /// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last, and grey.
 const COLOURS: [&str; 7] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#888888"];
 /// What is neither a curve nor text; shows on white and on black.
@@ -170,9 +170,11 @@ impl Chart<'_> {
         if self.log_y {
             layout = layout.with_log_y();
             // `kuva` makes room for numbers as it would write them.
-            let room = y.room();
-            layout.force_margin_left = Some(LEFT + room);
-            layout = layout.with_y_label_offset(-room, 0.0);
+            let [made, wanted] = y.room();
+            if wanted > made {
+                layout.force_margin_left = Some(LEFT + wanted);
+                layout = layout.with_y_label_offset(made - wanted, 0.0);
+            }
         }
         for slope in slopes {
             layout = layout.with_annotation(number(slope, &x, &y));
@@ -344,11 +346,12 @@ impl Axis {
     fn scaled(&self, v: f64) -> f64 {
         if self.shift == 0 { v } else { v * 10f64.powi(self.shift) }
     }
-    /// Pixels that the numbers of a logarithmic axis need beyond [`NUMBERS`].
-    fn room(&self) -> f64 {
-        let texts = [self.low, self.high].map(|v| power_text(self.scaled(v), self.shift).chars().count());
-        let width = 0.64 * TICK_SIZE as f64 * texts.into_iter().fold(0, usize::max) as f64;
-        (width - NUMBERS).max(0.0)
+    /// The pixels that `kuva` leaves for the numbers of a logarithmic vertical axis, and those that our numbers take.
+    fn room(&self) -> [f64; 2] {
+        let ticks = generate_ticks_log(self.scaled(self.low), self.scaled(self.high));
+        let width = |text: String| 0.64 * f64::from(TICK_SIZE) * text.chars().count() as f64;
+        let widest = |text: &dyn Fn(f64) -> String| ticks.iter().map(|&v| width(text(v))).fold(0.0, f64::max);
+        [widest(&format_log_tick).max(2.0 * f64::from(TICK_SIZE)), widest(&|v| power_text(v, self.shift))]
     }
     fn format(&self) -> TickFormat {
         let (low, high, log, shift) = (self.low, self.high, self.log, self.shift);
@@ -388,7 +391,8 @@ fn power_text(v: f64, shift: i32) -> String {
         ));
     }
     let raised: String = exponent.to_string().chars().map(superscript).collect();
-    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}·10{raised}") }
+    // Short, since `kuva` leaves no room for more.
+    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}e{exponent}") }
 }
 
 fn superscript(digit: char) -> char {
@@ -474,7 +478,7 @@ mod tests {
     #[test]
     fn numbers_on_logarithmic_axes_are_powers() {
         assert_eq!(power_text(1.0, 14), "10⁻¹⁴");
-        assert_eq!(power_text(5e3, 14), "5·10⁻¹¹");
+        assert_eq!(power_text(5e3, 14), "5e-11");
         assert_eq!(power_text(0.05, 0), "0.05");
     }
 

@@ -13,7 +13,8 @@ use super::trial::{Outcome, Trial};
 use super::twin::Twin;
 use crate::base::{Error, Kind, Result};
 use crate::output::Table;
-use crate::scene::Scene;
+use crate::scene::nearest::advice;
+use crate::scene::{Diagnostics, Model, Scene};
 
 /// What a study of precision is told.
 #[derive(Clone, Debug, Default)]
@@ -151,6 +152,14 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
         return Err(Error::scene("a study of precision needs a quantity")
             .at("--quantity")
             .remedy("name a column of series.csv, with @TIME if it is not the end: --quantity membrane.area@0.4"));
+    }
+    let model = Model::new(scene)?;
+    let columns = Diagnostics::new(scene, &model)?.columns();
+    if let Some((column, _)) = quantities.iter().find(|q| !columns.contains(&q.0)) {
+        return Err(Error::scene("the series has no such column")
+            .at("--quantity")
+            .value(column)
+            .remedy(advice(column, columns.iter().map(String::as_str))));
     }
     if let Some((column, t)) = quantities.iter().find(|(_, t)| !(0.0..=scene.time.end).contains(t)) {
         return Err(Error::scene(format!("the time of {column} lies outside the run"))
@@ -299,9 +308,7 @@ fn measured(series: &Table, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
                     "choose a time that is a multiple of all steps and of output.every, or set --set output.every=...",
                 )
         };
-        let values = series.column(column).map_err(|e| {
-            Error::scene("the series has no such column").at("--quantity").value(column).remedy(e.advice())
-        })?;
+        let values = series.column(column)?;
         row.and_then(|i| values.get(i)).copied().ok_or_else(missing)
     };
     quantities.iter().map(value).collect()

@@ -3,6 +3,7 @@
 mod book;
 mod broken_meshes;
 mod case;
+mod comparison;
 mod elements;
 mod examples;
 mod explain;
@@ -11,6 +12,7 @@ mod flow;
 mod fluid;
 mod layers;
 mod meshes;
+mod precision;
 mod program;
 mod render;
 mod reproducible;

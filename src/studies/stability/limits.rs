@@ -161,7 +161,7 @@ impl Limits {
             }
             if l.bracket.stable.is_some_and(|dt| l.verdict.rate * dt * self.steps as f64 > SLOW * self.tolerance) {
                 notes.push(format!(
-                    "{name}at the largest stable step the energy grows by {} per time: with more --steps the limit is lower.",
+                    "{name}at the largest stable step the energy grows by {} per time: with more --steps the limit may be lower.",
                     per_cent(l.verdict.rate)
                 ));
             }

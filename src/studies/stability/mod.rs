@@ -47,7 +47,11 @@ fn heading(combination: &[Choice]) -> String {
     let words = in_words(combination);
     let mut letters = words.chars();
     match letters.next() {
-        Some(first) => format!("{}{}: ", first.to_uppercase(), letters.as_str()),
+        // The name of a key is written as it is.
+        Some(first) if combination.first().is_some_and(|c| !c.label.contains('=')) => {
+            format!("{}{}: ", first.to_uppercase(), letters.as_str())
+        }
+        Some(_) => format!("{words}: "),
         None => String::new(),
     }
 }
@@ -62,7 +66,12 @@ fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<S
             None => reasons.push((reason, vec![in_words(combination)])),
         }
     }
-    reasons.into_iter().map(|(reason, of)| format!("refused ({}): {reason}", of.join("; "))).collect()
+    let line = |(reason, of): (String, Vec<String>)| match &of[..] {
+        [] => reason,
+        [only] => format!("refused ({only}): {reason}"),
+        [first, more @ ..] => format!("refused ({first} and {} more): {reason}", more.len()),
+    };
+    reasons.into_iter().map(line).collect()
 }
 
 /// A fraction in per cent.

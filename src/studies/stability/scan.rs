@@ -36,6 +36,10 @@ impl Point {
     fn is_of(&self, rest: &[Choice]) -> bool {
         self.combination.iter().skip(1).eq(rest)
     }
+    /// Whether the values on the axes after the second are these.
+    fn is_in(&self, panel: &[Choice]) -> bool {
+        self.combination.iter().skip(2).eq(panel)
+    }
     fn is_at(&self, first: &Choice, rest: &[Choice]) -> bool {
         self.first() == Some(first) && self.is_of(rest)
     }
@@ -43,6 +47,8 @@ impl Point {
 
 /// Per cent of energy from nowhere, or of area, that a chart goes up to.
 const CEILING: f64 = 1e3;
+/// The colour of charts that no curve takes.
+const GREY: usize = 6;
 
 impl Scan {
     /// Runs all combinations and says what came of them.
@@ -99,11 +105,14 @@ impl Scan {
             return None;
         }
         let header = others.iter().map(|a| a.name.clone()).chain(first.choices.iter().map(|c| c.label.clone()));
-        let mut grid = Grid::new("map", "Where it is unstable, and from when on", header);
+        let mut grid = Grid::new("map", "Energy from nowhere, or from when on it is unstable", header);
         for rest in rows {
             let outcome = |choice: &Choice| {
-                let found = points.iter().find(|p| p.is_at(choice, &rest));
-                Cell::text(found.map_or_else(String::new, |p| p.verdict.in_words().replace("unstable from ", "")))
+                let found = points.iter().find(|p| p.is_at(choice, &rest)).map(|p| &p.verdict);
+                Cell::text(found.map_or_else(String::new, |v| match v.is_stable() {
+                    true => per_cent(v.from_nowhere),
+                    false => v.in_words(),
+                }))
             };
             grid.rows.push(cells(&rest).into_iter().chain(first.choices.iter().map(outcome)).collect());
         }
@@ -145,66 +154,76 @@ impl Scan {
         notes
     }
 
-    /// Energy from nowhere and error of the area over the first axis, if it has two numbers or more.
+    /// Energy from nowhere and change of the area over the first axis, if it has two numbers or more, a curve for each value of the
+    /// second and charts of their own for those of the others.
     fn charts(&self, points: &[Point]) -> Vec<Drawing> {
-        let Some(first) = self.axes.first() else { return Vec::new() };
+        let [first, others @ ..] = &self.axes[..] else { return Vec::new() };
         if first.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
             return Vec::new();
         }
-        let labels = ["Energy from nowhere", "largest, % of the energy in play"];
-        let energy = self.chart(first, "energy", labels, points, |v| v.from_nowhere);
-        let area = self.chart(first, "area", ["Change of the enclosed area", "largest, %"], points, |v| v.area);
-        if points.iter().all(|p| p.verdict.area.is_nan()) { vec![energy] } else { vec![energy, area] }
-    }
-
-    fn chart(
-        &self,
-        axis: &Axis,
-        name: &str,
-        [what, y_label]: [&str; 2],
-        points: &[Point],
-        value: impl Fn(&Verdict) -> f64,
-    ) -> Drawing {
-        let place = |p: &Point| {
-            let x = p.first().and_then(Choice::number).unwrap_or(f64::NAN);
-            [x, (100.0 * value(&p.verdict)).abs().min(CEILING)]
-        };
-        let mut rows: Vec<(String, Vec<[f64; 2]>)> = combinations(self.axes.get(1..).unwrap_or_default())
-            .into_iter()
-            .map(|rest| (in_words(&rest), points.iter().filter(|p| p.is_of(&rest)).map(place).collect()))
-            .collect();
-        for (_, row) in &mut rows {
-            row.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let second = combinations(others.get(..1).unwrap_or_default());
+        let panels = combinations(others.get(1..).unwrap_or_default());
+        let values: [(&str, &str, fn(&Verdict) -> f64); 2] = [
+            ("energy", "Energy from nowhere", |v| v.from_nowhere),
+            ("area", "Change of the enclosed area", |v| v.area),
+        ];
+        let mut charts = Vec::new();
+        for (name, what, value) in &values {
+            for panel in &panels {
+                let of = |c: &Vec<Choice>| (in_words(c), [&c[..], panel].concat());
+                let curves = second.iter().map(of);
+                let curves = curves.map(|(words, rest)| curve(words, points.iter().filter(|p| p.is_of(&rest)), value));
+                let within = points.iter().filter(|p| p.is_in(panel) && p.verdict.unstable_from.is_some());
+                let lines: Vec<Line> = curves.chain([curve("unstable".into(), within, value)]).collect();
+                let title = [format!("{what} over {}", first.name), in_words(panel)];
+                let file =
+                    std::iter::once(format!("{name}-over-{}", first.name)).chain(panel.iter().map(|c| c.label.clone()));
+                charts.extend(chart(first, file.collect::<Vec<_>>().join("-"), title, &lines));
+            }
         }
-        rows.push((
-            "unstable".into(),
-            points.iter().filter(|p| p.verdict.unstable_from.is_some()).map(place).collect(),
-        ));
-        let columns: Vec<[Vec<f64>; 2]> =
-            rows.iter().map(|(_, row)| [0, 1].map(|i| row.iter().map(|p| p[i]).collect())).collect();
-        let last = rows.len() - 1;
-        let curves = rows.iter().zip(&columns).enumerate().map(|(i, ((name, _), [x, y]))| {
-            let stroke = if i == last { Stroke::Points } else { Stroke::Marked };
-            let name = if name.is_empty() { "stable" } else { name };
-            // Orange, which no other curve has.
-            let colour = Some(if i == last { 1 } else { i + usize::from(i > 0) });
-            Curve { name, x, y, stroke, colour }
-        });
-        let numbers: Vec<f64> = axis.choices.iter().filter_map(Choice::number).collect();
-        let [low, high] =
-            [numbers.iter().copied().fold(f64::INFINITY, f64::min), numbers.iter().copied().fold(0.0, f64::max)];
-        let title = format!("{what} over {}", axis.name);
-        let chart = Chart {
-            title: &title,
-            x_label: &axis.name,
-            y_label,
-            log_x: low > 0.0 && high > 4.0 * low,
-            log_y: true,
-            curves: curves.collect(),
-            ..Chart::default()
-        };
-        let svg = chart.svg();
-        let caption = format!("Orange: unstable runs; what is above {CEILING} % is drawn there.");
-        Drawing { name: format!("{name}-over-{}", axis.name.replace('.', "-")), svg, caption, title }
+        charts
     }
+}
+
+/// A name and the abscissas and ordinates of a curve.
+type Line = (String, Vec<f64>, Vec<f64>);
+
+/// A curve over the first axis, in per cent up to [`CEILING`].
+fn curve<'a>(name: String, points: impl Iterator<Item = &'a Point>, value: &dyn Fn(&Verdict) -> f64) -> Line {
+    let shown = |v: f64| if v > CEILING { CEILING } else { v };
+    let at =
+        |p: &Point| [p.first().and_then(Choice::number).unwrap_or(f64::NAN), shown((100.0 * value(&p.verdict)).abs())];
+    let mut row: Vec<[f64; 2]> = points.map(at).collect();
+    row.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    (name, row.iter().map(|p| p[0]).collect(), row.iter().map(|p| p[1]).collect())
+}
+
+/// The chart of some curves and, as the last one, the points that are unstable; none without a value.
+fn chart(axis: &Axis, file: String, title: [String; 2], lines: &[Line]) -> Option<Drawing> {
+    if lines.iter().all(|(_, _, y)| y.iter().all(|v| v.is_nan())) {
+        return None;
+    }
+    let curves = lines.iter().enumerate().filter(|(_, line)| !line.1.is_empty()).map(|(i, (name, x, y))| {
+        let unstable = i + 1 == lines.len();
+        let name = if name.is_empty() { "measured" } else { name };
+        let stroke = if unstable { Stroke::Points } else { Stroke::Marked };
+        Curve { name, x, y, stroke, colour: Some(if unstable { GREY } else { i % GREY }) }
+    });
+    let numbers = || axis.choices.iter().filter_map(Choice::number);
+    let (low, high) = (numbers().fold(f64::INFINITY, f64::min), numbers().fold(0.0, f64::max));
+    let title = title.iter().filter(|t| !t.is_empty()).cloned().collect::<Vec<_>>().join(", ");
+    let svg = Chart {
+        title: &title,
+        x_label: &axis.name,
+        y_label: "the largest in a run, %",
+        log_x: low > 0.0 && high > 4.0 * low,
+        log_y: true,
+        curves: curves.collect(),
+        ..Chart::default()
+    }
+    .svg();
+    let letter = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { Some(c) } else { None };
+    let name = file.replace(" = ", "-").replace(' ', "-").chars().filter_map(letter).collect();
+    let caption = format!("Magnitudes. Grey: unstable runs; what is above {CEILING} % is drawn there.");
+    Some(Drawing { name, svg, caption, title })
 }
