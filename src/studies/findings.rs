@@ -47,8 +47,8 @@ impl Findings {
     /// What a terminal shows.
     pub fn text(&self) -> String {
         let mut parts: Vec<String> = self.grids.iter().map(Grid::text).collect();
-        parts.extend(self.notes.iter().map(|n| format!("note: {n}\n")));
-        parts.extend(self.statements.iter().map(|s| format!("{s}\n")));
+        let block = |lines: &[String], mark: &str| lines.iter().map(|l| format!("{mark}{l}\n")).collect::<String>();
+        parts.extend([block(&self.notes, "note: "), block(&self.statements, "")].into_iter().filter(|b| !b.is_empty()));
         parts.join("\n")
     }
     /// What other programs read: title, statements, notes, alarms, and the tables by name.

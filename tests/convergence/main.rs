@@ -15,6 +15,7 @@ mod freefem;
 mod relaxation;
 mod semi_implicit;
 mod space_order;
+mod study;
 mod time_order;
 mod transport;
 mod virtual_work;

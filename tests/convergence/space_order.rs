@@ -1,10 +1,10 @@
 //! Orders in space: Stokes with a body force in 2-D and 3-D, on rectangles, discs and gmsh meshes; the Taylor-Green vortex.
 
 use crate::exact::{TaylorGreen, V, stokes};
-use crate::tools::{Study, refine, size, with_walls};
+use crate::tools::{Study, size, with_walls};
 use immersa::fem::{Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors};
 use immersa::flow::{Coefficient, FlowSolver, Step};
-use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, disc, gmsh, rectangle};
+use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, disc, gmsh, rectangle, refine};
 use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation};
 use immersa::transport::Method;
 use nalgebra::{SMatrix, SVector};
@@ -108,8 +108,9 @@ fn stokes_on_discs() {
 fn stokes_on_a_gmsh_mesh_refined() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/disc.msh");
     let coarse = with_walls(gmsh::read::<2>(&path).unwrap().0);
-    let middle = refine(&coarse);
-    let fine = refine(&middle);
+    let finer = |mesh| refine(mesh, |_, _| None).unwrap();
+    let middle = finer(&coarse);
+    let fine = finer(&middle);
     stokes_orders("Stokes, gmsh disc", (0.5, 1.0), [coarse, middle, fine], [9.2e-6, 2.9e-3, 2.5e-4]);
 }
 

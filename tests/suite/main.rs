@@ -17,3 +17,4 @@ mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod studies;

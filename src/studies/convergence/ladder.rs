@@ -44,7 +44,7 @@ impl Ladder {
         let levels = (0..count).map(|k| rung.trial(settings.halved, k, common)).collect::<Result<_>>()?;
         let mut checks = Vec::new();
         for (wanted, name, more) in [
-            (!settings.halved.time, STEP, Halved { time: true, ..Halved::default() }),
+            (settings.halved.thickness || !settings.halved.time, STEP, Halved { time: true, ..Halved::default() }),
             (settings.halved.thickness || !settings.halved.space, MESH, Halved { space: true, ..Halved::default() }),
         ] {
             if wanted && settings.checks {
