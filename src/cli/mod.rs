@@ -40,10 +40,10 @@ enum Command {
     /// Compute a scene many times, to learn what its numbers are worth
     #[command(subcommand)]
     Study(study::Study),
-    /// Print what may stand in a scene: keys, values, units, defaults
-    Reference(reference::Arguments),
     /// Compute a scene here and in FreeFEM: differences and times
     Compare(compare::Arguments),
+    /// Print what may stand in a scene: keys, values, units, defaults
+    Reference(reference::Arguments),
 }
 
 /// A scene and changes to it.
@@ -99,8 +99,8 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Render(a) => render::render(&a),
         Command::New(a) => new::new(&a),
         Command::Study(s) => study::study(&s),
-        Command::Reference(a) => reference::reference(&a),
         Command::Compare(a) => compare::compare(&a),
+        Command::Reference(a) => reference::reference(&a),
     }
 }
 

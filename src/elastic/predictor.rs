@@ -24,8 +24,9 @@ use crate::fem::{At, Basis, Projector, Translation};
 /// symmetric although the diffusivity is outside the divergence. Where nothing is under tension (`E' <= 0`) nothing is diffused: `m`
 /// is bounded by `1e6/h^2`.
 ///
-/// Limits: made for constant tension. With an area law the tangential part of the force, of stiffness `E'' r^2`, is not what
-/// the diffusivity `E'` stands for (ARCHITECTURE.md, "The book's semi-implicit scheme").
+/// Limits: of first order in time. Made for constant tension over a carried band, where the force needs `phi*` for its place and its normal
+/// only; with an area law the stretch is diffused as well, and energy comes from nowhere at steps above the explicit limit
+/// (ARCHITECTURE.md, "The book's semi-implicit scheme").
 pub struct Predictor<const D: usize> {
     projector: Projector<D>,
     is_set: bool,

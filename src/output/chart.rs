@@ -12,6 +12,7 @@ use kuva::plot::scatter::ScatterPlot;
 use kuva::render::annotations::TextAnnotation;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
+use kuva::render::render_utils::{format_log_tick, generate_ticks_log};
 use kuva::render::theme::Theme;
 use std::sync::Arc;
 
@@ -99,6 +100,10 @@ pub struct Chart<'a> {
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 350.0;
+/// Size of the numbers on axes.
+const TICK_SIZE: u32 = 12;
+/// Pixels left of the axis of a chart but for the numbers there.
+const LEFT: f64 = 36.0;
 /// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last, and grey.
 const COLOURS: [&str; 7] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#888888"];
 /// What is neither a curve nor text; shows on white and on black.
@@ -142,7 +147,7 @@ impl Chart<'_> {
             .with_legend_position(LegendPosition::OutsideRightTop)
             .with_title_size(16)
             .with_label_size(13)
-            .with_tick_size(12)
+            .with_tick_size(TICK_SIZE)
             .with_body_size(12)
             .with_grid_line_width(0.6)
             .with_x_axis_min(x.scaled(x.low))
@@ -164,6 +169,12 @@ impl Chart<'_> {
         }
         if self.log_y {
             layout = layout.with_log_y();
+            // `kuva` makes room for numbers as it would write them.
+            let [made, wanted] = y.room();
+            if wanted > made {
+                layout.force_margin_left = Some(LEFT + wanted);
+                layout = layout.with_y_label_offset(made - wanted, 0.0);
+            }
         }
         for slope in slopes {
             layout = layout.with_annotation(number(slope, &x, &y));
@@ -318,12 +329,8 @@ impl Axis {
         if log {
             let room = 10f64.powf(margin.max(0.02) * (high / low).log10().max(2.0));
             let shift = -low.log10().floor() as i32;
-            return Some(Axis {
-                low: (low / room).max(f64::MIN_POSITIVE),
-                high: (high * room).min(f64::MAX),
-                log,
-                shift,
-            });
+            let (low, high) = with_two_ticks((low / room).max(f64::MIN_POSITIVE), (high * room).min(f64::MAX));
+            return Some(Axis { low, high, log, shift });
         }
         // Rounding must not be drawn as a curve.
         let flat = high - low <= 1e-12 * low.abs().max(high.abs());
@@ -339,12 +346,36 @@ impl Axis {
     fn scaled(&self, v: f64) -> f64 {
         if self.shift == 0 { v } else { v * 10f64.powi(self.shift) }
     }
+    /// The pixels that `kuva` leaves for the numbers of a logarithmic vertical axis, and those that our numbers take.
+    fn room(&self) -> [f64; 2] {
+        let ticks = generate_ticks_log(self.scaled(self.low), self.scaled(self.high));
+        let width = |text: String| 0.64 * f64::from(TICK_SIZE) * text.chars().count() as f64;
+        let widest = |text: &dyn Fn(f64) -> String| ticks.iter().map(|&v| width(text(v))).fold(0.0, f64::max);
+        [widest(&format_log_tick).max(2.0 * f64::from(TICK_SIZE)), widest(&|v| power_text(v, self.shift))]
+    }
     fn format(&self) -> TickFormat {
         let (low, high, log, shift) = (self.low, self.high, self.log, self.shift);
         TickFormat::Custom(Arc::new(move |v| {
             if log { power_text(v, shift) } else { tick_text(v, (high - low) / 5.0, low.abs().max(high.abs())) }
         }))
     }
+}
+
+/// The range of a logarithmic axis, widened until it has two of its ticks, which are 1, 2 and 5 times the powers of ten.
+fn with_two_ticks(mut low: f64, mut high: f64) -> (f64, f64) {
+    let decade = |v: f64| 10f64.powf(v.log10().floor());
+    let above = |v: f64| [1.0, 2.0, 5.0, 10.0, 20.0].map(|m| m * decade(v)).into_iter().find(|t| *t > v * (1.0 + 1e-9));
+    let below = |v: f64| [5.0, 2.0, 1.0, 0.5].map(|m| m * decade(v)).into_iter().find(|t| *t < v * (1.0 - 1e-9));
+    for _ in 0..2 {
+        let second = above(low * (1.0 - 1e-6)).and_then(above);
+        match (second, below(low), above(high)) {
+            (Some(tick), Some(down), Some(up)) if tick > high && high > low && up.is_finite() && down > 0.0 => {
+                if low / down < up / high { low = down / 1.02 } else { high = up * 1.02 }
+            }
+            _ => break,
+        }
+    }
+    (low, high)
 }
 
 /// A number on a logarithmic axis, `v * 10^-shift`.
@@ -360,7 +391,8 @@ fn power_text(v: f64, shift: i32) -> String {
         ));
     }
     let raised: String = exponent.to_string().chars().map(superscript).collect();
-    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}·10{raised}") }
+    // Short, since `kuva` leaves no room for more.
+    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}e{exponent}") }
 }
 
 fn superscript(digit: char) -> char {
@@ -446,7 +478,7 @@ mod tests {
     #[test]
     fn numbers_on_logarithmic_axes_are_powers() {
         assert_eq!(power_text(1.0, 14), "10⁻¹⁴");
-        assert_eq!(power_text(5e3, 14), "5·10⁻¹¹");
+        assert_eq!(power_text(5e3, 14), "5e-11");
         assert_eq!(power_text(0.05, 0), "0.05");
     }
 

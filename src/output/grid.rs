@@ -106,6 +106,16 @@ impl Grid {
         let text: String = std::iter::once(header).chain(rows).map(|line| line + "\n").collect();
         write_file(path, text.as_bytes())
     }
+    /// The table for a page in Markdown.
+    pub fn markdown(&self) -> String {
+        let line = |cells: Vec<String>| {
+            let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let mut text = line(self.header.clone()) + &"|---".repeat(self.header.len()) + "|\n";
+        self.rows.iter().for_each(|row| text += &line(row.iter().map(Cell::shown).collect()));
+        text
+    }
     /// A list of objects, one a row, with the names of the columns as keys.
     pub fn json(&self) -> Value {
         let object = |row: &Vec<Cell>| {
@@ -144,6 +154,7 @@ mod tests {
         grid().write(&path).unwrap();
         let text = std::fs::read_to_string(path).unwrap();
         assert_eq!(text, "run,error\n\"n = 30, \"\"a\"\"\",0.012345678\nn = 60,NaN\n");
+        assert_eq!(grid().markdown(), "| run | error |\n|---|---|\n| n = 30, \"a\" | 0.0123 |\n| n = 60 | - |\n");
         let json = grid().json();
         assert_eq!(json[0]["error"], 0.012345678);
         assert!(json[1]["error"].is_null());

@@ -85,16 +85,14 @@ impl Axis {
             let cells = of.iter().map(|&c| ((c as f64 * n as f64 / first).round() as usize).max(1).to_string());
             format!("[{}]", cells.collect::<Vec<_>>().join(", "))
         };
-        let set = |n: usize| {
-            match &scene.mesh {
+        let set = |n: usize| match &scene.mesh {
             MeshSource::Rectangle { cells, .. } => Ok(format!("mesh.rectangle.cells={}", scaled(cells, n))),
             MeshSource::Box { cells, .. } => Ok(format!("mesh.box.cells={}", scaled(cells, n))),
             MeshSource::Disc { .. } => Ok(format!("mesh.disc.cells={n}")),
             MeshSource::File { path, .. } => Err(Error::scene("a mesh from a file has no number of cells to be set")
                 .at("--cells")
                 .value(path.display())
-                .remedy("refine it, --vary mesh.refine=0,1,2, or give a list of files: --vary mesh.file=coarse.msh,fine.msh")),
-        }
+                .remedy("refine it with --vary mesh.refine=0,1,2 or give files: --vary mesh.file=coarse.msh,fine.msh")),
         };
         let choices = values.iter().map(|&n| Ok(Choice::new("n", &n.to_string(), set(n)?)));
         Ok(Axis { name: "n".into(), choices: choices.collect::<Result<_>>()? })

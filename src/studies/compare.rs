@@ -312,9 +312,7 @@ fn drawings(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Vec<Drawing
         name: "differences".into(),
         title: "Differences.".into(),
         svg: chart.svg(),
-        caption: "Relative to FreeFEM's largest value of the quantity. A difference that grows in time would be one of the schemes; a steady \
-                  one comes of how a quantity is measured, an energy with another quadrature rule."
-            .into(),
+        caption: "Relative to FreeFEM's largest value of the quantity.".into(),
     });
     all
 }

@@ -47,8 +47,9 @@ impl Findings {
     /// What a terminal shows.
     pub fn text(&self) -> String {
         let mut parts: Vec<String> = self.grids.iter().map(Grid::text).collect();
-        let block = |lines: &[String], mark: &str| lines.iter().map(|l| format!("{mark}{l}\n")).collect::<String>();
-        parts.extend([block(&self.notes, "note: "), block(&self.statements, "")].into_iter().filter(|b| !b.is_empty()));
+        parts.push(self.notes.iter().map(|n| format!("note: {n}\n")).collect());
+        parts.push(self.statements.iter().map(|s| format!("{s}\n")).collect());
+        parts.retain(|p| !p.is_empty());
         parts.join("\n")
     }
     /// What other programs read: title, statements, notes, alarms, and the tables by name.
@@ -64,7 +65,7 @@ impl Findings {
             "tables": tables,
         })
     }
-    /// Writes `study.json`, `NAME.csv` a table, `charts/NAME.svg` a chart and `report.html` into the folder, replacing those that
+    /// Writes `study.json`, `NAME.csv` and `NAME.md` a table, `charts/NAME.svg` a chart and `report.html` into the folder, replacing those that
     /// are there, and gives the path of the report.
     ///
     /// # Errors
@@ -78,6 +79,7 @@ impl Findings {
         })?;
         for grid in self.files() {
             grid.write(&folder.join(format!("{}.csv", grid.name)))?;
+            write_file(&folder.join(format!("{}.md", grid.name)), grid.markdown().as_bytes())?;
         }
         for drawing in &self.drawings {
             write_file(&charts.join(format!("{}.svg", drawing.name)), drawing.svg.as_bytes())?;

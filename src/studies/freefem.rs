@@ -173,24 +173,32 @@ impl<'a> Case<'a> {
             if self.fits(&reading.about) {
                 return Ok(Reading { recorded: Some(file.with_extension("csv")), ..reading });
             }
-            let step = reading.about.switches.get("-dt").cloned().unwrap_or_default();
-            found.push(format!("{}, time.step={step}", reading.about.mesh));
+            let other = self.switches.iter().filter(|s| !Self::agrees(s, &reading.about));
+            let other = other.map(|(switch, _)| {
+                let value = reading.about.switches.get(switch).map_or("none", String::as_str);
+                format!(", {switch} {value}")
+            });
+            found.push(format!("{}{}", reading.about.mesh, other.collect::<String>()));
         }
-        let found = if found.is_empty() { "nothing is".into() } else { format!("recorded are: {}", found.join("; ")) };
+        let found = if found.is_empty() { "nothing".into() } else { found.join("; ") };
         Err(Error::input("FreeFEM is not installed, and no result was recorded for this mesh, step and these values")
             .at(data.display().to_string())
             .value(format!("{}, time.step={:?}", self.size, self.scene.time.step))
-            .remedy(format!("{INSTALL}, or compare with values that were recorded ({found})")))
+            .remedy(format!("{INSTALL}, or compare with the values that were recorded: {found}")))
     }
 
     /// Whether a result was made with the mesh, step and values of this case.
     fn fits(&self, about: &About) -> bool {
+        about.mesh_hash == format!("{:016x}", fnv1a(self.mesh.as_bytes()))
+            && self.switches.iter().all(|s| Self::agrees(s, about))
+    }
+    /// Whether a result was made with this value of a switch.
+    fn agrees((switch, value): &(String, String), about: &About) -> bool {
         let same = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
             (Ok(a), Ok(b)) => (a - b).abs() <= 1e-12 * a.abs(),
             _ => a == b,
         };
-        about.mesh_hash == format!("{:016x}", fnv1a(self.mesh.as_bytes()))
-            && self.switches.iter().all(|(switch, v)| about.switches.get(switch).is_some_and(|w| same(v, w)))
+        about.switches.get(switch).is_some_and(|v| same(value, v))
     }
 }
 

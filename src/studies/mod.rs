@@ -6,23 +6,22 @@
 
 mod axis;
 mod campaign;
-mod choice;
 mod compare;
 pub mod convergence;
 mod findings;
 mod freefem;
 mod front;
-mod precision;
+mod method;
+pub mod precision;
 pub mod stability;
 mod trial;
 mod twin;
 
 pub use axis::{Axis, Choice, combinations, in_words, settings};
 pub use campaign::{Campaign, Listener};
-pub use choice::{Factor, Method, Quantity, numbers};
 pub use compare::{Bound, Comparison, compare};
 pub use findings::{Drawing, Findings};
 pub use freefem::{About, Case, Reading};
-pub use precision::{Precision, Truth, precision};
+pub use method::Method;
 pub use trial::{End, Outcome, Trial};
 pub use twin::{Loop, Twin};

@@ -2,15 +2,19 @@
 
 mod report;
 
+use super::axis::{self, Axis, Choice};
 use super::campaign::Campaign;
-use super::choice::{Factor, Method, Quantity, cells};
 use super::findings::Findings;
 use super::freefem::Case;
 use super::front::Offer;
+use super::method::Method;
+pub use super::method::Quantity;
 use super::trial::{Outcome, Trial};
 use super::twin::Twin;
 use crate::base::{Error, Kind, Result};
 use crate::output::Table;
+use crate::scene::nearest::advice;
+use crate::scene::{Diagnostics, Model, Scene};
 
 /// What a study of precision is told.
 #[derive(Clone, Debug, Default)]
@@ -18,7 +22,7 @@ pub struct Precision {
     /// The methods; none stands for the scene as it is.
     pub methods: Vec<Method>,
     /// Other keys of the scene and the values that they take, all combined.
-    pub factors: Vec<Factor>,
+    pub factors: Vec<Axis>,
     /// Cells along the first axis of the mesh; none stands for those of the scene.
     pub cells: Vec<usize>,
     /// Time steps; none stands for that of the scene.
@@ -100,6 +104,7 @@ impl Reference {
 #[derive(Clone, Debug, Default)]
 struct Setting {
     words: String,
+    /// The same without the step.
     family: String,
     set: Vec<String>,
     cells: Option<usize>,
@@ -148,6 +153,14 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
             .at("--quantity")
             .remedy("name a column of series.csv, with @TIME if it is not the end: --quantity membrane.area@0.4"));
     }
+    let model = Model::new(scene)?;
+    let columns = Diagnostics::new(scene, &model)?.columns();
+    if let Some((column, _)) = quantities.iter().find(|q| !columns.contains(&q.0)) {
+        return Err(Error::scene("the series has no such column")
+            .at("--quantity")
+            .value(column)
+            .remedy(advice(column, columns.iter().map(String::as_str))));
+    }
     if let Some((column, t)) = quantities.iter().find(|(_, t)| !(0.0..=scene.time.end).contains(t)) {
         return Err(Error::scene(format!("the time of {column} lies outside the run"))
             .at("--quantity")
@@ -173,40 +186,36 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
     Ok(())
 }
 
-/// The combinations of meshes, steps and factors, coarse to fine as they were given.
+/// The combinations of meshes, factors and steps, as they were given.
 fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
-    let scene = campaign.scene();
-    let mut all = vec![Setting::default()];
-    let own = told.methods.iter().flat_map(|m| m.cells.iter().flatten().copied());
-    all = combined(&all, distinct(told.cells.iter().copied().chain(own)), |s, n| {
-        let set = [s.set.clone(), vec![cells(scene, n)?]].concat();
-        Ok(Setting { words: joined(&s.words, &format!("n = {n}")), set, cells: Some(n), ..s.clone() })
-    })?;
-    for factor in &told.factors {
-        all = combined(&all, factor.values.clone(), |s, v| {
-            let short = factor.key.rsplit('.').next().unwrap_or(&factor.key);
-            let set = [s.set.clone(), vec![format!("{}={v}", factor.key)]].concat();
-            Ok(Setting { words: joined(&s.words, &format!("{short} = {v}")), set, ..s.clone() })
-        })?;
-    }
-    all.iter_mut().for_each(|s| s.family = s.words.clone());
-    let own = told.methods.iter().flat_map(|m| m.steps.iter().flatten().copied());
-    combined(&all, distinct(told.steps.iter().copied().chain(own)), |s, dt| {
-        let set = [s.set.clone(), vec![format!("time.step={dt:?}")]].concat();
-        Ok(Setting { words: joined(&s.words, &format!("dt = {dt:?}")), set, step: Some(dt), ..s.clone() })
-    })
-}
-
-/// Every setting with every value; the settings themselves if there is none.
-fn combined<T: Clone>(
-    settings: &[Setting],
-    values: Vec<T>,
-    with: impl Fn(&Setting, T) -> Result<Setting>,
-) -> Result<Vec<Setting>> {
-    if values.is_empty() {
-        return Ok(settings.to_vec());
-    }
-    settings.iter().flat_map(|s| values.iter().map(|v| with(s, v.clone())).collect::<Vec<_>>()).collect()
+    let own_cells = told.methods.iter().flat_map(|m| m.cells.iter().flatten().copied());
+    let own_steps = told.methods.iter().flat_map(|m| m.steps.iter().flatten().copied());
+    let cells = distinct(told.cells.iter().copied().chain(own_cells));
+    let steps = distinct(told.steps.iter().copied().chain(own_steps));
+    let step = |dt: &f64| Choice {
+        name: "dt".into(),
+        value: format!("{dt:?}"),
+        label: format!("dt = {dt:?}"),
+        set: format!("time.step={dt:?}"),
+    };
+    let mut axes = vec![Axis::cells(campaign.scene(), &cells)?];
+    axes.extend(told.factors.iter().cloned());
+    axes.push(Axis { name: "dt".into(), choices: steps.iter().map(step).collect() });
+    // An axis without values leaves what the scene has.
+    axes.retain(|a| !a.choices.is_empty());
+    let setting = |choices: &Vec<Choice>| {
+        let number = |name: &str| choices.iter().find(|c| c.name == name).and_then(Choice::number);
+        let step = number("dt");
+        let family = if step.is_some() { choices.len() - 1 } else { choices.len() };
+        Setting {
+            words: axis::in_words(choices),
+            family: axis::in_words(&choices[..family]),
+            set: axis::settings(choices),
+            cells: number("n").map(|n| n as usize),
+            step,
+        }
+    };
+    Ok(axis::combinations(&axes).iter().map(setting).collect())
 }
 
 fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
@@ -216,10 +225,6 @@ fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
         }
         all
     })
-}
-
-fn joined(a: &str, b: &str) -> String {
-    if a.is_empty() { b.into() } else { format!("{a}, {b}") }
 }
 
 /// The methods that are run in a setting: those that have no meshes or steps of their own take those of the study.
@@ -246,13 +251,13 @@ fn reference(campaign: &mut Campaign<'_>, truth: &Truth, quantities: &[(String, 
         Truth::Reference(settings) => settings,
     };
     let mut set = settings.set.clone();
-    if let Some(n) = settings.cells.as_ref().and_then(|c| c.last()) {
-        set.insert(0, cells(campaign.scene(), *n)?);
-    }
+    let n = settings.cells.as_ref().and_then(|c| c.last()).copied();
+    let cells = |n: usize| Ok::<_, Error>(axis::settings(&Axis::cells(campaign.scene(), &[n])?.choices));
+    let [chosen, coarser_mesh] = [n, n.map(|n| n / 2).filter(|n| *n > 0)].map(|n| n.map(cells).transpose());
+    set.extend(chosen?.unwrap_or_default());
     set.extend(settings.steps.iter().flatten().last().map(|dt| format!("time.step={dt:?}")));
     let scene = campaign.scene().with(&set)?;
-    let n = settings.cells.as_ref().and_then(|c| c.last()).copied();
-    let coarser_mesh = n.filter(|n| n % 2 == 0).map(|n| cells(&scene, n / 2)).transpose()?;
+    let coarser_mesh = coarser_mesh?.map(|set| set.concat());
     let trial = |label: &str, more: Option<String>| Trial::new(label, set.iter().cloned().chain(more).collect());
     let fine = campaign.run(&trial("reference", None), 1, 1)?;
     if !fine.finished() {
@@ -303,9 +308,7 @@ fn measured(series: &Table, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
                     "choose a time that is a multiple of all steps and of output.every, or set --set output.every=...",
                 )
         };
-        let values = series.column(column).map_err(|e| {
-            Error::scene("the series has no such column").at("--quantity").value(column).remedy(e.advice())
-        })?;
+        let values = series.column(column)?;
         row.and_then(|i| values.get(i)).copied().ok_or_else(missing)
     };
     quantities.iter().map(value).collect()
@@ -351,7 +354,7 @@ fn of_freefem(
     quantities: &[(String, f64)],
     reference: &Reference,
 ) -> Result<Point> {
-    let scene = campaign.scene().with(&[twin.settings(), &keep(campaign, twin, setting)].concat())?;
+    let scene = campaign.scene().with(&[twin.settings(), &keep(campaign.scene(), setting)].concat())?;
     let runs = campaign.folder().join("runs");
     let work = twin.loops().first().cloned().unwrap_or_default();
     let run = Case::new(twin, &scene).and_then(|c| c.run(&work, scene.time.end, again, &runs, campaign.stop()));
@@ -385,20 +388,15 @@ fn of_freefem(
     Ok(point)
 }
 
-/// What the twin's scene keeps of the study: the end of the scene, the time between two rows, and the setting.
-fn keep(campaign: &Campaign<'_>, twin: &Twin, setting: &Setting) -> Vec<String> {
-    let scene = campaign.scene();
-    let sets = |key: &str| twin.settings().iter().any(|s| s.starts_with(key));
-    let mut set = Vec::new();
-    if sets("time.end") {
-        set.push(format!("time.end={:?}", scene.time.end));
-    }
-    if sets("output.every") {
-        set.push(format!("output.every={:?}", scene.output.every));
-    }
-    if sets("time.step") {
-        set.push(format!("time.step={:?}", scene.time.step));
-    }
+/// What the twin's scene keeps of the study: all but the scheme, which is the twin's.
+fn keep(scene: &Scene, setting: &Setting) -> Vec<String> {
+    let grad_div = scene.numerics.grad_div.map_or("auto".to_string(), |v| format!("{v:?}"));
+    let mut set = vec![
+        format!("time.end={:?}", scene.time.end),
+        format!("time.step={:?}", scene.time.step),
+        format!("output.every={:?}", scene.output.every),
+        format!("numerics.grad_div={grad_div}"),
+    ];
     set.extend(setting.set.iter().cloned());
     set
 }

@@ -3,10 +3,13 @@
 //! A twin says in comments what it takes and what it assumes, in itself or in the files it includes:
 //!
 //! ```text
-//! //@ -lambda membrane.0.area.linear.modulus    its switch -lambda takes this value of the scene
-//! //@ set numerics.coupling=explicit            with this value the scene has the scheme of the twin
-//! //@ loop expert  matrix factored once         `-loop expert` is a way to do the work, described in words
+//! //@ -lambda membrane.0.area.linear.modulus
+//! //@ set numerics.coupling=explicit
+//! //@ loop expert  matrix factored once
 //! ```
+//!
+//! The first line says which value of the scene a switch takes, the second with which value the scene has the scheme of the twin, the third
+//! that `-loop expert` is a way to do the work, and which.
 //!
 //! Every twin takes `-mesh` (a mesh file, see [`mesh::freefem`](crate::mesh::freefem)), `-dt`, `-tmax`, `-every` (time between two rows) and
 //! `-out`, the name of the CSV file that it writes: a column `time`, and others named as in `series.csv`. On standard output it

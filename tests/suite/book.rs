@@ -1,9 +1,9 @@
 //! The pages of the book: their links, figures, scenes and numbers.
 //!
 //! A figure has a line `<!-- keep FROM as TO -->` above it, which `book/make` obeys. A number has `<!-- is WHAT -->` behind it: a place in
-//! a table, `FILE time=T COLUMN`, or an expression and the names in it, `EXPRESSION; NAME FILE time=T COLUMN; ...`.
+//! a table, `FILE time=T COLUMN`, or an expression and the names in it, `EXPRESSION; NAME FILE time=T COLUMN; ...`. What no run of ours
+//! gives has `<!-- from WHERE -->`.
 
-use immersa::output::Table;
 use immersa::scene::schema::{KEYS, Keys, Kind};
 use immersa::scene::{Expression, Model, Scene, reference};
 use std::collections::BTreeMap;
@@ -106,12 +106,17 @@ fn run_folders(text: &str) -> Vec<String> {
     let mut folders = Vec::new();
     for line in blocks.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let out = words.iter().position(|w| *w == "--out").and_then(|i| words.get(i + 1));
+        let after = |word: &str| words.iter().position(|w| *w == word).and_then(|i| words.get(i + 1));
+        let out = after("--out");
+        let study = after("study").or(words.contains(&"compare").then_some(&"compare"));
         let scene = words.iter().find(|w| w.ends_with(".toml")).map(|s| Path::new(s));
         let name = scene.and_then(|s| if s.ends_with("scene.toml") { s.parent()?.file_name() } else { s.file_stem() });
         match (out, name) {
             (Some(out), _) => folders.push(out.to_string()),
-            (None, Some(name)) => folders.push(format!("runs/{}", name.to_string_lossy())),
+            (None, Some(name)) => folders.push(match study {
+                Some(study) => format!("studies/{}-{study}", name.to_string_lossy()),
+                None => format!("runs/{}", name.to_string_lossy()),
+            }),
             _ => (),
         }
     }
@@ -187,18 +192,38 @@ fn known(table: &toml::Table, keys: &Keys, place: &str) {
     }
 }
 
-/// What stands in a table at `FILE time=T COLUMN`, or `FILE KEY=V COLUMN` with any other column as the key.
+/// The cells of a line of a table, some of them in quotes.
+fn cells(line: &str) -> Vec<String> {
+    let (mut cells, mut quoted) = (vec![String::new()], false);
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => cells.push(String::new()),
+            c => cells.last_mut().unwrap().push(c),
+        }
+    }
+    cells
+}
+
+/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this value, a number or a word. Several
+/// keys are joined by `&` or a comma.
 fn looked_up(folder: &Path, place: &str) -> f64 {
-    let [file, row, column] = place.split_whitespace().collect::<Vec<_>>()[..] else { panic!("`{place}` is no place") };
-    let table = Table::read(&folder.join(file)).unwrap();
-    let (key, at) = row.split_once('=').unwrap();
-    let at: f64 = at.parse().unwrap();
-    let keys = table.column(key).unwrap_or_else(|_| panic!("{place}: no column {key}"));
-    let k = keys
-        .iter()
-        .position(|v| (v - at).abs() <= 1e-9 * at.abs().max(1.0))
-        .unwrap_or_else(|| panic!("{place}: no row"));
-    table.column(column).unwrap_or_else(|_| panic!("{place}: no column {column}"))[k]
+    let mut parts = place.trim().splitn(3, ' ');
+    let [file, row, column] = [(); 3].map(|()| parts.next().unwrap_or_else(|| panic!("`{place}` is no place")));
+    let text = fs::read_to_string(folder.join(file)).unwrap_or_else(|e| panic!("{place}: {e}"));
+    let mut lines = text.lines().map(cells);
+    let names = lines.next().unwrap();
+    let at = |name: &str| names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{place}: no column {name}"));
+    let wanted: Vec<(usize, &str)> =
+        row.split(['&', ',']).map(|k| k.split_once('=').unwrap()).map(|(key, value)| (at(key), value)).collect();
+    let same = |cell: &str, value: &str| match (cell.parse::<f64>(), value.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-9 * b.abs().max(1.0),
+        _ => cell == value,
+    };
+    let mut rows = lines.filter(|cells| wanted.iter().all(|(i, value)| same(&cells[*i], value)));
+    let found = rows.next().unwrap_or_else(|| panic!("{place}: no such row"));
+    assert!(rows.next().is_none(), "{place}: several such rows");
+    found[at(column)].parse().unwrap_or_else(|_| panic!("{place}: {} is no number", found[at(column)]))
 }
 
 fn value_of(folder: &Path, what: &str) -> f64 {
@@ -208,6 +233,7 @@ fn value_of(folder: &Path, what: &str) -> f64 {
     let (expression, names) = what.split_once(';').unwrap_or_else(|| panic!("`{what}` names no data"));
     let constants: BTreeMap<String, f64> = names
         .split(';')
+        .filter(|name| !name.trim().is_empty())
         .map(|name| {
             let (name, place) = name.trim().split_once(' ').unwrap();
             (name.to_string(), looked_up(folder, place))
@@ -265,7 +291,6 @@ fn every_number_in_the_book_is_that_of_its_data() {
 
 #[test]
 fn every_measured_number_in_the_book_says_where_it_comes_from() {
-    // Written by hand: settings, sizes and numbers of other people, which no run of ours can give.
     for page in pages() {
         let (text, prose) = (&page.text, prose(&page.text));
         let mut at = 0;
@@ -275,10 +300,15 @@ fn every_measured_number_in_the_book_says_where_it_comes_from() {
             let number = word.trim_matches(|c| "e-.".contains(c));
             let digits = number.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count();
             let measured = number.matches('.').count() == 1 && digits >= 3 && number.parse::<f64>().is_ok();
-            // The number of an equation.
-            let equation = prose[..start].ends_with('(') && prose[start + word.len()..].starts_with([')', ',']);
-            let quoted = text[start + word.len()..].trim_start_matches(" %").starts_with("<!-- ");
-            assert!(!measured || equation || quoted, "{}: where does {number} come from?", page.path.display());
+            if !measured {
+                continue;
+            }
+            // The number of a figure or an equation of the source book.
+            let end = start + word.len();
+            let equation = prose[..start].ends_with("Fig. ")
+                || prose[..start].ends_with('(') && prose[end..].starts_with([')', ',']);
+            let quoted = text[end..].trim_start_matches(" %").starts_with("<!-- ");
+            assert!(equation || quoted, "{}: where does {number} come from?", page.path.display());
         }
     }
 }

@@ -3,6 +3,8 @@
 mod book;
 mod broken_meshes;
 mod case;
+mod comparison;
+mod convergence;
 mod elements;
 mod examples;
 mod explain;
@@ -11,6 +13,7 @@ mod flow;
 mod fluid;
 mod layers;
 mod meshes;
+mod precision;
 mod program;
 mod render;
 mod reproducible;

@@ -2,7 +2,8 @@
 
 use super::Common;
 use crate::base::{Error, Result};
-use crate::studies::{Factor, Method, Precision, Quantity, Truth, Twin, numbers, precision as study};
+use crate::studies::precision::{self as study, Precision, Quantity, Truth};
+use crate::studies::{Axis, Method, Twin};
 use std::num::NonZeroUsize;
 
 #[derive(clap::Args)]
@@ -15,13 +16,13 @@ pub(in crate::cli) struct Arguments {
     method: Vec<Method>,
     /// Values that a key takes in turn, as in numerics.grad_div=1,5; all are combined
     #[arg(long, value_name = "KEY=V1,V2")]
-    vary: Vec<Factor>,
+    vary: Vec<String>,
     /// Cells along the first axis of the mesh, as in 30,60
-    #[arg(long, value_name = "N1,N2")]
-    cells: Option<String>,
+    #[arg(long, value_name = "N1,N2", value_delimiter = ',')]
+    cells: Vec<NonZeroUsize>,
     /// Time steps, as in 0.02,0.01
-    #[arg(long, value_name = "DT1,DT2")]
-    steps: Option<String>,
+    #[arg(long, value_name = "DT1,DT2", value_delimiter = ',', value_parser = positive)]
+    steps: Vec<f64>,
     /// A column of series.csv at a time, the end without it; of several the largest relative error counts
     #[arg(long, value_name = "COLUMN[@T]", required = true)]
     quantity: Vec<Quantity>,
@@ -32,8 +33,8 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     exact: Vec<f64>,
     /// Errors for which the cheapest setting is told, as in 1e-2,1e-3
-    #[arg(long, value_name = "E1,E2", default_value = "0.01,0.001")]
-    tolerance: String,
+    #[arg(long, value_name = "E1,E2", value_delimiter = ',', value_parser = positive, default_value = "0.01,0.001")]
+    tolerance: Vec<f64>,
     /// Run the FreeFEM twin, twin.edp beside the scene, on the same meshes with the same steps
     #[arg(long)]
     twin: bool,
@@ -45,32 +46,31 @@ pub(in crate::cli) struct Arguments {
 /// Does the study.
 pub(super) fn precision(arguments: &Arguments) -> Result<()> {
     let told = told(arguments)?;
-    arguments.common.conduct("precision", |campaign| study(campaign, &told))
+    arguments.common.conduct("precision", |campaign| study::precision(campaign, &told))
 }
 
 fn told(a: &Arguments) -> Result<Precision> {
-    let wrong = |key: &'static str, value: &str| {
-        let value = value.to_string();
-        move |what: String| {
-            Error::scene(what).at(key).value(value).remedy(format!("see `immersa study precision --help` for {key}"))
-        }
-    };
-    let list = |text: &Option<String>| text.clone().unwrap_or_default();
-    let cells = list(&a.cells);
-    let steps = list(&a.steps);
     let truth = match &a.reference {
-        Some(text) => Truth::Reference(Method::settings(text).map_err(wrong("--reference", text))?),
+        Some(text) => Truth::Reference(Method::settings(text).map_err(|what| {
+            let remedy = "write for example --reference \"cells=120 step=0.0025 time.order=2\"";
+            Error::scene(what).at("--reference").value(text).remedy(remedy)
+        })?),
         None => Truth::Exact(a.exact.clone()),
     };
     Ok(Precision {
         methods: a.method.clone(),
-        factors: a.vary.clone(),
-        cells: if cells.is_empty() { vec![] } else { numbers(&cells).map_err(wrong("--cells", &cells))? },
-        steps: if steps.is_empty() { vec![] } else { numbers(&steps).map_err(wrong("--steps", &steps))? },
+        factors: a.vary.iter().map(|text| Axis::parse(text, "--vary")).collect::<Result<_>>()?,
+        cells: a.cells.iter().map(|n| n.get()).collect(),
+        steps: a.steps.clone(),
         quantities: a.quantity.clone(),
         truth,
-        tolerances: numbers(&a.tolerance).map_err(wrong("--tolerance", &a.tolerance))?,
+        tolerances: a.tolerance.clone(),
         twin: if a.twin { Some(Twin::read(&Twin::beside(a.common.scene.path()))?) } else { None },
         repeat: a.repeat.get(),
     })
+}
+
+fn positive(text: &str) -> std::result::Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
+    number.ok_or_else(|| "give positive numbers, separated by commas".into())
 }

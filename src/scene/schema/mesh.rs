@@ -1,7 +1,7 @@
 //! `[mesh]`: where the mesh comes from.
 
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::shape::{self, Shape};
+use super::shape::Shape;
 use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
 use crate::mesh::Diagonals;
@@ -78,7 +78,7 @@ pub(super) static KEYS: Keys = Keys {
         ),
         row(
             "geometry",
-            Named(&shape::KEYS),
+            Value("shapes with names, each as in `membrane.shape`"),
             "",
             Optional,
             "Curves that new points on named boundaries of a mesh file are moved onto when it is refined.",

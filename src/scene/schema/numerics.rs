@@ -67,7 +67,8 @@ pub(super) static KEYS: Keys = Keys {
             Choice(&COUPLING_WORDS),
             "",
             Default("\"implicit\""),
-            "How the force of a membrane enters a step.",
+            "How the force of a membrane enters a step: at the old interface, at one that is predicted by implicit \
+            diffusion (the book's semi-implicit scheme, for constant tension and `time.order = 1`), or linearised in the new velocity.",
         ),
         row(
             "convection",

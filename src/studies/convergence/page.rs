@@ -142,7 +142,7 @@ impl Study<'_> {
             grid.rows.push(cells);
         }
         grid.caption = "Extrapolated from the two finest levels with a whole order, the bar is the distance from the same \
-                        extrapolation a level earlier; with an observed order that is no whole one, it is all that the extrapolation \
+                        extrapolation a level earlier, or with the order as seen; with an observed order that is no whole one, it is all that the extrapolation \
                         adds; where no order is seen but the values settle, the finest value stands, and the spread of the last three."
             .into();
         if !self.ladder.checks.is_empty() {

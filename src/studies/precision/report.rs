@@ -17,7 +17,13 @@ pub(super) fn findings(
     points: &[Point],
 ) -> Findings {
     let names: Vec<String> = quantities.iter().map(|(c, t)| format!("{c} at t = {t:?}")).collect();
-    let what = names.join(", ");
+    let what = match quantities.first() {
+        Some((_, t)) if quantities.iter().all(|q| q.1 == *t) => {
+            let columns: Vec<&str> = quantities.iter().map(|q| q.0.as_str()).collect();
+            format!("{} at t = {t:?}", columns.join(", "))
+        }
+        _ => names.join(", "),
+    };
     let mut found = Findings {
         title: format!("{}: error and cost", scene.title),
         subtitle: format!("Error of {what}, against CPU seconds of the time steps"),
@@ -125,7 +131,7 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
             reference.notes.join(" and ")
         ),
     }];
-    if !scene.membranes.is_empty() && told.factors.iter().all(|f| f.key != "numerics.thickness") {
+    if !scene.membranes.is_empty() && told.factors.iter().all(|f| f.name != "thickness") {
         let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
         notes.push(format!(
             "The half-width eps{eps} of the band is the same in all runs: the error of thickness, of first order in eps and often the largest \
@@ -174,16 +180,16 @@ fn drawings(points: &[Point], what: &str, reference: &Reference) -> Vec<Drawing>
     let lines = "Each line is a method on one mesh, each mark a time step.";
     let work = format!("{lines} The dashed line joins the runs that no other beats in both error and CPU time.{known}");
     let against = format!("{lines}{known}");
-    let mut all = vec![
-        drawing(
-            ["work", "Error against CPU time.", "CPU seconds of the time steps", what, &work],
-            points,
-            |p| p.cpu,
-            true,
-        ),
-        drawing(["unknowns", "Error against unknowns.", "unknowns", what, &against], points, |p| p.unknowns, false),
-    ];
-    if points.iter().any(|p| p.memory.is_finite()) {
+    let mut all = vec![drawing(
+        ["work", "Error against CPU time.", "CPU seconds of the time steps", what, &work],
+        points,
+        |p| p.cpu,
+        true,
+    )];
+    // On one mesh there is nothing to be seen in them.
+    if points.iter().any(|p| p.family != points[0].family) {
+        let words = ["unknowns", "Error against unknowns.", "unknowns", what, &against];
+        all.push(drawing(words, points, |p| p.unknowns, false));
         let words = ["memory", "Error against memory.", "memory in MB", what, &against];
         all.push(drawing(words, points, |p| p.memory / 1e6, false));
     }

@@ -1,8 +1,8 @@
 //! The largest stable step of every combination, beside the formula (1.54).
 
-use super::search::{Bracket, largest_stable_step};
+use super::search::{Bracket, largest_stable_step, short};
 use super::verdict::Verdict;
-use super::{cells, check, columns, heading, per_cent, trial};
+use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Kind, Result};
 use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
 use crate::scene::Model;
@@ -18,6 +18,9 @@ pub const TOLERANCE: f64 = 0.02;
 const RANGE: [f64; 2] = [0.05, 20.0];
 /// The same over the step of the scene, where the formula says nothing.
 const RANGE_OF_STEP: [f64; 2] = [0.01, 100.0];
+
+/// Growth in a run of the largest stable step, over the tolerance, that is worth a word.
+const SLOW: f64 = 0.05;
 
 /// The search for the largest stable steps of a scene.
 #[derive(Clone, Debug)]
@@ -95,7 +98,7 @@ impl Limits {
             Err(e) => return Err(e),
         }
         let (unit, factors) = limit.formula.map_or((scene.time.step, RANGE_OF_STEP), |f| (f, RANGE));
-        let range = [self.least.unwrap_or(factors[0] * unit), self.most.unwrap_or(factors[1] * unit)];
+        let range = [self.least.unwrap_or(short(factors[0] * unit)), self.most.unwrap_or(short(factors[1] * unit))];
         // What the formula does not bind may well be stable at the largest step.
         let guess = if scene.numerics.coupling == Coupling::Explicit { unit } else { range[1] };
         let (mut refused, mut best) = (None, (0.0, Verdict::default()));
@@ -117,11 +120,11 @@ impl Limits {
     }
 
     fn table(&self, limits: &[Limit]) -> Grid {
-        let header = ["edge", "stable at", "unstable at", "(1.54)", "ratio", "growth, %", "rate, %", "remark"];
+        let header = ["edge", "stable", "unstable", "formula", "ratio", "growth", "rate", "remark"];
         let mut grid = Grid::new("limits", "Largest stable steps", columns(&self.axes, &header));
         for l in limits {
             let number = |v: Option<f64>, digits| Cell::Number(v.unwrap_or(f64::NAN), digits);
-            let of_stable = |v: f64| l.bracket.stable.map(|_| 100.0 * v);
+            let of_stable = |v: f64| l.bracket.stable.map(|_| v);
             let mut row = cells(&l.combination);
             row.extend([
                 number(l.edge, 4),
@@ -135,9 +138,9 @@ impl Limits {
             ]);
             grid.rows.push(row);
         }
-        grid.caption = "(1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band; ratio: the \
-                        measured limit over it. At the largest stable step: the largest growth of the energy beyond the balance, \
-                        and the rate per time at which energy comes from nowhere in the second half of the run."
+        grid.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
+                        the measured limit over it. Growth: of the energy beyond the balance at the largest stable step, the most in the \
+                        run. Rate: its change per time in the second half of that run, negative while energy is lost."
             .into();
         grid
     }
@@ -152,21 +155,18 @@ impl Limits {
         )];
         for l in limits {
             let name = heading(&l.combination);
-            if let Some(reason) = &l.refused {
-                notes.push(format!("{name}refused: {reason}"));
-            }
             if let (Some(stable), false) = (l.bracket.stable, l.bracket.islands.is_empty()) {
                 let islands = l.bracket.islands.iter().map(|s| rounded(*s, 4)).collect::<Vec<_>>().join(", ");
                 notes.push(format!("{name}unstable at {islands} although stable at {}: no bound.", rounded(stable, 4)));
             }
-            if l.bracket.stable.is_some_and(|dt| l.verdict.rate * dt * self.steps as f64 > self.tolerance) {
+            if l.bracket.stable.is_some_and(|dt| l.verdict.rate * dt * self.steps as f64 > SLOW * self.tolerance) {
                 notes.push(format!(
-                    "{name}at the largest stable step energy still comes from nowhere at a rate of {} per time: with more --steps the \
-                     limit may be lower.",
+                    "{name}at the largest stable step the energy grows by {} per time: with more --steps the limit may be lower.",
                     per_cent(l.verdict.rate)
                 ));
             }
         }
+        notes.extend(refusals(limits.iter().filter_map(|l| Some((&l.combination[..], l.refused.as_deref()?)))));
         notes
     }
 }

@@ -47,9 +47,31 @@ fn heading(combination: &[Choice]) -> String {
     let words = in_words(combination);
     let mut letters = words.chars();
     match letters.next() {
-        Some(first) => format!("{}{}: ", first.to_uppercase(), letters.as_str()),
+        // The name of a key is written as it is.
+        Some(first) if combination.first().is_some_and(|c| !c.label.contains('=')) => {
+            format!("{}{}: ", first.to_uppercase(), letters.as_str())
+        }
+        Some(_) => format!("{words}: "),
         None => String::new(),
     }
+}
+
+/// What was refused and why, a line a reason.
+fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<String> {
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for (combination, reason) in refused {
+        let reason = reason.lines().map(str::trim).collect::<Vec<_>>().join("; ");
+        match reasons.iter_mut().find(|r| r.0 == reason) {
+            Some(known) => known.1.push(in_words(combination)),
+            None => reasons.push((reason, vec![in_words(combination)])),
+        }
+    }
+    let line = |(reason, of): (String, Vec<String>)| match &of[..] {
+        [] => reason,
+        [only] => format!("refused ({only}): {reason}"),
+        [first, more @ ..] => format!("refused ({first} and {} more): {reason}", more.len()),
+    };
+    reasons.into_iter().map(line).collect()
 }
 
 /// A fraction in per cent.

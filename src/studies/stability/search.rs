@@ -43,7 +43,8 @@ pub fn largest_stable_step(
     mut is_stable: impl FnMut(f64) -> Result<bool>,
 ) -> Result<Bracket> {
     let [least, most] = range;
-    let within = |step: f64| short(step).clamp(least, most);
+    let within =
+        |step: f64| if step > least && step < most { short(step).clamp(least, most) } else { step.clamp(least, most) };
     let mut bracket = Bracket::default();
     let mut step = within(guess);
     loop {
@@ -66,7 +67,7 @@ pub fn largest_stable_step(
 }
 
 /// A number with few digits.
-fn short(v: f64) -> f64 {
+pub(super) fn short(v: f64) -> f64 {
     rounded(v, DIGITS).parse().unwrap_or(v)
 }
 

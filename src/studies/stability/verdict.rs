@@ -15,7 +15,8 @@ pub struct Verdict {
     pub unstable_from: Option<f64>,
     /// Energy from nowhere over the energy in play, by (3.23): the value of the largest magnitude.
     pub from_nowhere: f64,
-    /// The rate at which it grows in the second half of the run, per time.
+    /// The rate at which the growth changes in the second half of the run, per time: negative where energy is dissipated, positive
+    /// where an instability grows that has not come far yet.
     pub rate: f64,
     /// Relative change of an enclosed area, the largest; NaN without membranes.
     pub area: f64,
@@ -37,18 +38,18 @@ impl Verdict {
         let (time, kinetic, elastic) = (column("time")?, column("energy_kinetic")?, column("energy_elastic")?);
         let (work, balance) = (column("work")?, column("energy_balance")?);
         let energy: Vec<f64> = kinetic.iter().zip(elastic).map(|(k, e)| k + e).collect();
-        let growth = growth(&energy, work);
-        let beyond = growth.iter().position(|g| *g > tolerance).and_then(|i| time.get(i)).copied();
+        let excess = excess(&energy, work);
+        let beyond = excess.iter().position(|g| *g > tolerance).and_then(|i| time.get(i)).copied();
         let failed = match &outcome.end {
             End::Failed { time, .. } => Some(*time),
             _ => None,
         };
         Ok(Verdict {
             refused: None,
-            growth: growth.iter().copied().fold(0.0, f64::max),
+            growth: excess.iter().copied().fold(0.0, f64::max),
             unstable_from: beyond.or(failed),
             from_nowhere: largest(balance.iter().copied()),
-            rate: late_rate(time, balance),
+            rate: late_rate(time, &excess),
             area: largest(outcome.summary.balance.area.values().flatten().copied()),
         })
     }
@@ -66,14 +67,15 @@ impl Verdict {
     }
 }
 
-/// At each time, the energy less what was there and was put in, over the largest value of that so far.
-fn growth(energy: &[f64], work: &[f64]) -> Vec<f64> {
+/// At each time, the energy less what was there and was put in, over the largest value of the latter so far.
+fn excess(energy: &[f64], work: &[f64]) -> Vec<f64> {
     let initial = energy.first().copied().unwrap_or(0.0);
     let mut scale: f64 = 0.0;
     let at = |(e, w): (&f64, &f64)| {
         scale = scale.max(initial + w);
         let excess = e - (initial + w);
-        if excess > 0.0 { excess / scale } else { 0.0 }
+        // Without any energy there is nothing to compare with, and nothing that could grow.
+        if excess == 0.0 { 0.0 } else { excess / scale }
     };
     energy.iter().zip(work).map(at).collect()
 }
@@ -122,6 +124,7 @@ mod tests {
         // Twice the work: half of the energy at the end came from nowhere.
         assert!((judge(&[0.0, 1.0, 5.0], &[0.0, 1.0, 2.0]).growth - 1.0).abs() < 1e-12);
         assert!((judge(&[0.0, 0.0, 0.0, 0.01], &[0.0; 4]).rate - 0.01).abs() < 1e-12);
+        assert!(driven.rate < 0.0);
     }
 
     #[test]

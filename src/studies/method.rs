@@ -1,8 +1,5 @@
-//! What the runs of a study differ in, as it is written on the command line.
+//! A method: settings of a scene with a name, and meshes and steps of their own.
 
-use crate::base::{Error, Result};
-use crate::scene::Scene;
-use crate::scene::schema::MeshSource;
 use std::str::FromStr;
 
 /// Settings with a name: `BDF2 implicit: time.order=2 numerics.coupling=implicit`.
@@ -59,27 +56,6 @@ impl FromStr for Method {
     }
 }
 
-/// A key of the scene and the values it takes in turn: `numerics.grad_div=1,5`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Factor {
-    /// The key.
-    pub key: String,
-    /// The values.
-    pub values: Vec<String>,
-}
-
-impl FromStr for Factor {
-    type Err = String;
-    fn from_str(text: &str) -> std::result::Result<Factor, String> {
-        let (key, list) = text.split_once('=').ok_or("write a key and its values: numerics.grad_div=1,5")?;
-        let values = items(list);
-        if key.trim().is_empty() || values.iter().any(String::is_empty) {
-            return Err("write a key and its values: numerics.grad_div=1,5".into());
-        }
-        Ok(Factor { key: key.trim().into(), values })
-    }
-}
-
 /// A column of the series at a time: `membrane.horizontal@0.4`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
@@ -104,30 +80,9 @@ impl FromStr for Quantity {
 }
 
 /// Positive numbers, separated by commas.
-///
-/// # Errors
-/// One that is not.
-pub fn numbers<T: FromStr + PartialOrd + Default>(list: &str) -> std::result::Result<Vec<T>, String> {
+fn numbers<T: FromStr + PartialOrd + Default>(list: &str) -> std::result::Result<Vec<T>, String> {
     let number = |v: &str| v.trim().parse::<T>().ok().filter(|v| *v > T::default());
     list.split(',').map(|v| number(v).ok_or_else(|| format!("`{v}` is not a positive number"))).collect()
-}
-
-/// What to set for `n` cells along the first axis of a generated mesh, the others in the proportion of the scene.
-///
-/// # Errors
-/// A mesh that is read from a file.
-pub fn cells(scene: &Scene, n: usize) -> Result<String> {
-    match &scene.mesh {
-        MeshSource::Rectangle { cells: [x, y], .. } => {
-            let m = (n as f64 * *y as f64 / *x as f64).round().max(1.0);
-            Ok(format!("mesh.rectangle.cells=[{n}, {m}]"))
-        }
-        MeshSource::Disc { .. } => Ok(format!("mesh.disc.cells={n}")),
-        _ => Err(Error::scene("the mesh of the scene is not generated, so that its cells cannot be chosen")
-            .at("--cells")
-            .value(n)
-            .remedy("name mesh files instead: --vary mesh.file=coarse.msh,fine.msh")),
-    }
 }
 
 /// Whether all brackets of a word are closed.
@@ -136,24 +91,12 @@ fn is_whole(word: &str) -> bool {
     count(&['[', '{']) == count(&[']', '}'])
 }
 
-/// The values of a list, separated by commas outside of brackets.
-fn items(list: &str) -> Vec<String> {
-    let mut items: Vec<String> = Vec::new();
-    for part in list.split(',') {
-        match items.last_mut().filter(|last| !is_whole(last)) {
-            Some(last) => *last += &format!(",{part}"),
-            None => items.push(part.to_string()),
-        }
-    }
-    items.iter().map(|v| v.trim().to_string()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn methods_factors_and_quantities_are_read() {
+    fn methods_and_quantities_are_read() {
         let m: Method =
             "BDF2 implicit: time.order=2 mesh.rectangle.cells=[3, 4] steps=0.02,1e-2 cells=30".parse().unwrap();
         assert_eq!(
@@ -161,8 +104,6 @@ mod tests {
             ("BDF2 implicit", "time.order=2 mesh.rectangle.cells=[3,4]".into())
         );
         assert_eq!((m.steps, m.cells), (Some(vec![0.02, 0.01]), Some(vec![30])));
-        let f: Factor = "mesh.rectangle.cells=[3, 3],[4,4]".parse().unwrap();
-        assert_eq!(f.values, ["[3, 3]", "[4,4]"]);
         let q: Quantity = "membrane.area@0.4".parse().unwrap();
         assert_eq!(q, Quantity { column: "membrane.area".into(), time: Some(0.4) });
     }
@@ -172,7 +113,6 @@ mod tests {
         for text in ["time.order=2", ": time.order=2", "a: order", "a: steps=0", "a: cells=x"] {
             assert!(!text.parse::<Method>().unwrap_err().is_empty(), "{text}");
         }
-        assert!("numerics.grad_div".parse::<Factor>().is_err() && "k=1,,2".parse::<Factor>().is_err());
         assert!("@1".parse::<Quantity>().is_err() && "area@soon".parse::<Quantity>().is_err());
     }
 }
