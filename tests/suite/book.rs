@@ -5,7 +5,7 @@
 //! gives has `<!-- from WHERE -->`.
 
 use immersa::scene::schema::{KEYS, Keys, Kind};
-use immersa::scene::{Expression, Model, Scene, reference};
+use immersa::scene::{Diagnostics, Expression, Model, Scene, reference};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -98,6 +98,33 @@ fn the_page_about_the_scene_is_the_reference() {
         page == reference::reference(None).unwrap(),
         "run book/make, or immersa reference > book/src/reference/scene.md"
     );
+}
+
+#[test]
+fn the_page_about_the_series_has_every_column() {
+    let page = fs::read_to_string(source().join("reference/series.md")).unwrap();
+    let scene = r#"
+        mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [8, 8] }
+        fluid.viscosity = 1
+        time = { end = 1, step = 1 }
+        exact = { velocity = [0, 0], pressure = 0 }
+        [[membrane]]
+        name = "MEMBRANE"
+        shape.circle = { centre = [0.5, 0.5], radius = 0.2 }
+        area.tension = { tension = 1 }
+        chords.CHORD = { through = [0, 0], direction = [1, 0] }
+        [numerics]
+        thickness = 0.2
+        [output]
+        probes.PROBE = { at = [0, 0], of = "pressure" }
+        forces.FORCE = { boundary = "left", about = [0, 0] }
+        fluxes.FLUX = { boundary = "left" }
+    "#;
+    let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
+    let model = Model::new(&scene).unwrap();
+    for column in Diagnostics::new(&scene, &model).unwrap().columns() {
+        assert!(page.contains(&format!("`{column}`")), "{column} is not on the page");
+    }
 }
 
 /// The run folders that the commands of a text write to, by the rules of `immersa run`.
@@ -205,8 +232,8 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
-/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this value, a number or a word. Several
-/// keys are joined by `&` or a comma.
+/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this value, a number or words joined by `_`. Several
+/// keys are joined by `&`.
 fn looked_up(folder: &Path, place: &str) -> f64 {
     let mut parts = place.trim().splitn(3, ' ');
     let [file, row, column] = [(); 3].map(|()| parts.next().unwrap_or_else(|| panic!("`{place}` is no place")));
@@ -215,10 +242,10 @@ fn looked_up(folder: &Path, place: &str) -> f64 {
     let names = lines.next().unwrap();
     let at = |name: &str| names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{place}: no column {name}"));
     let wanted: Vec<(usize, &str)> =
-        row.split(['&', ',']).map(|k| k.split_once('=').unwrap()).map(|(key, value)| (at(key), value)).collect();
+        row.split('&').map(|k| k.split_once('=').unwrap()).map(|(key, value)| (at(key), value)).collect();
     let same = |cell: &str, value: &str| match (cell.parse::<f64>(), value.parse::<f64>()) {
         (Ok(a), Ok(b)) => (a - b).abs() <= 1e-9 * b.abs().max(1.0),
-        _ => cell == value,
+        _ => cell.replace(' ', "_") == value,
     };
     let mut rows = lines.filter(|cells| wanted.iter().all(|(i, value)| same(&cells[*i], value)));
     let found = rows.next().unwrap_or_else(|| panic!("{place}: no such row"));
