@@ -8,6 +8,7 @@ mod item;
 mod model;
 pub(crate) mod nearest;
 mod overrides;
+mod passive;
 mod plan;
 pub mod render;
 pub mod run;

@@ -19,12 +19,34 @@ pub struct Fluid {
     pub force: Vec<Expression>,
     /// Velocity at time 0; does not depend on time.
     pub initial_velocity: Vec<Expression>,
+    /// The velocity at all times, in place of a flow that is solved; then nothing else of the fluid has a meaning.
+    pub prescribed_velocity: Option<Vec<Expression>>,
 }
+
+/// All keys but `prescribed_velocity`.
+const SOLVED: [&str; 5] = ["density", "viscosity", "gravity", "force", "initial_velocity"];
 
 impl Fluid {
     pub(super) fn read(item: &Item, structures: usize, context: &Context) -> Result<Fluid> {
-        let table = item.table(&["density", "viscosity", "gravity", "force", "initial_velocity"])?;
+        let table =
+            item.table(&["density", "viscosity", "gravity", "force", "initial_velocity", "prescribed_velocity"])?;
         let zero = vec![Expression::constant(0.0); context.dimension];
+        if let Some(velocity) = table.optional("prescribed_velocity", |i| i.components(context))? {
+            if let Some((key, item)) = SOLVED.iter().find_map(|key| Some((key, table.get(key)?))) {
+                return Err(item
+                    .key_error(format!("`{key}` means nothing beside `prescribed_velocity`: no flow is solved"))
+                    .remedy("keep one of the two"));
+            }
+            let none = Contrast::uniform(0.0);
+            return Ok(Fluid {
+                density: none,
+                viscosity: none,
+                gravity: vec![0.0; context.dimension],
+                force: zero.clone(),
+                initial_velocity: zero,
+                prescribed_velocity: Some(velocity),
+            });
+        }
         let density = |i: &Item| read_contrast(i, structures, Item::non_negative);
         let viscosity = |i: &Item| read_contrast(i, structures, Item::positive);
         Ok(Fluid {
@@ -33,7 +55,13 @@ impl Fluid {
             gravity: table.optional("gravity", |i| i.point(context))?.unwrap_or(vec![0.0; context.dimension]),
             force: table.optional("force", |i| i.components(context))?.unwrap_or(zero.clone()),
             initial_velocity: table.optional("initial_velocity", |i| initial(i, context))?.unwrap_or(zero),
+            prescribed_velocity: None,
         })
+    }
+
+    /// Whether the velocity is prescribed, so that no flow is solved.
+    pub fn is_prescribed(&self) -> bool {
+        self.prescribed_velocity.is_some()
     }
 
     /// Whether the fluid has mass; without it the Stokes equations are solved.
@@ -48,6 +76,9 @@ impl Fluid {
 
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[fluid]");
+        if let Some(velocity) = &self.prescribed_velocity {
+            return out.entry("prescribed_velocity", expressions(velocity));
+        }
         out.entry("density", write_contrast(self.density));
         out.entry("viscosity", write_contrast(self.viscosity));
         out.entry("gravity", vector(&self.gravity));

@@ -2,6 +2,7 @@
 
 mod boundary;
 mod fluid;
+mod level_set;
 mod membrane;
 mod mesh;
 mod numerics;
@@ -13,6 +14,7 @@ mod write;
 
 pub use boundary::{Boundary, Condition, WALLS};
 pub use fluid::Fluid;
+pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
@@ -21,7 +23,7 @@ pub use shape::Shape;
 pub use time::Time;
 
 use super::expression::is_reserved;
-use super::item::{Context, Item};
+use super::item::{Context, Item, Table};
 use crate::base::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -40,10 +42,12 @@ pub struct Settings {
     pub mesh: MeshSource,
     /// What flows.
     pub fluid: Fluid,
-    /// Conditions on the boundary, in the order of the scene; never empty.
+    /// Conditions on the boundary, in the order of the scene; empty only when the velocity is prescribed.
     pub boundaries: Vec<Boundary>,
     /// Elastic interfaces, in the order of the scene.
     pub membranes: Vec<Membrane>,
+    /// Interfaces that are carried and act on nothing, in the order of the scene.
+    pub level_sets: Vec<LevelSet>,
     /// The time grid.
     pub time: Time,
     /// How the equations are solved.
@@ -52,8 +56,8 @@ pub struct Settings {
     pub output: Output,
 }
 
-const KEYS: [&str; 10] =
-    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "time", "numerics", "output"];
+const KEYS: [&str; 11] =
+    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "level_set", "time", "numerics", "output"];
 
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
@@ -64,22 +68,35 @@ impl Settings {
         let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder))?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
+        let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
+        let level_sets = level_set::read(scene.get("level_set"), &taken, &context)?;
         let fluid = |i: &Item| Fluid::read(i, membranes.len(), &context);
         let fluid = scene.required("fluid", "write [fluid] with viscosity = 0.01", fluid)?;
+        if fluid.is_prescribed() {
+            check_passive(&scene, level_sets.is_empty())?;
+        }
+        let interfaces: Vec<&str> = taken.into_iter().chain(level_sets.iter().map(|s| s.name.as_str())).collect();
         let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
         let text = |i: &Item| i.text().map(str::to_string);
         Ok(Settings {
             title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
             units: scene.optional("units", text)?.unwrap_or_default(),
-            boundaries: boundary::read(scene.get("boundary"), &context)?,
+            boundaries: boundary::read(scene.get("boundary"), fluid.is_prescribed(), &context)?,
             numerics: Numerics::read(scene.get("numerics"))?,
-            output: Output::read(scene.get("output"), &time, &membranes, &context)?,
+            output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), &context)?,
             constants: context.constants,
             mesh,
             fluid,
             membranes,
+            level_sets,
             time,
         })
+    }
+
+    /// The names of all interfaces, those of membranes first, each with the slope of its level set at the start.
+    pub fn interfaces(&self) -> impl Iterator<Item = (&str, f64)> {
+        let passive = self.level_sets.iter().map(|s| (s.name.as_str(), 1.0));
+        self.membranes.iter().map(|m| (m.name.as_str(), m.stretch)).chain(passive)
     }
 
     /// The scene as TOML with every default written out; reads as the same settings.
@@ -97,10 +114,26 @@ impl Settings {
         self.fluid.write(&mut out);
         boundary::write(&self.boundaries, &mut out);
         membrane::write(&self.membranes, &mut out);
+        level_set::write(&self.level_sets, &mut out);
         self.time.write(&mut out);
         self.numerics.write(&mut out);
         self.output.write(&mut out);
         out.text
+    }
+}
+
+/// A prescribed velocity carries level sets and nothing else.
+fn check_passive(scene: &Table, without_level_set: bool) -> Result<()> {
+    if let Some(item) = scene.get("membrane") {
+        return Err(item
+            .key_error("a membrane acts on the flow, but the velocity is prescribed")
+            .remedy("carry its shape as a [[level_set]], or give a viscosity in place of prescribed_velocity"));
+    }
+    match scene.get("fluid") {
+        Some(item) if without_level_set => Err(item
+            .key_error("the velocity is prescribed and carries nothing")
+            .remedy("add [[level_set]] with shape.circle = { centre = [0.5, 0.75], radius = 0.15 }")),
+        _ => Ok(()),
     }
 }
 

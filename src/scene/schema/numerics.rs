@@ -18,6 +18,8 @@ pub struct Numerics {
     pub grad_div: Option<f64>,
     /// How level sets are carried.
     pub transport: Method,
+    /// With composed transport, the steepness `|grad d|` of a short map `x + d(x)` beyond which the next one begins.
+    pub remap: Option<f64>,
     /// How the force of a membrane enters a step.
     pub coupling: Coupling,
     /// Whether velocity carries itself.
@@ -27,7 +29,8 @@ pub struct Numerics {
 }
 
 const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
-const TRANSPORTS: [(&str, Method); 2] = [("nodal", Method::Nodal), ("projected", Method::Projected)];
+const TRANSPORTS: [(&str, Method); 3] =
+    [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
 const COUPLINGS: [(&str, Coupling); 2] = [("explicit", Coupling::Explicit), ("implicit", Coupling::Implicit)];
 const MOST_DEGREE: usize = 20;
 
@@ -38,18 +41,20 @@ impl Numerics {
             band: None,
             grad_div: None,
             transport: Method::Nodal,
+            remap: None,
             coupling: Coupling::Implicit,
             convection: None,
             quadrature: None,
         };
         let Some(item) = item else { return Ok(numerics) };
         let table =
-            item.table(&["thickness", "band", "grad_div", "transport", "coupling", "convection", "quadrature"])?;
+            item.table(&["thickness", "band", "grad_div", "transport", "remap", "coupling", "convection", "quadrature"])?;
         let degree = |i: &Item| i.count(1, MOST_DEGREE);
         numerics.thickness = table.optional("thickness", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.band = table.optional("band", |i| i.unless_auto(|i| i.choice(&BANDS)))?.flatten();
         numerics.grad_div = table.optional("grad_div", |i| i.unless_auto(Item::non_negative))?.flatten();
         numerics.transport = table.optional("transport", |i| i.choice(&TRANSPORTS))?.unwrap_or(numerics.transport);
+        numerics.remap = table.optional("remap", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.coupling = table.optional("coupling", |i| i.choice(&COUPLINGS))?.unwrap_or(numerics.coupling);
         numerics.convection = table.optional("convection", |i| i.unless_auto(Item::boolean))?.flatten();
         numerics.quadrature = table.optional("quadrature", |i| i.unless_auto(degree))?.flatten();
@@ -62,6 +67,7 @@ impl Numerics {
         out.entry("band", or_auto(self.band, |b| name(b, &BANDS).to_string()));
         out.entry("grad_div", or_auto(self.grad_div, number));
         out.entry("transport", name(self.transport, &TRANSPORTS));
+        out.entry("remap", or_auto(self.remap, number));
         out.entry("coupling", name(self.coupling, &COUPLINGS));
         out.entry("convection", or_auto(self.convection, |c| c.to_string()));
         out.entry("quadrature", or_auto(self.quadrature, |d| d.to_string()));
