@@ -16,3 +16,4 @@ mod space_order;
 mod time_order;
 mod transport;
 mod virtual_work;
+mod vortex;
