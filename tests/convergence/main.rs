@@ -8,6 +8,7 @@ mod exact;
 mod membrane;
 mod tools;
 
+mod body;
 mod energy;
 mod explicit_limit;
 mod freefem;
