@@ -72,17 +72,18 @@ impl Course {
     }
 }
 
-/// Errors at the end: of the area, relative; mean distance of exact markers from the interface; mean relative error of
+/// Errors at the end: of the area, relative, by samples of the sign and by the cut interface, which does not see a part thinner than half an edge; mean distance of exact markers from the interface; mean relative error of
 /// the slope, which is the stretch, at the markers. Means by arc length.
 #[derive(Clone, Copy, Debug)]
 struct Errors {
     area: f64,
+    cut: f64,
     distance: f64,
     slope: f64,
 }
 
 impl Errors {
-    fn of(area: f64, course: Course, at: impl Fn(&Point<2>) -> (f64, Vector2<f64>)) -> Errors {
+    fn of([area, cut]: [f64; 2], course: Course, at: impl Fn(&Point<2>) -> (f64, Vector2<f64>)) -> Errors {
         let (mut length, mut distance, mut slope) = (0.0, 0.0, 0.0);
         for (x, stretch) in course.markers(2000) {
             let (value, gradient) = at(&x);
@@ -90,10 +91,12 @@ impl Errors {
             distance += value.abs();
             slope += (gradient.norm() - stretch).abs();
         }
-        Errors { area: area / (PI * RADIUS * RADIUS) - 1.0, distance: distance / length, slope: slope / length }
+        let [area, cut] = [area, cut].map(|a| a / (PI * RADIUS * RADIUS) - 1.0);
+        Errors { area, cut, distance: distance / length, slope: slope / length }
     }
     fn print(&self, what: &str) {
-        println!("{what}: area {:+.3} %, distance {:.2e}, slope {:.3}", 100.0 * self.area, self.distance, self.slope);
+        let [area, cut] = [self.area, self.cut].map(|a| 100.0 * a);
+        println!("{what}: area {area:+.3} % (cut {cut:+.3} %), distance {:.2e}, slope {:.3}", self.distance, self.slope);
     }
 }
 
@@ -126,13 +129,30 @@ impl Case {
     }
     fn errors(&self, phi: &[f64]) -> Errors {
         let contour = Contour::new(&self.space, phi).unwrap();
-        let area = contour.measures().map_or(0.0, |m| m.area);
+        let cut = contour.measures().map_or(0.0, |m| m.area);
         let locator = Locator::new(self.space.mesh());
-        Errors::of(area, self.course, |x| {
+        Errors::of([self.sampled(phi), cut], self.course, |x| {
             let at = locator.locate(self.space.mesh(), x).unwrap();
             let (cell, l) = (at.cell as usize, &at.barycentric);
             (self.space.value(phi, cell, l), self.space.gradient(phi, cell, l))
         })
+    }
+    /// Area where `phi < 0`, by 144 samples a cell.
+    fn sampled(&self, phi: &[f64]) -> f64 {
+        const K: usize = 12;
+        let third = 1.0 / (3 * K) as f64;
+        let corners = (0..K).flat_map(|i| (0..K - i).map(move |j| (i, j, 1)));
+        let turned = (0..K - 1).flat_map(|i| (0..K - 1 - i).map(move |j| (i, j, 2)));
+        let samples: Vec<[f64; 4]> = corners
+            .chain(turned)
+            .map(|(i, j, k)| {
+                let [a, b] = [i, j].map(|v| (3 * v + k) as f64 * third);
+                [1.0 - a - b, a, b, 0.0]
+            })
+            .collect();
+        let inside = |c: usize| samples.iter().filter(|l| self.space.value(phi, c, l) < 0.0).count() as f64;
+        let mesh = self.space.mesh();
+        (0..mesh.cell_count()).map(|c| mesh.map(c).volume * inside(c) / samples.len() as f64).sum()
     }
     fn nodal(&self) -> Errors {
         let (mut phi, mut feet) = (signed_distance(&self.space, &self.disc()), Feet::default());
@@ -212,36 +232,106 @@ impl Composed<'_> {
         let area = self.interface().contour.measures().unwrap().area;
         let mesh = self.case.space.mesh();
         let locator = Locator::new(mesh);
-        Errors::of(area, self.case.course, |x| self.at(&locator.locate(mesh, x).unwrap()))
+        Errors::of([area; 2], self.case.course, |x| self.at(&locator.locate(mesh, x).unwrap()))
     }
     fn determinant_error(&self) -> f64 {
         self.map.determinant_error(&self.case.tracer)
     }
 }
 
+/// The predicted failure of nodal transport, and the two remedies. The prediction comes from a program that shares nothing with this one (a lattice of
+/// squares in place of a mesh, area by sampling): distances and slopes agree to its digits.
 #[test]
-fn zz_measure() {
-    use Course::*;
-    for d in [Diagonals::Left, Diagonals::UnionJack] {
-        for c in [Steady, Reversed] {
-            for (n, cfl) in [(64, 0.5), (64, 4.0)] {
-                let case = Case::new(c, n, cfl, d);
-                case.nodal().print(&format!("{d:?} nodal {n} {cfl} steps {}", case.steps));
-            }
-            let case = Case::new(c, 64, 2.0, d);
-            case.projected().print(&format!("{d:?} projected 64 2"));
-            for tau in [0.125, 0.25, 0.5, 1.0] {
-                let case = Case::new(c, 32, 2.0, d);
-                let r = case.composed(tau);
-                r.errors().print(&format!("{d:?} composed 32 2 tau {tau} maps {} det {:.2e}", r.map.submaps().len(), r.determinant_error()));
-            }
-            for remap in [0.25, 0.5, 1.0, 2.0] {
-                for (n, cfl) in [(32, 2.0), (32, 0.5), (64, 2.0)] {
-                    let case = Case::new(c, n, cfl, d);
-                    let r = case.composed_by_steepness(remap);
-                    r.errors().print(&format!("{d:?} composed {n} {cfl} remap {remap} maps {} det {:.2e}", r.map.submaps().len(), r.determinant_error()));
-                }
-            }
-        }
-    }
+fn nodal_transport_loses_the_filament_and_projection_or_composition_keeps_it() {
+    let at = |n, courant| Case::new(Course::Steady, n, courant, Diagonals::Left);
+    let small = at(64, 0.5).nodal();
+    small.print("Vortex, t = 5, nodal, 64 squares, Courant number .5");
+    assert!(small.area < -0.95 && near(small.distance, 5.79e-3) && near(small.slope, 0.755));
+    let large = at(64, 4.0).nodal();
+    large.print("Vortex, t = 5, nodal, 64 squares, Courant number 4");
+    assert!(near(large.area, -0.212) && near(large.distance, 1.42e-3) && near(large.slope, 0.469));
+    let projected = at(64, 2.0).projected();
+    projected.print("Vortex, t = 5, projected, 64 squares, Courant number 2");
+    assert!(projected.area > 2.0 * -0.0046 && projected.area < 0.5 * -0.0046);
+    assert!(near(projected.distance, 9.10e-4) && near(projected.slope, 0.304));
+    let case = at(32, 2.0);
+    let composed = case.composed(0.125);
+    let errors = composed.errors();
+    errors.print("Vortex, t = 5, composed, 32 squares, Courant number 2, tau .125");
+    println!("    {} submaps, determinant {:.1e}", composed.map.submaps().len(), composed.determinant_error());
+    assert!(errors.area.abs() < 1e-3 && near(errors.distance, 2.18e-5) && near(errors.slope, 0.016));
+    // The estimate that costs no second run is near the error of the slope.
+    let estimate = composed.determinant_error();
+    assert!(estimate > 0.5 * errors.slope && estimate < 2.0 * errors.slope, "{estimate}");
+    // On the mesh that all others fail on, the length is that of the markers to a few parts in a thousand.
+    let exact: f64 = Course::Steady.markers(2000).iter().map(|m| m.1).sum::<f64>() / 2000.0 * 2.0 * PI * RADIUS;
+    let length = composed.interface().contour.perimeter();
+    println!("    length {length:.4}, exact {exact:.4}");
+    assert!((length / exact - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn the_reversed_vortex_comes_back_when_maps_are_composed() {
+    let at = |n, courant| Case::new(Course::Reversed, n, courant, Diagonals::Left);
+    let nodal = at(64, 4.0).nodal();
+    nodal.print("Vortex, T = 8 reversed, nodal, 64 squares, Courant number 4");
+    assert!(near(nodal.area, -0.0295) && near(nodal.distance, 1.18e-2) && near(nodal.slope, 0.140));
+    let projected = at(64, 2.0).projected();
+    projected.print("Vortex, T = 8 reversed, projected, 64 squares, Courant number 2");
+    assert!(near(projected.area, 0.02948) && near(projected.distance, 2.99e-3) && near(projected.slope, 0.085));
+    let case = at(32, 2.0);
+    let composed = case.composed(0.125).errors();
+    composed.print("Vortex, T = 8 reversed, composed, 32 squares, Courant number 2, tau .125");
+    assert!(composed.area.abs() < 3e-4 && near(composed.distance, 7.5e-5) && near(composed.slope, 0.024));
+}
+
+/// Long submaps are as steep as a field that is carried without them; short ones stay near the identity.
+#[test]
+fn composition_needs_its_restarts() {
+    let case = Case::new(Course::Steady, 32, 2.0, Diagonals::Left);
+    let slope = |tau: f64| {
+        let errors = case.composed(tau).errors();
+        errors.print(&format!("Vortex, t = 5, composed, 32 squares, tau {tau}"));
+        errors.slope
+    };
+    let (rare, often) = (slope(1.0), slope(0.125));
+    assert!(near(rare, 0.127) && near(often, 0.016));
+    // The criterion by steepness finds the short ones by itself.
+    let found = case.composed_by_steepness(immersa::sim::REMAP);
+    let errors = found.errors();
+    errors.print(&format!("Vortex, t = 5, composed, 32 squares, by steepness, {} submaps", found.map.submaps().len()));
+    assert!(errors.slope <= often && errors.area.abs() < 1e-3);
+}
+
+/// Feet by one step of the midpoint rule through the P2 velocity at Courant number 2 cost 3 % of the area; the library's steps of half the
+/// size, or the Runge-Kutta rule, do not.
+#[test]
+fn coarse_feet_spoil_the_area_and_finer_ones_do_not() {
+    let case = Case::new(Course::Steady, 32, 2.0, Diagonals::Left);
+    let (space, mesh) = (&case.space, case.space.mesh());
+    let u = space.interpolate(|x| vortex(x).0);
+    let locator = Locator::new(mesh);
+    let within = |x: Point<2>| locator.locate(mesh, &x.map(|c| c.clamp(0.0, 1.0))).unwrap();
+    let value = |at: &Location| space.value(&u, at.cell as usize, &at.barycentric);
+    let midpoint = space.nodes().iter().map(|x| {
+        let middle = within(x - value(&within(*x)) * (0.5 * case.dt()));
+        within(x - value(&middle) * case.dt())
+    });
+    let coarse = Feet::new(midpoint.collect());
+    let area = |what: &str, chain: Composed<'_>| {
+        let errors = chain.errors();
+        errors.print(&format!("Vortex, t = 5, composed, 32 squares, Courant number 2, feet by {what}"));
+        errors.area
+    };
+    let tau = 4.0 * case.dt();
+    let coarse = area("one midpoint step in P2", case.chain(tau, |_, feet| feet.clone_from(&coarse)));
+    let halved = area("midpoint steps below 1 in P2", case.chain(tau, |_, feet| case.tracer.from_nodes(&u, case.dt(), feet)));
+    let exact = area("Runge-Kutta in the exact velocity", case.composed(tau));
+    assert!(near(coarse, 0.0298), "{coarse}");
+    assert!(halved.abs() < 0.25 * coarse && exact.abs() < 1e-3);
+}
+
+/// Within a tenth.
+fn near(value: f64, expected: f64) -> bool {
+    (value - expected).abs() <= 0.1 * expected.abs()
 }
