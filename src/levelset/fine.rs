@@ -11,7 +11,7 @@ use std::sync::Arc;
 const MOST_LEVELS: u32 = 6;
 /// Distance of a point of a triangle from the nearest of its six P2 nodes, over its longest edge, at most; with a margin
 /// for a slope that is greater between the nodes.
-const REACH: f64 = 0.6;
+const REACH: f64 = 0.4;
 
 /// A function at a point.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +61,7 @@ impl Interface {
         f: impl Fn(&Location) -> Sample + Sync,
     ) -> Result<Interface> {
         let mut lattice = Lattice { mesh: space.mesh(), levels: 0, known: HashMap::new(), f: &f };
-        let whole: Vec<(u32, [Weights; 3])> = (0..space.mesh().cell_count() as u32).map(|c| (c, lattice.cell())).collect();
+        let whole: Vec<Triangle> = (0..space.mesh().cell_count() as u32).map(|c| (c, lattice.cell())).collect();
         lattice.evaluate(&whole);
         let steepest = lattice.near(&whole).map(|t| lattice.steepness(t)).fold(0.0, f64::max);
         let levels = (steepest / depth).log2().ceil().clamp(0.0, f64::from(MOST_LEVELS)) as u32;
@@ -71,8 +71,8 @@ impl Interface {
         if levels == 0 || reaches_boundary {
             return Interface::of_nodes(space, nodal);
         }
-        let mut lattice = Lattice { mesh: space.mesh(), levels, known: HashMap::new(), f: &f };
-        let mut cells: Vec<(u32, [Weights; 3])> = (0..space.mesh().cell_count() as u32).map(|c| (c, lattice.cell())).collect();
+        let mut lattice = lattice.finer(levels);
+        let mut cells: Vec<Triangle> = whole.iter().map(|(c, _)| (*c, lattice.cell())).collect();
         for level in 0..=levels {
             lattice.evaluate(&cells);
             cells = lattice.near(&cells).copied().collect();
@@ -113,6 +113,11 @@ fn nodes([a, b, c]: &[Weights; 3]) -> [Weights; 6] {
 impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
     fn steps(&self) -> u32 {
         2 << self.levels
+    }
+    /// The lattice with the halves of its cells, and what is known already.
+    fn finer(self, levels: u32) -> Self {
+        let scaled = |key: Key| key.map(|(vertex, weight)| (vertex, weight << levels));
+        Lattice { levels, known: self.known.into_iter().map(|(k, v)| (scaled(k), v)).collect(), ..self }
     }
     /// A whole cell.
     fn cell(&self) -> [Weights; 3] {

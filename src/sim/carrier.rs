@@ -90,4 +90,4 @@ impl<const D: usize> Carrier<D> {
 }
 
 /// The steepest displacement that a submap may have when the scene does not say (tests/convergence/README.md, "The vortex").
-pub const REMAP: f64 = 0.5;
+pub const REMAP: f64 = 1.0;

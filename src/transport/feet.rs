@@ -6,6 +6,9 @@ use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
 use std::sync::{Arc, OnceLock};
 
+/// Periodic sides that one displacement passes at most.
+const MOST_DOORS: usize = 64;
+
 /// The feet of many characteristics, in the order of the points that they arrive at.
 #[derive(Clone, Debug, Default)]
 pub struct Feet(Vec<Location>);
@@ -61,6 +64,8 @@ pub struct Tracer<const D: usize> {
     home: Vec<Location>,
     /// For every slot (cell, opposite vertex) on a periodic side: where it leads. Sorted by slot.
     doors: Vec<(u32, u32, SVector<f64, D>)>,
+    /// The different shifts of the doors.
+    shifts: Vec<SVector<f64, D>>,
     /// Finds cells where the straight way is barred; made when it is first needed.
     locator: OnceLock<Locator<D>>,
 }
@@ -86,7 +91,13 @@ impl<const D: usize> Tracer<D> {
             .collect();
         doors.sort_by_key(|d| d.0);
         doors.dedup_by_key(|d| d.0);
-        Tracer { space: Arc::clone(space), home, doors, locator: OnceLock::new() }
+        let mut shifts: Vec<SVector<f64, D>> = Vec::new();
+        for (_, _, shift) in &doors {
+            if shifts.iter().all(|s| (s - shift).norm() > 1e-6 * shift.norm()) {
+                shifts.push(*shift);
+            }
+        }
+        Tracer { space: Arc::clone(space), home, doors, shifts, locator: OnceLock::new() }
     }
     /// The space of the velocities.
     pub fn space(&self) -> &Arc<Space<D>> {
@@ -193,9 +204,13 @@ impl<const D: usize> Tracer<D> {
         self.locator.get_or_init(|| Locator::new(mesh)).locate(mesh, x)
     }
     /// The nearest of the images that periodic sides make of a displacement that is shorter than half a period.
-    pub(super) fn unwrapped(&self, step: SVector<f64, D>) -> SVector<f64, D> {
-        let images = self.doors.iter().flat_map(|d| [step - d.2, step]);
-        images.fold(step, |best, s| if s.norm_squared() < best.norm_squared() { s } else { best })
+    pub(super) fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
+        // One pair of sides after the other; a corner needs one of each.
+        for _ in 0..D {
+            let images = self.shifts.iter().map(|shift| step - shift);
+            step = images.fold(step, |best, s| if s.norm_squared() < best.norm_squared() { s } else { best });
+        }
+        step
     }
     #[inline]
     fn velocity(&self, u: &[SVector<f64, D>], at: &Location) -> SVector<f64, D> {
@@ -211,8 +226,8 @@ impl<const D: usize> Tracer<D> {
         let mesh = self.space.mesh();
         let (mut cell, mut x) = (from.cell, mesh.point_at(&from));
         let mut target: Point<D> = x + step;
-        // At most as many doors as a particle can cross in one step of Courant number 1.
-        for _ in 0..2 * D {
+        // More doors than a particle can cross in a step, or in the time of a submap.
+        for _ in 0..MOST_DOORS {
             let (end, inside) = mesh.walk(cell, &x, &target);
             if inside || self.doors.is_empty() {
                 return (end, inside);

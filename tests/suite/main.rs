@@ -10,6 +10,7 @@ mod flow;
 mod fluid;
 mod layers;
 mod meshes;
+mod passive;
 mod program;
 mod render;
 mod reproducible;
