@@ -55,11 +55,7 @@ impl Interface {
     ///
     /// # Errors
     /// As for [`Contour::new`].
-    pub fn of_function(
-        space: &Arc<Space<2>>,
-        depth: f64,
-        f: impl Fn(&Location) -> Sample + Sync,
-    ) -> Result<Interface> {
+    pub fn of_function(space: &Arc<Space<2>>, depth: f64, f: impl Fn(&Location) -> Sample + Sync) -> Result<Interface> {
         let mut lattice = Lattice { mesh: space.mesh(), levels: 0, known: HashMap::new(), f: &f };
         let whole: Vec<Triangle> = (0..space.mesh().cell_count() as u32).map(|c| (c, lattice.cell())).collect();
         lattice.evaluate(&whole);

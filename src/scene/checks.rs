@@ -7,7 +7,11 @@ use crate::base::{Error, Result, Warning};
 /// Refuses a flow without inertia whose velocity nothing holds: every side periodic or open, or slipping.
 pub(super) fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
     let held = |b: &Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
-    if scene.fluid.is_prescribed() || scene.fluid.has_inertia() || scene.membranes.iter().any(|m| m.mass > 0.0) || scene.boundaries.iter().any(held) {
+    if scene.fluid.is_prescribed()
+        || scene.fluid.has_inertia()
+        || scene.membranes.iter().any(|m| m.mass > 0.0)
+        || scene.boundaries.iter().any(held)
+    {
         return Ok(());
     }
     let e = Error::scene(

@@ -218,9 +218,9 @@ fn values(sim: &Simulation<2>, at: &Location, of: Quantity) -> Vec<f64> {
     // A scene asks for a level set only when there is exactly one.
     let phi = |f: &dyn Fn(&[f64]) -> f64| vec![f(&sim.level_set(0))];
     match of {
-        Quantity::Pressure => vec![sim.flow().map_or(f64::NAN, |flow| {
-            flow.pressure().space().value(&state.flow.p, cell, &at.barycentric)
-        })],
+        Quantity::Pressure => vec![
+            sim.flow().map_or(f64::NAN, |flow| flow.pressure().space().value(&state.flow.p, cell, &at.barycentric)),
+        ],
         Quantity::Velocity => velocity().iter().copied().collect(),
         Quantity::Speed => vec![velocity().norm()],
         Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),

@@ -170,7 +170,12 @@ impl Draft<'_> {
     }
 
     /// The distance to the nearest of the images that periodic sides make of a shape, so that the level set is periodic too.
-    pub(super) fn nearest_image(&self, mut distance: Vec<f64>, shape: &dyn Distance<2>, shifts: &[Point<2>]) -> Vec<f64> {
+    pub(super) fn nearest_image(
+        &self,
+        mut distance: Vec<f64>,
+        shape: &dyn Distance<2>,
+        shifts: &[Point<2>],
+    ) -> Vec<f64> {
         for shift in shifts.iter().skip(1) {
             for (d, x) in distance.iter_mut().zip(self.space.nodes()) {
                 *d = d.min(shape.distance(&(x + shift)));

@@ -45,7 +45,8 @@ impl Draft<'_> {
             let Placed { nodal, function } = self.placed(&s.shape, &["level_set", &k, "shape"])?;
             let contour = Contour::new(self.space, &nodal)?;
             if contour.is_empty() {
-                let e = Error::scene("no part of the interface lies on the mesh").remedy("move the shape, or refine the mesh");
+                let e = Error::scene("no part of the interface lies on the mesh")
+                    .remedy("move the shape, or refine the mesh");
                 return Err(self.scene.blame(&["level_set", &k, "shape"], e));
             }
             let markers = match s.markers {
@@ -118,7 +119,9 @@ pub(super) fn prescribed(
     conditions: Conditions<2>,
     quality: mesh::Quality<2>,
 ) -> Result<Model> {
-    let Some(velocity) = &scene.fluid.prescribed_velocity else { return Err(Error::internal("no velocity is prescribed")) };
+    let Some(velocity) = &scene.fluid.prescribed_velocity else {
+        return Err(Error::internal("no velocity is prescribed"));
+    };
     draft.check_finite("prescribed_velocity", velocity)?;
     let (level_sets, settings) = (draft.level_sets()?, draft.settings(conditions, 0.0));
     let wall_nodes = draft.wall_nodes();
@@ -146,9 +149,10 @@ pub(super) fn check_inflow(scene: &Scene, mesh: &Mesh<2>, pairs: &[Translation<2
     }
     let Some(side) = inflow(scene, mesh, pairs) else { return Ok(None) };
     if scene.numerics.transport == Method::Composed {
-        let e = Error::scene(format!("composed transport cannot be used where fluid comes in, as it may through {side}"))
-            .value("transport = \"composed\"")
-            .remedy("use transport = \"nodal\": a particle that was outside at time 0 has no value to bring along");
+        let e =
+            Error::scene(format!("composed transport cannot be used where fluid comes in, as it may through {side}"))
+                .value("transport = \"composed\"")
+                .remedy("use transport = \"nodal\": a particle that was outside at time 0 has no value to bring along");
         return Err(scene.blame(&["numerics", "transport"], e));
     }
     let what = format!("projected transport is unstable where fluid comes in, as it may through {side}");

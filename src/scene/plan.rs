@@ -181,7 +181,10 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
     if model.simulation.is_prescribed() {
         return vec![
-            format!("step {}, characteristics by the Runge-Kutta rule of order 4 through the prescribed velocity", s.dt),
+            format!(
+                "step {}, characteristics by the Runge-Kutta rule of order 4 through the prescribed velocity",
+                s.dt
+            ),
             transport(model, scene),
         ];
     }

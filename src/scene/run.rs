@@ -235,7 +235,10 @@ impl<'a> Run<'a> {
                     true => "numerics.transport = \"composed\" or a finer mesh",
                     false => "a larger numerics.grad_div or a finer mesh",
                 };
-                alarms.push(format!("Enclosed area: that of `{name}` changed by {:+.2} %. Take {remedy}.", 100.0 * change));
+                alarms.push(format!(
+                    "Enclosed area: that of `{name}` changed by {:+.2} %. Take {remedy}.",
+                    100.0 * change
+                ));
             }
         }
         alarms

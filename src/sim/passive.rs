@@ -95,7 +95,9 @@ impl<const D: usize> Simulation<D> {
 
     /// One step of level sets and markers in the prescribed velocity.
     pub(super) fn drift(&mut self) -> Result<StepReport> {
-        let Some(velocity) = self.given.clone() else { return Err(Error::internal("there is neither a flow nor a velocity")) };
+        let Some(velocity) = self.given.clone() else {
+            return Err(Error::internal("there is neither a flow nor a velocity"));
+        };
         let (dt, start) = (self.settings.dt, self.time());
         let at = |t: f64| self.space.interpolate(|x| velocity(x, t));
         let next = at(start + dt);

@@ -5,7 +5,9 @@ use super::carrier::Carrier;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Materials, Settings, State, Structure};
 use crate::base::{Error, Result};
-use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate, periodic_pairs};
+use crate::fem::{
+    At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate, periodic_pairs,
+};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{Coefficient, FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
 use crate::levelset as band;

@@ -62,9 +62,10 @@ impl<const D: usize> CharacteristicMap<D> {
     }
     /// `Y` of a point.
     pub fn foot(&self, tracer: &Tracer<D>, at: Location) -> Location {
-        self.submaps.iter().rev().fold(at, |at, d| {
-            tracer.displaced(at, tracer.space().value(d, at.cell as usize, &at.barycentric))
-        })
+        self.submaps
+            .iter()
+            .rev()
+            .fold(at, |at, d| tracer.displaced(at, tracer.space().value(d, at.cell as usize, &at.barycentric)))
     }
     /// `Y` of a point and `grad Y` there (row `i`, column `j` is `d Y_i / d x_j`).
     pub fn foot_and_gradient(&self, tracer: &Tracer<D>, at: Location) -> (Location, SMatrix<f64, D, D>) {

@@ -105,7 +105,13 @@ impl Cavity {
     }
 
     /// Puts stress and stiffness of the map into the law; returns the elastic energy and rms(det grad Y - 1) in the body.
-    fn deform(&self, law: &mut NeoHookean, map: &CharacteristicMap<2>, tracer: &Tracer<2>, solver: &FlowSolver<2>) -> (f64, f64) {
+    fn deform(
+        &self,
+        law: &mut NeoHookean,
+        map: &CharacteristicMap<2>,
+        tracer: &Tracer<2>,
+        solver: &FlowSolver<2>,
+    ) -> (f64, f64) {
         let basis = solver.velocity();
         let mesh = basis.space().mesh();
         let (eps, centre) = (2.0 / N as f64, point(0.6, 0.5));

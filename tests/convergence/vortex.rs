@@ -96,7 +96,10 @@ impl Errors {
     }
     fn print(&self, what: &str) {
         let [area, cut] = [self.area, self.cut].map(|a| 100.0 * a);
-        println!("{what}: area {area:+.3} % (cut {cut:+.3} %), distance {:.2e}, slope {:.3}", self.distance, self.slope);
+        println!(
+            "{what}: area {area:+.3} % (cut {cut:+.3} %), distance {:.2e}, slope {:.3}",
+            self.distance, self.slope
+        );
     }
 }
 
@@ -325,7 +328,8 @@ fn coarse_feet_spoil_the_area_and_finer_ones_do_not() {
     };
     let tau = 4.0 * case.dt();
     let coarse = area("one midpoint step in P2", case.chain(tau, |_, feet| feet.clone_from(&coarse)));
-    let halved = area("midpoint steps below 1 in P2", case.chain(tau, |_, feet| case.tracer.from_nodes(&u, case.dt(), feet)));
+    let halved =
+        area("midpoint steps below 1 in P2", case.chain(tau, |_, feet| case.tracer.from_nodes(&u, case.dt(), feet)));
     let exact = area("Runge-Kutta in the exact velocity", case.composed(tau));
     assert!(near(coarse, 0.0298), "{coarse}");
     assert!(halved.abs() < 0.25 * coarse && exact.abs() < 1e-3);

@@ -59,7 +59,9 @@ fn refused(text: &str, set: &[&str]) -> String {
 fn a_prescribed_velocity_leaves_the_flow_out() {
     let mut case = Case::new(VORTEX);
     let plan = case.model.plan(&case.scene).unwrap();
-    for line in ["no flow: the velocity is prescribed as", "no matrix of a flow", "500 markers follow it", "backward map"] {
+    for line in
+        ["no flow: the velocity is prescribed as", "no matrix of a flow", "500 markers follow it", "backward map"]
+    {
         assert!(plan.contains(line), "{line} is missing in\n{plan}");
     }
     assert!(case.model.simulation.flow().is_none() && case.model.simulation.state().flow.p.is_empty());
@@ -84,7 +86,10 @@ fn a_scene_with_a_prescribed_velocity_reads_back() {
 fn what_has_no_meaning_with_a_prescribed_velocity_is_refused() {
     for (set, part) in [
         ("fluid.viscosity=1", "means nothing beside `prescribed_velocity`"),
-        ("membrane=[{ shape.circle = { centre = [0.5, 0.5], radius = 0.1 }, area.linear = { modulus = 1 } }]", "acts on the flow"),
+        (
+            "membrane=[{ shape.circle = { centre = [0.5, 0.5], radius = 0.1 }, area.linear = { modulus = 1 } }]",
+            "acts on the flow",
+        ),
         ("level_set=[]", "carries nothing"),
         ("boundary.walls={ no_slip = true }", "means nothing where the velocity is prescribed"),
         ("output.probes.p={ at = [0.5, 0.5], of = 'pressure' }", "there is no pressure"),
@@ -110,8 +115,10 @@ fn composed_transport_is_refused_where_fluid_comes_in() {
     // Another half turn of the wind, later.
     refused(VORTEX, &["fluid.prescribed_velocity=['max(t - 0.9, 0)', 0]"]);
     for set in ["boundary.left={ velocity = ['y*(2 - y)', 0] }", "boundary.left={ open = true }"] {
-        assert!(refused(MEMBRANE, &[set, "boundary.right={ open = true }", "boundary.walls={ no_slip = true }"])
-            .contains("boundary `left`"));
+        assert!(
+            refused(MEMBRANE, &[set, "boundary.right={ open = true }", "boundary.walls={ no_slip = true }"])
+                .contains("boundary `left`")
+        );
     }
     // A lid only moves along itself.
     Case::with(MEMBRANE, &["boundary.top={ velocity = [1, 0] }", "boundary.walls={ no_slip = true }"]);
@@ -129,7 +136,10 @@ fn a_composed_run_goes_on_bit_by_bit() {
         whole.steps(half);
         resumed.steps(half);
         assert_eq!(whole.model.simulation.state().to_bytes(7), resumed.model.simulation.state().to_bytes(7));
-        assert_eq!(whole.model.simulation.level_set(1 - usize::from(text == VORTEX)), resumed.model.simulation.level_set(1 - usize::from(text == VORTEX)));
+        assert_eq!(
+            whole.model.simulation.level_set(1 - usize::from(text == VORTEX)),
+            resumed.model.simulation.level_set(1 - usize::from(text == VORTEX))
+        );
     }
 }
 
@@ -137,7 +147,9 @@ fn a_composed_run_goes_on_bit_by_bit() {
 fn a_membrane_moves_as_well_by_composed_as_by_nodal_transport() {
     let run = |transport: &str| Case::with(MEMBRANE, &[transport, "fluid.viscosity=0.05"]).run();
     let (composed, nodal) = (run("numerics.transport=composed"), run("numerics.transport=nodal"));
-    for column in ["membrane.axis_1", "membrane.axis_2", "membrane.area", "dye.area", "dye.perimeter", "dye.markers_length"] {
+    for column in
+        ["membrane.axis_1", "membrane.axis_2", "membrane.area", "dye.area", "dye.perimeter", "dye.markers_length"]
+    {
         let [a, b] = [&composed, &nodal].map(|c| c.get(column));
         assert!((a / b - 1.0).abs() < 5e-3, "{column}: composed {a}, nodal {b}");
     }

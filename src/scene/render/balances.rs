@@ -44,7 +44,11 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
     for (column, what, says) in [
         ("divergence", "‖div u‖ in L2", "0; small against the gradient of u, and smaller on a finer mesh"),
         ("cfl", "Courant number", "about 1 or less, for accuracy"),
-        ("map_error", "rms(det grad Y - 1) of the backward map", "0; smaller with a smaller numerics.remap and on a finer mesh"),
+        (
+            "map_error",
+            "rms(det grad Y - 1) of the backward map",
+            "0; smaller with a smaller numerics.remap and on a finer mesh",
+        ),
         ("step_over_limit", "step over the explicit limit (1.54)", "at most 1 when the coupling is explicit"),
     ] {
         if column != "step_over_limit" || !run.scene.membranes.is_empty() {

@@ -47,8 +47,16 @@ impl Numerics {
             quadrature: None,
         };
         let Some(item) = item else { return Ok(numerics) };
-        let table =
-            item.table(&["thickness", "band", "grad_div", "transport", "remap", "coupling", "convection", "quadrature"])?;
+        let table = item.table(&[
+            "thickness",
+            "band",
+            "grad_div",
+            "transport",
+            "remap",
+            "coupling",
+            "convection",
+            "quadrature",
+        ])?;
         let degree = |i: &Item| i.count(1, MOST_DEGREE);
         numerics.thickness = table.optional("thickness", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.band = table.optional("band", |i| i.unless_auto(|i| i.choice(&BANDS)))?.flatten();
