@@ -17,4 +17,5 @@ pub mod mesh;
 pub mod output;
 pub mod scene;
 pub mod sim;
+pub mod studies;
 pub mod transport;

@@ -1,17 +1,21 @@
 //! The command-line program: commands, messages, exit codes.
 
+mod compare;
 mod explain;
 mod new;
 mod progress;
+mod reference;
 mod render;
 mod report;
 mod run;
+mod study;
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Kind, Result};
 use crate::scene::Scene;
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Structures immersed in a flow: level sets and finite elements on unstructured meshes.
 #[derive(Parser)]
@@ -33,6 +37,13 @@ enum Command {
     Render(render::Arguments),
     /// Write a commented scene to start from
     New(new::Arguments),
+    /// Compute a scene many times, to learn what its numbers are worth
+    #[command(subcommand)]
+    Study(study::Study),
+    /// Compute a scene here and in FreeFEM: differences and times
+    Compare(compare::Arguments),
+    /// Print what may stand in a scene: keys, values, units, defaults
+    Reference(reference::Arguments),
 }
 
 /// A scene and changes to it.
@@ -55,9 +66,17 @@ struct Overrides {
 impl SceneArguments {
     /// The scene, every value checked, with all files it names at hand.
     fn load(&self) -> Result<Scene> {
-        let scene = Scene::load(&self.scene, &self.overrides.set)?;
+        self.load_after(&[])
+    }
+    /// The same with values set before those of the command line.
+    fn load_after(&self, settings: &[String]) -> Result<Scene> {
+        let scene = Scene::load(&self.scene, &[settings, &self.overrides.set].concat())?;
         scene.check_files()?;
         Ok(scene)
+    }
+    /// The scene file.
+    fn path(&self) -> &Path {
+        &self.scene
     }
 }
 
@@ -79,7 +98,30 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Explain(a) => explain::explain(&a),
         Command::Render(a) => render::render(&a),
         Command::New(a) => new::new(&a),
+        Command::Study(s) => study::study(&s),
+        Command::Compare(a) => compare::compare(&a),
+        Command::Reference(a) => reference::reference(&a),
     }
+}
+
+/// A flag that Ctrl-C sets; when it comes again the program ends at once, the last checkpoint being still there.
+fn stop_on_interrupt() -> &'static AtomicBool {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    // Without a handler Ctrl-C ends the program at once, too.
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(Kind::Interrupted.exit_code().into());
+        }
+    });
+    &STOP
+}
+
+fn set_threads(threads: Option<std::num::NonZeroUsize>) -> Result<()> {
+    let Some(n) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n.get()).build_global();
+    pool.map_err(|e| {
+        Error::scene(format!("{n} threads cannot be started: {e}")).at("--threads").value(n).remedy("give fewer")
+    })
 }
 
 /// The exit code of `work`, also when it panics: that is a defect of the program.

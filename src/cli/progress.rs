@@ -1,7 +1,9 @@
 //! What a run tells the user: a bar on a terminal, plain lines otherwise.
 
 use crate::base::Warning;
+use crate::output::rounded;
 use crate::scene::run::{Observer, Outcome};
+use crate::studies::{self, Listener, Trial};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -96,5 +98,61 @@ impl Observer for Progress {
     }
     fn phase(&mut self, what: &str) {
         self.line(&format!("{what} ..."));
+    }
+}
+
+/// Prints how the runs of a study go, on standard error: a bar for the current run on a terminal, and a line for each that ended.
+pub(super) struct Runs {
+    quiet: bool,
+    bar: Option<ProgressBar>,
+    place: String,
+}
+
+impl Runs {
+    pub(super) fn new(quiet: bool) -> Runs {
+        let terminal = std::io::stderr().is_terminal();
+        let style = ProgressStyle::with_template("{prefix} {bar:30} {pos}/{len} steps  {eta} left");
+        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = (terminal && !quiet).then(|| ProgressBar::new(1).with_style(style));
+        Runs { quiet, bar, place: String::new() }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Listener for Runs {
+    fn begins(&mut self, k: usize, of: usize, trial: &Trial) {
+        self.place = format!("[{k}/{of}] {}", trial.label);
+        if let Some(bar) = &self.bar {
+            bar.reset();
+            bar.set_prefix(self.place.clone());
+        }
+    }
+    fn progress(&mut self, step: usize, steps: usize, _: f64) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(steps as u64);
+            bar.set_position(step as u64);
+        }
+    }
+    fn ended(&mut self, outcome: &studies::Outcome) {
+        let cpu = outcome.cpu_seconds();
+        let cost = if cpu.is_nan() { String::new() } else { format!(", {} s", rounded(cpu, 3)) };
+        self.note(&format!("{}: {}{cost}", self.place, outcome.end.in_words()));
+    }
+    fn note(&mut self, text: &str) {
+        if self.quiet {
+            return;
+        }
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => {
+                let _ = writeln!(std::io::stderr().lock(), "{text}");
+            }
+        }
     }
 }

@@ -2,6 +2,8 @@
 
 mod area_law;
 mod membrane;
+mod predictor;
 
 pub use area_law::AreaLaw;
 pub use membrane::{Band, Membrane, explicit_step_limit};
+pub use predictor::Predictor;

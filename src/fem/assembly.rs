@@ -315,12 +315,13 @@ fn flow_matrix_at<const D: usize>(
     }
 }
 
-/// Adds `w(at) (phi_a, phi_b)` to the matrix of a scalar space whose unknowns are `unknowns[node]`.
-pub fn assemble_mass<const D: usize>(
+/// Adds `m (phi_a, phi_b) + k (grad phi_a, grad phi_b)`, with `(m, k) = form(at)`, to the matrix of a scalar space whose unknowns
+/// are `unknowns[node]`.
+pub fn assemble_scalar_matrix<const D: usize>(
     basis: &Basis<D>,
     unknowns: &[u32],
     matrix: &mut SymmetricMatrix,
-    w: impl Fn(&At<D>) -> f64 + Sync,
+    form: impl Fn(&At<D>) -> (f64, f64) + Sync,
 ) -> Result<()> {
     let nb = basis.space.local_count();
     let mut local = vec![0.0; nb * nb];
@@ -329,10 +330,12 @@ pub fn assemble_mass<const D: usize>(
         local.fill(0.0);
         for q in 0..basis.rule.len() {
             let at = basis.at(c, q);
-            let (s, n) = (at.weight * w(&at), &basis.values[q]);
+            let (m, k) = form(&at);
+            let (m, k) = (m * at.weight, k * at.weight);
+            let (n, g) = (&basis.values[q], basis.physical_gradients(&at));
             for a in 0..nb {
                 for b in a..nb {
-                    local[a * nb + b] += s * n[a] * n[b];
+                    local[a * nb + b] += m * n[a] * n[b] + k * g[a].dot(&g[b]);
                 }
             }
         }

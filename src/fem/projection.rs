@@ -1,6 +1,6 @@
-//! L2 projection onto a scalar space.
+//! L2 projection onto a scalar space, and the like with diffusion.
 
-use super::assembly::{At, Basis, Cells, assemble_mass, assemble_scalar};
+use super::assembly::{At, Basis, Cells, assemble_scalar, assemble_scalar_matrix};
 use super::numbering::Numbering;
 use super::periodic::Translation;
 use crate::base::Result;
@@ -8,7 +8,8 @@ use crate::linalg::{Factor, Ordering, SymmetricMatrix};
 use crate::mesh::NONE;
 use nalgebra::SVector;
 
-/// The factored mass matrix of a scalar space: finds `f` with `(f, q) = (g, q)` for all `q`.
+/// A factored symmetric form on a scalar space: finds `f` with `(m f, q) + (k grad f, grad q) = (g, q)` for all `q`. It is the
+/// mass matrix (`m = 1`, `k = 0`), so that `f` is the L2 projection of `g`, until [`set_form`](Self::set_form) is called.
 pub struct Projector<const D: usize> {
     basis: Basis<D>,
     unknowns: Vec<u32>,
@@ -23,16 +24,20 @@ pub struct Projector<const D: usize> {
 impl<const D: usize> Projector<D> {
     /// Assembles and factors the mass matrix with the rule of `basis`; periodic nodes share their unknowns.
     pub fn new(basis: Basis<D>, translations: &[Translation<D>]) -> Result<Projector<D>> {
+        let mut projector = Projector::without_form(basis, translations)?;
+        projector.set_form(|_| (1.0, 0.0))?;
+        Ok(projector)
+    }
+    /// Analyses the matrix only; [`set_form`](Self::set_form) must be called before anything is projected.
+    pub fn without_form(basis: Basis<D>, translations: &[Translation<D>]) -> Result<Projector<D>> {
         let space = basis.space();
         let (unknowns, order) = Numbering::scalar_unknowns(space, translations);
         let groups = (0..space.mesh().cell_count()).map(|c| {
             let nodes = space.cell_nodes(c).iter();
             nodes.map(|&n| unknowns[n as usize]).collect::<Vec<u32>>()
         });
-        let mut matrix = SymmetricMatrix::from_groups(order, groups)?;
-        assemble_mass(&basis, &unknowns, &mut matrix, |_| 1.0)?;
-        let mut factor = Factor::analyse(&matrix, Ordering::plain(&matrix)?)?;
-        factor.refactor(&matrix)?;
+        let matrix = SymmetricMatrix::from_groups(order, groups)?;
+        let factor = Factor::analyse(&matrix, Ordering::plain(&matrix)?)?;
         let nodal = vec![0.0; space.len()];
         Ok(Projector {
             unknowns,
@@ -44,6 +49,12 @@ impl<const D: usize> Projector<D> {
             scratch: Vec::new(),
             basis,
         })
+    }
+    /// Assembles and factors the form with `(m, k) = form(at)`; `m` must be positive and `k` must not be negative.
+    pub fn set_form(&mut self, form: impl Fn(&At<D>) -> (f64, f64) + Sync) -> Result<()> {
+        self.matrix.zero();
+        assemble_scalar_matrix(&self.basis, &self.unknowns, &mut self.matrix, form)?;
+        self.factor.refactor(&self.matrix)
     }
     /// The basis that right-hand sides are integrated with.
     pub fn basis(&self) -> &Basis<D> {
@@ -57,7 +68,7 @@ impl<const D: usize> Projector<D> {
     pub fn bytes(&self) -> usize {
         self.factor.bytes()
     }
-    /// Writes the projection of `g` into `out` (one number a node).
+    /// Writes the projection of `g`, or what the form makes of it, into `out` (one number a node).
     pub fn project(&mut self, g: impl Fn(&At<D>) -> f64 + Sync, out: &mut [f64]) -> Result<()> {
         self.nodal.fill(0.0);
         assemble_scalar(&self.basis, Cells::All, &mut self.nodal, &mut self.scratch, |at| (g(at), SVector::zeros()));

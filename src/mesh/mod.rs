@@ -1,14 +1,17 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
+pub mod freefem;
 mod generate;
 pub mod gmsh;
 mod locate;
 mod quality;
+mod refine;
 mod topology;
 
 pub use generate::{Diagonals, box_mesh, disc, rectangle};
 pub use locate::{Location, Locator, TOLERANCE};
 pub use quality::{Extreme, Quality, check};
+pub use refine::refine;
 
 use crate::base::{Error, Result};
 use nalgebra::{SMatrix, SVector};

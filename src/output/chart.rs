@@ -9,8 +9,10 @@ use crate::base::fnv1a;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::line::LinePlot;
 use kuva::plot::scatter::ScatterPlot;
+use kuva::render::annotations::TextAnnotation;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
+use kuva::render::render_utils::{format_log_tick, generate_ticks_log};
 use kuva::render::theme::Theme;
 use std::sync::Arc;
 
@@ -24,10 +26,18 @@ pub enum Stroke {
     Dashed,
     /// Marks: measured or published values.
     Points,
+    /// Marks joined by a line: a row of runs.
+    Marked,
+}
+
+impl Stroke {
+    fn has_marks(self) -> bool {
+        matches!(self, Stroke::Points | Stroke::Marked)
+    }
 }
 
 /// A curve of a chart. Points with a coordinate that is not finite, or not positive on a logarithmic axis, leave a gap.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Curve<'a> {
     /// Name in the legend.
     pub name: &'a str,
@@ -37,6 +47,36 @@ pub struct Curve<'a> {
     pub y: &'a [f64],
     /// How it is drawn.
     pub stroke: Stroke,
+    /// Number of its colour; its place among the curves without it.
+    pub colour: Option<usize>,
+}
+
+/// A triangle that shows a slope on logarithmic axes, its order written at its upright side: a power of `x` from `x[0]` to `x[1]`
+/// that is `y` at `x[0]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Left and right end.
+    pub x: [f64; 2],
+    /// The ordinate at the left end.
+    pub y: f64,
+    /// The power.
+    pub order: f64,
+    /// Whether the triangle lies above its slope, for a place above the curves; else below.
+    pub above: bool,
+}
+
+impl Slope {
+    /// The ordinate at the right end.
+    fn end(&self) -> f64 {
+        self.y * (self.x[1] / self.x[0]).powf(self.order)
+    }
+    /// The corner with the right angle.
+    fn corner(&self) -> (f64, f64) {
+        if self.above { (self.x[0], self.end()) } else { (self.x[1], self.y) }
+    }
+    fn corners(&self) -> [(f64, f64); 3] {
+        [(self.x[0], self.y), (self.x[1], self.end()), self.corner()]
+    }
 }
 
 /// A chart of one or more curves.
@@ -54,12 +94,20 @@ pub struct Chart<'a> {
     pub log_y: bool,
     /// The curves.
     pub curves: Vec<Curve<'a>>,
+    /// Slope triangles; drawn where both axes are logarithmic.
+    pub slopes: Vec<Slope>,
 }
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 350.0;
-/// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last.
-const COLOURS: [&str; 6] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
+/// Size of the numbers on axes.
+const TICK_SIZE: u32 = 12;
+/// Pixels left of the axis of a chart but for the numbers there.
+const LEFT: f64 = 36.0;
+/// Okabe and Ito (2008), the blue a little brighter for dark pages, those with the least contrast to white last, and grey.
+const COLOURS: [&str; 7] = ["#1F82C0", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#888888"];
+/// What is neither a curve nor text; shows on white and on black.
+const NEUTRAL: &str = COLOURS[6];
 /// A line of more points is thinned; no screen shows more.
 const MOST_POINTS: usize = 4000;
 
@@ -67,19 +115,29 @@ impl Chart<'_> {
     /// The chart as an SVG document that scales to the width of its page.
     pub fn svg(&self) -> String {
         let parts: Vec<Vec<Vec<(f64, f64)>>> = self.curves.iter().map(|c| self.pieces(c)).collect();
-        let all = || parts.iter().flatten().flatten();
-        let only_lines = self.curves.iter().all(|c| c.stroke != Stroke::Points);
+        let slopes: Vec<&Slope> = self.slopes.iter().filter(|s| self.can_draw(s)).collect();
+        let corners: Vec<(f64, f64)> = slopes.iter().flat_map(|s| s.corners()).collect();
+        let all = || parts.iter().flatten().flatten().chain(&corners);
+        let only_lines = self.curves.iter().all(|c| !c.stroke.has_marks());
         let x = Axis::of(all().map(|p| p.0), self.log_x, if only_lines && !self.log_x { 0.0 } else { 0.04 });
         let y = Axis::of(all().map(|p| p.1), self.log_y, 0.05);
         let (Some(x), Some(y)) = (x, y) else { return self.empty() };
         let mut plots = Vec::new();
         for (i, (curve, pieces)) in self.curves.iter().zip(&parts).enumerate() {
-            let colour = COLOURS[i % COLOURS.len()];
+            let colour = COLOURS[curve.colour.unwrap_or(i) % COLOURS.len()];
             for (k, piece) in pieces.iter().enumerate() {
-                let data = piece.iter().map(|p| (x.scaled(p.0), y.scaled(p.1)));
-                plots.push(plot(data, curve, colour, k == 0 && self.curves.len() > 1));
+                let data = || piece.iter().map(|p| (x.scaled(p.0), y.scaled(p.1)));
+                let name = (k == 0 && self.curves.len() > 1 && !curve.name.is_empty()).then_some(curve.name);
+                if curve.stroke != Stroke::Points {
+                    // The legend of a marked line shows its marks.
+                    plots.push(line(data(), curve.stroke, colour, name.filter(|_| curve.stroke != Stroke::Marked)));
+                }
+                if curve.stroke.has_marks() {
+                    plots.push(marks(data(), colour, name));
+                }
             }
         }
+        plots.extend(slopes.iter().map(|s| triangle(s, &x, &y)));
         let mut layout = Layout::auto_from_plots(&plots)
             .with_x_label(self.x_label)
             .with_y_label(self.y_label)
@@ -89,7 +147,7 @@ impl Chart<'_> {
             .with_legend_position(LegendPosition::OutsideRightTop)
             .with_title_size(16)
             .with_label_size(13)
-            .with_tick_size(12)
+            .with_tick_size(TICK_SIZE)
             .with_body_size(12)
             .with_grid_line_width(0.6)
             .with_x_axis_min(x.scaled(x.low))
@@ -111,8 +169,21 @@ impl Chart<'_> {
         }
         if self.log_y {
             layout = layout.with_log_y();
+            // `kuva` makes room for numbers as it would write them.
+            let [made, wanted] = y.room();
+            if wanted > made {
+                layout.force_margin_left = Some(LEFT + wanted);
+                layout = layout.with_y_label_offset(made - wanted, 0.0);
+            }
+        }
+        for slope in slopes {
+            layout = layout.with_annotation(number(slope, &x, &y));
         }
         self.scalable(&kuva::render_to_svg(plots, layout))
+    }
+    fn can_draw(&self, slope: &Slope) -> bool {
+        let good = |v: f64| v.is_finite() && v > 0.0;
+        self.log_x && self.log_y && slope.corners().iter().all(|p| good(p.0) && good(p.1))
     }
     /// The runs of points that can be drawn.
     fn pieces(&self, curve: &Curve) -> Vec<Vec<(f64, f64)>> {
@@ -126,7 +197,7 @@ impl Chart<'_> {
             }
         }
         pieces.retain(|p| !p.is_empty());
-        pieces.iter().map(|p| if curve.stroke == Stroke::Points { p.clone() } else { thinned(p) }).collect()
+        pieces.iter().map(|p| if curve.stroke.has_marks() { p.clone() } else { thinned(p) }).collect()
     }
     /// Lets the drawing scale and names it for those who cannot see it.
     fn scalable(&self, svg: &str) -> String {
@@ -174,18 +245,39 @@ fn steady(svg: &str) -> String {
     renamed(&format!("{hash:016x}-"))
 }
 
-fn plot(data: impl Iterator<Item = (f64, f64)>, curve: &Curve, colour: &str, named: bool) -> Plot {
-    match curve.stroke {
-        Stroke::Points => {
-            let plot = ScatterPlot::new().with_data(data).with_color(colour).with_size(4.0);
-            if named { plot.with_legend(curve.name).into() } else { plot.into() }
-        }
-        stroke => {
-            let plot = LinePlot::new().with_data(data).with_color(colour).with_stroke_width(1.8);
-            let plot = if stroke == Stroke::Dashed { plot.with_dashed() } else { plot };
-            if named { plot.with_legend(curve.name).into() } else { plot.into() }
-        }
+fn marks(data: impl Iterator<Item = (f64, f64)>, colour: &str, name: Option<&str>) -> Plot {
+    let plot = ScatterPlot::new().with_data(data).with_color(colour).with_size(4.0);
+    match name {
+        Some(name) => plot.with_legend(name).into(),
+        None => plot.into(),
     }
+}
+
+fn line(data: impl Iterator<Item = (f64, f64)>, stroke: Stroke, colour: &str, name: Option<&str>) -> Plot {
+    let plot = LinePlot::new().with_data(data).with_color(colour).with_stroke_width(1.8);
+    let plot = if stroke == Stroke::Dashed { plot.with_dashed() } else { plot };
+    match name {
+        Some(name) => plot.with_legend(name).into(),
+        None => plot.into(),
+    }
+}
+
+/// The sides of a slope triangle.
+fn triangle(slope: &Slope, x: &Axis, y: &Axis) -> Plot {
+    let [a, b, c] = slope.corners();
+    let data = [a, b, c, a].map(|p| (x.scaled(p.0), y.scaled(p.1)));
+    LinePlot::new().with_data(data).with_color(NEUTRAL).with_stroke_width(1.2).into()
+}
+
+/// The order of a slope, beside the middle of the upright side of its triangle.
+fn number(slope: &Slope, x: &Axis, y: &Axis) -> TextAnnotation {
+    // Fractions of the axes that move the text, whose foot is written six pixels up, aside and down to its place.
+    let (aside, down) = (x.fraction(0.02), y.fraction(0.04));
+    let (at, _) = slope.corner();
+    let middle = (slope.y * slope.end()).sqrt();
+    let text = trimmed(&format!("{:.1}", slope.order));
+    let place = if slope.above { at / aside } else { at * aside };
+    TextAnnotation::new(text, x.scaled(place), y.scaled(middle / down)).with_color("currentColor").with_font_size(12)
 }
 
 fn theme() -> Theme {
@@ -237,12 +329,8 @@ impl Axis {
         if log {
             let room = 10f64.powf(margin.max(0.02) * (high / low).log10().max(2.0));
             let shift = -low.log10().floor() as i32;
-            return Some(Axis {
-                low: (low / room).max(f64::MIN_POSITIVE),
-                high: (high * room).min(f64::MAX),
-                log,
-                shift,
-            });
+            let (low, high) = with_two_ticks((low / room).max(f64::MIN_POSITIVE), (high * room).min(f64::MAX));
+            return Some(Axis { low, high, log, shift });
         }
         // Rounding must not be drawn as a curve.
         let flat = high - low <= 1e-12 * low.abs().max(high.abs());
@@ -250,9 +338,20 @@ impl Axis {
         let room = if low == 0.0 && high == 0.0 { 1.0 } else { room };
         Some(Axis { low: low - room, high: high + room, log, shift: 0 })
     }
+    /// The factor that leads over a part of a logarithmic axis.
+    fn fraction(&self, part: f64) -> f64 {
+        (self.high / self.low).powf(part)
+    }
     /// The value as it is handed to `kuva`.
     fn scaled(&self, v: f64) -> f64 {
         if self.shift == 0 { v } else { v * 10f64.powi(self.shift) }
+    }
+    /// The pixels that `kuva` leaves for the numbers of a logarithmic vertical axis, and those that our numbers take.
+    fn room(&self) -> [f64; 2] {
+        let ticks = generate_ticks_log(self.scaled(self.low), self.scaled(self.high));
+        let width = |text: String| 0.64 * f64::from(TICK_SIZE) * text.chars().count() as f64;
+        let widest = |text: &dyn Fn(f64) -> String| ticks.iter().map(|&v| width(text(v))).fold(0.0, f64::max);
+        [widest(&format_log_tick).max(2.0 * f64::from(TICK_SIZE)), widest(&|v| power_text(v, self.shift))]
     }
     fn format(&self) -> TickFormat {
         let (low, high, log, shift) = (self.low, self.high, self.log, self.shift);
@@ -260,6 +359,23 @@ impl Axis {
             if log { power_text(v, shift) } else { tick_text(v, (high - low) / 5.0, low.abs().max(high.abs())) }
         }))
     }
+}
+
+/// The range of a logarithmic axis, widened until it has two of its ticks, which are 1, 2 and 5 times the powers of ten.
+fn with_two_ticks(mut low: f64, mut high: f64) -> (f64, f64) {
+    let decade = |v: f64| 10f64.powf(v.log10().floor());
+    let above = |v: f64| [1.0, 2.0, 5.0, 10.0, 20.0].map(|m| m * decade(v)).into_iter().find(|t| *t > v * (1.0 + 1e-9));
+    let below = |v: f64| [5.0, 2.0, 1.0, 0.5].map(|m| m * decade(v)).into_iter().find(|t| *t < v * (1.0 - 1e-9));
+    for _ in 0..2 {
+        let second = above(low * (1.0 - 1e-6)).and_then(above);
+        match (second, below(low), above(high)) {
+            (Some(tick), Some(down), Some(up)) if tick > high && high > low && up.is_finite() && down > 0.0 => {
+                if low / down < up / high { low = down / 1.02 } else { high = up * 1.02 }
+            }
+            _ => break,
+        }
+    }
+    (low, high)
 }
 
 /// A number on a logarithmic axis, `v * 10^-shift`.
@@ -275,7 +391,8 @@ fn power_text(v: f64, shift: i32) -> String {
         ));
     }
     let raised: String = exponent.to_string().chars().map(superscript).collect();
-    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}·10{raised}") }
+    // Short, since `kuva` leaves no room for more.
+    if mantissa == 1 { format!("10{raised}") } else { format!("{mantissa}e{exponent}") }
 }
 
 fn superscript(digit: char) -> char {
@@ -294,7 +411,7 @@ mod tests {
     use super::*;
 
     fn curve<'a>(name: &'a str, x: &'a [f64], y: &'a [f64], stroke: Stroke) -> Curve<'a> {
-        Curve { name, x, y, stroke }
+        Curve { name, x, y, stroke, colour: None }
     }
 
     #[test]
@@ -361,8 +478,25 @@ mod tests {
     #[test]
     fn numbers_on_logarithmic_axes_are_powers() {
         assert_eq!(power_text(1.0, 14), "10⁻¹⁴");
-        assert_eq!(power_text(5e3, 14), "5·10⁻¹¹");
+        assert_eq!(power_text(5e3, 14), "5e-11");
         assert_eq!(power_text(0.05, 0), "0.05");
+    }
+
+    #[test]
+    fn slopes_are_triangles_with_their_order_beside_them() {
+        let (x, y) = ([0.1, 0.2, 0.4], [1e-3, 4e-3, 1.6e-2]);
+        let slope = Slope { x: [0.1, 0.2], y: 5e-4, order: 2.0, above: false };
+        let curves = vec![curve("e", &x, &y, Stroke::Marked)];
+        let chart = Chart { log_x: true, log_y: true, curves: curves.clone(), slopes: vec![slope], ..Chart::default() };
+        let svg = chart.svg();
+        assert_well_formed(&svg);
+        assert!(svg.contains(">2</text>") && svg.contains(NEUTRAL), "{svg}");
+        assert_eq!(slope.corners(), [(0.1, 5e-4), (0.2, 2e-3), (0.2, 5e-4)]);
+        let plain = Chart { log_x: true, log_y: true, curves, ..Chart::default() }.svg();
+        assert!(plain.len() < svg.len());
+        for bad in [Slope { y: 0.0, ..slope }, Slope { x: [0.0, 1.0], ..slope }, Slope { order: f64::NAN, ..slope }] {
+            assert_well_formed(&Chart { slopes: vec![bad], ..chart.clone() }.svg());
+        }
     }
 
     #[test]

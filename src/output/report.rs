@@ -176,7 +176,9 @@ impl Page {
         self.element("h2", &table.title);
         self.element("p", &table.caption);
         let row = |cells: &[String], tag: &str| {
-            let cells = cells.iter().map(|c| format!("<{tag}>{}</{tag}>", escape(c))).collect::<String>();
+            // A number with an exponent must not be broken at its sign.
+            let class = |c: &str| if c.parse::<f64>().is_ok() { " class=\"number\"" } else { "" };
+            let cells = cells.iter().map(|c| format!("<{tag}{}>{}</{tag}>", class(c), escape(c))).collect::<String>();
             format!("<tr>{cells}</tr>")
         };
         self.line("<div class=\"scroll\"><table>");

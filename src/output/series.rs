@@ -184,7 +184,7 @@ fn row(values: impl Iterator<Item = f64>) -> String {
 }
 
 /// A name as CSV wants it (RFC 4180); a line break, which would end the header, becomes a space.
-fn quoted(name: &str) -> String {
+pub(super) fn quoted(name: &str) -> String {
     let name = name.replace(['\n', '\r'], " ");
     if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }

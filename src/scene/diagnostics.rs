@@ -1,6 +1,7 @@
 //! What a run measures: the columns of the series, and profiles along lines.
 
 use super::Scene;
+use super::errors;
 use super::model::Model;
 use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
@@ -14,11 +15,12 @@ use crate::transport::Method;
 const MEASURES: [&str; 9] =
     ["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
 /// The columns that every run has.
-const COMMON: [&str; 8] = [
+const COMMON: [&str; 9] = [
     "energy_kinetic",
     "energy_elastic",
     "dissipation",
     "energy_balance",
+    "work",
     "velocity_max",
     "divergence",
     "cfl",
@@ -94,6 +96,7 @@ impl<'a> Diagnostics<'a> {
             names.extend(columns.map(|c| format!("{}_{c}", f.name)));
         }
         names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
+        names.extend(errors::columns(&self.scene.exact));
         names
     }
 
@@ -126,6 +129,7 @@ impl<'a> Diagnostics<'a> {
                 e.elastic,
                 e.dissipation,
                 state.budget.residual(&e),
+                state.budget.work,
                 sim.largest_speed(),
                 e.divergence,
                 sim.courant(),
@@ -152,6 +156,7 @@ impl<'a> Diagnostics<'a> {
         for f in &self.scene.output.fluxes {
             row.push(flux(space, &state.flow, &f.boundary)?);
         }
+        row.extend(errors::row(&self.scene.exact, sim));
         Ok(row)
     }
 

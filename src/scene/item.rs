@@ -3,6 +3,7 @@
 use super::document::{Document, Entry, Node, Place, Value};
 use super::expression::Expression;
 use super::nearest::{advice, nearest};
+use super::schema::{Absent, Keys};
 use crate::base::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -247,15 +248,16 @@ impl<'a> Item<'a> {
     }
 
     /// The table this is, whose keys must all be among `known`.
-    pub fn table(&self, known: &[&str]) -> Result<Table<'a>> {
+    pub fn table(&self, known: &Keys) -> Result<Table<'a>> {
         let table = self.open_table()?;
-        match table.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
+        match table.entries.iter().find(|e| known.get(&e.key).is_none()) {
             None => Ok(table),
             Some(entry) => {
                 let place = if self.key.is_empty() { "the scene".to_string() } else { format!("`{}`", self.key) };
-                let remedy = match nearest(&entry.key, known.iter().copied()) {
-                    Some(n) => format!("did you mean `{n}`? Valid keys here: {}", known.join(", ")),
-                    None => format!("valid keys here: {}", known.join(", ")),
+                let all = known.names().collect::<Vec<_>>().join(", ");
+                let remedy = match nearest(&entry.key, known.names()) {
+                    Some(n) => format!("did you mean `{n}`? Valid keys here: {all}"),
+                    None => format!("valid keys here: {all}"),
                 };
                 Err(self
                     .child(&entry.node, &entry.key_place, &entry.key)
@@ -305,10 +307,11 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The one value among `keys` that must be written, with its key.
-    pub fn exactly_one(&self, keys: &[&'static str]) -> Result<(&'static str, Item<'a>)> {
-        let mut found = keys.iter().filter_map(|k| self.get(k).map(|i| (*k, i)));
-        let all = keys.join(", ");
+    /// The one value of which exactly one of `keys` must be written, with its key.
+    pub fn exactly_one(&self, keys: &Keys) -> Result<(&'static str, Item<'a>)> {
+        let names = || keys.keys.iter().filter(|k| k.absent == Absent::OneOf).map(|k| k.name);
+        let mut found = names().filter_map(|k| self.get(k).map(|i| (k, i)));
+        let all = names().collect::<Vec<_>>().join(", ");
         let Some(first) = found.next() else {
             return Err(self.missing(&format!("one of {all}"), "").remedy(format!("give exactly one of {all}")));
         };

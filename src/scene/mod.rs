@@ -3,6 +3,7 @@
 mod checks;
 mod diagnostics;
 mod document;
+mod errors;
 pub mod expression;
 mod item;
 mod model;
@@ -10,6 +11,8 @@ pub(crate) mod nearest;
 mod overrides;
 mod passive;
 mod plan;
+pub mod reference;
+mod refined;
 pub mod render;
 pub mod run;
 pub mod schema;
@@ -62,7 +65,17 @@ impl Scene {
     ///
     /// The value is TOML, or else taken as text; `membrane.0.stretch` is the stretch of the first membrane.
     pub fn parse_with(text: &str, path: &Path, overrides: &[String]) -> Result<Scene> {
-        let mut document = Document::parse(text, &path.display().to_string())?;
+        Scene::read(Document::parse(text, &path.display().to_string())?, path, overrides)
+    }
+
+    /// The scene with single values of it set, each override written `key.sub=value`.
+    ///
+    /// Errors: as for [`parse_with`](Scene::parse_with).
+    pub fn with(&self, overrides: &[String]) -> Result<Scene> {
+        Scene::read(self.document.clone(), &self.path, overrides)
+    }
+
+    fn read(mut document: Document, path: &Path, overrides: &[String]) -> Result<Scene> {
         for text in overrides {
             overrides::apply(&mut document, text)?;
         }

@@ -4,6 +4,7 @@ use super::Scene;
 use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::expression::Expression;
 use super::passive::{Placed, check_inflow, prescribed};
+use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::elastic::{self, AreaLaw, Band, Membrane};
@@ -68,8 +69,11 @@ impl Model {
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
         if quality.parts > 1 {
-            let file =
-                if let MeshSource::File(path) = &scene.mesh { path.display().to_string() } else { String::new() };
+            let file = if let MeshSource::File { path, .. } = &scene.mesh {
+                path.display().to_string()
+            } else {
+                String::new()
+            };
             let what = "the mesh falls into parts that are not connected, and one pressure cannot be fixed in each";
             return Err(Error::input(what)
                 .at(file)
@@ -94,6 +98,7 @@ impl Model {
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
+        settings.check_coupling(&structures).map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         let level_sets = model.level_sets()?;
         model.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         model.check_finite("force", &scene.fluid.force)?;
@@ -339,7 +344,10 @@ impl Draft<'_> {
 
 fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
     let mesh = match &scene.mesh {
-        MeshSource::File(path) => return gmsh::read::<2>(path),
+        MeshSource::File { path, refine, geometry } => {
+            let (mesh, warnings) = gmsh::read::<2>(path)?;
+            return Ok((refined(scene, mesh, *refine, geometry)?, warnings));
+        }
         MeshSource::Rectangle { min, max, cells, diagonals } => mesh::rectangle(*min, *max, *cells, *diagonals),
         MeshSource::Disc { centre, radius, cells } => mesh::disc(*centre, *radius, *cells),
         MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),

@@ -36,7 +36,10 @@ fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
     let mesh = model.simulation.space().mesh();
     let (lo, hi) = mesh.bounding_box();
     let source = match &scene.mesh {
-        MeshSource::File(path) => format!("{}", path.display()),
+        MeshSource::File { path, refine: 0, .. } => format!("{}", path.display()),
+        MeshSource::File { path, refine, .. } => {
+            format!("{}, every triangle cut into {}", path.display(), 4usize.saturating_pow(*refine as u32))
+        }
         MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
         MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
         MeshSource::Box { .. } => "box".into(),
@@ -225,6 +228,10 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
         lines.push(transport(model, scene));
         lines.push(match s.coupling {
             Coupling::Explicit => "membrane force explicit".into(),
+            Coupling::SemiImplicit => format!(
+                "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored {}",
+                if is_stiff(scene) || !model.simulation.flow().is_some_and(|flow| flow.density().is_constant()) { "in each step" } else { "once" }
+            ),
             Coupling::Implicit => "membrane force implicit in the velocity".into(),
         });
     }
@@ -267,14 +274,30 @@ fn steps(model: &Model, scene: &Scene) -> Vec<String> {
     let mut lines = vec![format!("{} steps of {} to t = {}", time.steps(), time.step, time.end)];
     let Some(limit) = model.explicit_limit else { return lines };
     let ratio = time.step / limit;
-    let implicit = model.simulation.settings().coupling == Coupling::Implicit;
+    let coupling = model.simulation.settings().coupling;
     lines.push(format!("explicit step limit (1.54) at the start: {limit:.3e}; the step is {ratio:.2} of it"));
-    if ratio > 1.0 && !implicit {
-        lines.push("the explicit coupling will be unstable: take a smaller step, or coupling = \"implicit\"".into());
-    } else if implicit {
-        lines.push("the implicit coupling is not bound by it".into());
+    match coupling {
+        Coupling::Explicit if ratio > 1.0 => {
+            lines
+                .push("the explicit coupling will be unstable: take a smaller step, or coupling = \"implicit\"".into());
+        }
+        Coupling::Explicit => {}
+        Coupling::SemiImplicit if is_stiff(scene) => {
+            lines.push("the semi-implicit coupling is made for constant tension: with another law prefer coupling = \"implicit\"".into());
+        }
+        Coupling::SemiImplicit | Coupling::Implicit => {
+            lines.push(format!(
+                "the {} coupling is not bound by it",
+                if coupling == Coupling::Implicit { "implicit" } else { "semi-implicit" }
+            ));
+        }
     }
     lines
+}
+
+/// Whether some membrane has more than a constant tension.
+fn is_stiff(scene: &Scene) -> bool {
+    scene.membranes.iter().any(|m| !matches!(m.area, AreaLaw::Tension { .. }))
 }
 
 fn both(c: Contrast) -> String {

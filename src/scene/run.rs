@@ -11,6 +11,7 @@ use super::model::Model;
 use crate::base::{Error, Kind, Result, Warning};
 use crate::output::Series;
 use crate::transport::Method;
+use cpu_time::ProcessTime;
 use record::Record;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -60,7 +61,7 @@ pub struct Outcome {
 /// Whatever is wrong with scene, mesh or folder; a computation that failed, its last good state and a summary being kept in the folder;
 /// [`Kind::Interrupted`] when `stop` was set, the state being kept for `resume`.
 pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome> {
-    let start = Instant::now();
+    let start = Clock::now();
     observer.phase("building the model");
     let folder = Folder::open(scene, options)?;
     let mut model = Model::new(scene)?;
@@ -74,9 +75,18 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     // Not before: a scene or a mesh that is wrong leaves no folder behind, and can be run again once it is mended.
     folder.make(scene)?;
     let mut run = Run::start(scene, &folder, options.resume, model, diagnostics, plan)?;
-    run.spent("setup", start);
+    run.record.spent("setup", &start);
     let result = run.all_steps(options.stop, observer);
     run.finish(result)
+}
+
+/// When a phase began: by the clock on the wall, and by the work of the processors for this process.
+struct Clock(Instant, ProcessTime);
+
+impl Clock {
+    fn now() -> Clock {
+        Clock(Instant::now(), ProcessTime::now())
+    }
 }
 
 /// A run in progress.
@@ -130,6 +140,9 @@ impl<'a> Run<'a> {
             }
             let before = self.model.simulation.state().energies.total();
             self.timed("steps", |run| run.model.simulation.step().map(drop))?;
+            if step == 1 {
+                self.record.note_first_step();
+            }
             self.record.note_rise(before, &self.model.simulation);
             self.timed("output", |run| run.sample(step))?;
             let due = self.scene.output.checkpoint.is_some_and(|s| self.saved.elapsed().as_secs_f64() >= s);
@@ -142,14 +155,10 @@ impl<'a> Run<'a> {
     }
 
     fn timed(&mut self, phase: &str, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
-        let start = Instant::now();
+        let start = Clock::now();
         let result = work(self);
-        self.spent(phase, start);
+        self.record.spent(phase, &start);
         result
-    }
-
-    fn spent(&mut self, phase: &str, since: Instant) {
-        *self.record.seconds.entry(phase.to_string()).or_default() += since.elapsed().as_secs_f64();
     }
 
     /// Writes what is due after `step`.

@@ -5,6 +5,8 @@ use crate::sim::{Contrast, Coupling};
 use proptest::prelude::*;
 use schema::*;
 
+mod reference;
+
 const MEMBRANE: &str = r#"
 title = "Relaxing elliptical membrane"
 [mesh]
@@ -155,7 +157,9 @@ fn everything_written_is_read() {
     assert_eq!(s.fluid.force[0].eval([0.5, 0.0, 0.0], 0.0), 1.0);
     assert_eq!(s.boundaries[2].condition, Condition::Periodic("bottom".into()));
     assert!(matches!(&s.membranes[0].shape, Shape::Union(parts) if parts.len() == 5));
-    assert!(matches!(&s.mesh, MeshSource::File(p) if p.is_absolute() && p.ends_with("case/meshes/a box.msh")));
+    assert!(
+        matches!(&s.mesh, MeshSource::File { path: p, .. } if p.is_absolute() && p.ends_with("case/meshes/a box.msh"))
+    );
     assert_eq!(s.output.profiles[0].times, [0.0, 0.1]);
     assert_eq!(s.output.forces[0].about.as_deref(), Some(&[1.0, 0.0][..]));
     assert_eq!((s.numerics.convection, s.numerics.quadrature), (Some(false), Some(5)));

@@ -2,6 +2,7 @@
 
 use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
+use crate::base::{Error, Result};
 use crate::elastic::Membrane;
 use crate::fem::Conditions;
 use crate::flow::{BodyForce, FlowState};
@@ -15,6 +16,8 @@ use std::sync::Arc;
 pub enum Coupling {
     /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
     Explicit,
+    /// The force of an interface that is predicted by an implicit diffusion: the book's semi-implicit scheme (3.62)-(3.64).
+    SemiImplicit,
     /// Linearised in the velocity of the new time level.
     Implicit,
 }
@@ -72,6 +75,32 @@ pub struct Settings<const D: usize> {
     pub gravity: SVector<f64, D>,
     /// Force per volume.
     pub body_force: Option<Arc<BodyForce<D>>>,
+}
+
+impl<const D: usize> Settings<D> {
+    /// Whether the coupling can be had with these settings.
+    ///
+    /// # Errors
+    /// The semi-implicit scheme, which is of order 1 and whose predictor divides by the density, at order 2 or without inertia.
+    pub fn check_coupling(&self, structures: &[Structure<D>]) -> Result<()> {
+        if self.coupling != Coupling::SemiImplicit || structures.is_empty() {
+            return Ok(());
+        }
+        let Contrast { inside, outside } = self.materials.density;
+        let (what, value, remedy) = if self.order != 1 {
+            (
+                "the semi-implicit scheme (3.62)-(3.64) is of order 1 in time",
+                format!("order {}", self.order),
+                "time.order = 1",
+            )
+        } else if inside <= 0.0 || outside <= 0.0 {
+            let what = "the semi-implicit scheme (3.62)-(3.64) needs inertia: it predicts the velocity that the force gives to the fluid";
+            (what, format!("density {inside} inside, {outside} outside"), "densities above 0")
+        } else {
+            return Ok(());
+        };
+        Err(Error::scene(what).value(value).remedy(format!("take {remedy}, or coupling = \"implicit\"")))
+    }
 }
 
 /// A structure: its level set (one number a P2 node) and its law.

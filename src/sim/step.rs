@@ -5,6 +5,7 @@ use super::carrier::Carrier;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Materials, Settings, State, Structure};
 use crate::base::{Error, Result};
+use crate::elastic::Predictor;
 use crate::fem::{
     At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate, periodic_pairs,
 };
@@ -26,6 +27,8 @@ pub struct Simulation<const D: usize> {
     pub(super) given: Option<VelocityFunction<D>>,
     pub(super) translations: Vec<Translation<D>>,
     pub(super) carrier: Carrier<D>,
+    /// One a structure with the semi-implicit coupling, else none.
+    predictors: Vec<Predictor<D>>,
     fine: Option<Basis<D>>,
     structures: Vec<Structure<D>>,
     pub(super) passive: Vec<LevelSet<D>>,
@@ -41,13 +44,18 @@ const ENERGY_DEGREE: usize = 8;
 impl<const D: usize> Simulation<D> {
     /// A simulation on `mesh` that starts from `initial` velocity (one vector at a position) and the level sets of `structures`.
     ///
-    /// Allocates no more than the scene needs: no mass matrix without projected transport, no feet without convection or structures.
+    /// Allocates no more than the scene needs: no mass matrix without projected transport, no feet without convection or structures, no
+    /// predictor without the semi-implicit coupling.
+    ///
+    /// # Errors
+    /// Boundary conditions that do not fit the mesh, a coupling that cannot be had ([`Settings::check_coupling`]), too little memory.
     pub fn new(
         mesh: &Arc<Mesh<D>>,
         settings: Settings<D>,
         structures: Vec<Structure<D>>,
         initial: impl Fn(&Point<D>) -> SVector<f64, D>,
     ) -> Result<Simulation<D>> {
+        settings.check_coupling(&structures)?;
         let space = Arc::new(Space::new(mesh, Element::P2));
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
@@ -56,6 +64,10 @@ impl<const D: usize> Simulation<D> {
         let projected = settings.transport == Method::Projected && !structures.is_empty();
         let projector = if projected { Some(Projector::new(flow.velocity().clone(), &translations)?) } else { None };
         let carrier = Carrier::new(Tracer::new(&space, &translations), projector);
+        let semi = settings.coupling == Coupling::SemiImplicit;
+        let predictors = structures.iter().filter(|_| semi);
+        let predictors =
+            predictors.map(|_| Predictor::new(flow.velocity().clone(), &translations)).collect::<Result<_>>()?;
         let fine = (!structures.is_empty())
             .then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, ENERGY_DEGREE.max(settings.quadrature)))));
         let mut state_flow = flow.at_rest();
@@ -78,6 +90,7 @@ impl<const D: usize> Simulation<D> {
             given: None,
             translations,
             carrier,
+            predictors,
             fine,
             structures,
             passive: Vec::new(),
@@ -129,6 +142,7 @@ impl<const D: usize> Simulation<D> {
             given: Some(velocity),
             translations,
             carrier,
+            predictors: Vec::new(),
             fine: None,
             structures: Vec::new(),
             passive: Vec::new(),
@@ -143,7 +157,7 @@ impl<const D: usize> Simulation<D> {
     /// One step: predict the interface, solve the flow with the force that it exerts, move the interface with the new velocity.
     ///
     /// Order 1 is the book's scheme (section 3.6.1): the force of `phi^n`, backward Euler along the characteristics of `u^n`, transport
-    /// by `u^{n+1}`; implicit, the force is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
+    /// by `u^{n+1}`; semi-implicit, the force is that of [`Predictor`]'s level set; implicit, it is linearised in `u^{n+1}`. Order 2 takes the force of `phi^n` carried on by `u^n`,
     /// linearised in `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All three are
     /// of second order, and the scheme is stable for any step when the stiffness in the matrix is at least half the
     /// true one; with the extrapolated velocity in place of `u^n` it is not (ARCHITECTURE.md, "The time step").
@@ -166,6 +180,7 @@ impl<const D: usize> Simulation<D> {
 
         // Where the interface will be.
         let predicted = if second && structures { self.predicted(&current)? } else { self.state.phi.clone() };
+        let diffused = self.diffused(solver, &current)?;
 
         // Where the fluid comes from.
         if convection && second {
@@ -179,7 +194,7 @@ impl<const D: usize> Simulation<D> {
         // Forces and materials there.
         self.set_materials(solver, &predicted);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(&predicted) {
+        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(&predicted)) {
             s.membrane.prepare(solver.velocity(), phi, implicit);
         }
 
@@ -255,6 +270,20 @@ impl<const D: usize> Simulation<D> {
             *phi = self.carrier.composed(map, k);
         }
         Ok(())
+    }
+
+    /// The level sets whose force the semi-implicit coupling takes, from the velocity `u` of the current state; `None` with any other coupling.
+    fn diffused(&mut self, flow: &FlowSolver<D>, u: &[SVector<f64, D>]) -> Result<Option<Vec<Vec<f64>>>> {
+        if self.predictors.is_empty() {
+            return Ok(None);
+        }
+        let mut level_sets = self.predicted(u)?;
+        let (dt, density) = (self.settings.dt, flow.density());
+        let parts = self.predictors.iter_mut().zip(&self.structures).zip(&self.state.phi).zip(&mut level_sets);
+        for (((predictor, s), phi), carried) in parts {
+            predictor.predict(&s.membrane, dt, (|at: &At<D>| density.at(at), density.is_constant()), phi, carried)?;
+        }
+        Ok(Some(level_sets))
     }
 
     fn has_constant_materials(&self) -> bool {
@@ -488,7 +517,8 @@ impl<const D: usize> Simulation<D> {
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {
         let flow = self.flow.as_ref().and_then(FlowSolver::factor).map_or(0, |f| f.bytes());
-        flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes)
+        let predictors = self.predictors.iter().map(Predictor::bytes).sum::<usize>();
+        flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes) + predictors
     }
 }
 

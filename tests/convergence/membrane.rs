@@ -1,7 +1,7 @@
 //! The membrane of the book's sections 3.5.3 and 3.6.1.1: an ellipse .75 / .5 in the box [0, 2]^2, stretched beforehand.
 
 use crate::tools::point;
-use immersa::elastic::{AreaLaw, Membrane};
+use immersa::elastic::{AreaLaw, Band, Membrane};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
@@ -18,8 +18,11 @@ pub const STRETCH: f64 = 1.26253110;
 pub struct Case {
     /// Squares along a side.
     pub n: usize,
-    /// `E'(r) = modulus (r - 1)`.
+    pub diagonals: Diagonals,
+    /// `E'(r) = modulus (r - 1)`, or `modulus` where there is constant `tension`.
     pub modulus: f64,
+    /// A drop, with a carried band, instead of a membrane.
+    pub tension: bool,
     pub thickness: f64,
     pub viscosity: f64,
     pub grad_div: f64,
@@ -35,7 +38,9 @@ impl Case {
     /// The book's listing (section 3.6.1.1) with the grad-div term.
     pub const LISTING: Case = Case {
         n: 30,
+        diagonals: Diagonals::UnionJack,
         modulus: 1.0,
+        tension: false,
         thickness: 0.1,
         viscosity: 0.01,
         grad_div: 1.0,
@@ -48,15 +53,20 @@ impl Case {
     };
 
     pub fn simulation(&self) -> Simulation<2> {
-        let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [self.n; 2], Diagonals::UnionJack).unwrap());
+        let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [self.n; 2], self.diagonals).unwrap());
         let space = Space::new(&mesh, Element::P2);
         let [a, b] = self.semi_axes;
         let shape = Ellipse::new(point(1.0, 1.0), point(a, b), 0.0).unwrap();
         let uniform = Contrast::uniform;
+        let (law, band) = if self.tension {
+            (AreaLaw::Tension { tension: self.modulus }, Band::Carried)
+        } else {
+            (AreaLaw::Linear { modulus: self.modulus }, Band::Renormalised)
+        };
         let structure = Structure {
             name: "membrane".into(),
             phi: signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect(),
-            membrane: Membrane::new(AreaLaw::Linear { modulus: self.modulus }, self.thickness),
+            membrane: Membrane::new(law, self.thickness).with_band(band, self.stretch),
             surface_mass: 0.0,
         };
         let settings = Settings {

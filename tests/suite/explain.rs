@@ -80,6 +80,16 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
     let plan = explain(LISTING, &["numerics.coupling=explicit", "time.step=5e-3"]);
     says(&plan, &["matrix constant: factored once", "explicit step limit"]);
     assert!(!plan.contains("unstable"), "{plan}");
+    let semi = ["numerics.coupling=semi-implicit", "time.order=1"];
+    let plan = explain(LISTING, &semi);
+    says(
+        &plan,
+        &[
+            "matrix constant: factored once",
+            "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored in each step",
+            "the semi-implicit coupling is made for constant tension",
+        ],
+    );
     let plan = explain(LISTING, &["time.end=0.2"]);
     says(&plan, &["warning: profile `pressure` is not written at t = 0.4, 10: the run ends at 0.2"]);
 }

@@ -18,7 +18,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("output", &["levelset", "fem", "mesh"]),
     ("sim", &["compressible", "rigid", "elastic", "flow", "levelset", "transport", "fem", "mesh", "linalg"]),
     ("scene", &["sim", "elastic", "flow", "levelset", "transport", "fem", "mesh", "output"]),
-    ("studies", &["scene", "sim", "output"]),
+    ("studies", &["scene", "sim", "output", "levelset", "fem", "mesh"]),
     ("cli", &["scene", "studies", "output", "mesh"]),
     // src/main.rs
     ("main", &["cli"]),

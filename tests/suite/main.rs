@@ -1,7 +1,9 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
+mod book;
 mod broken_meshes;
 mod case;
+mod comparison;
 mod elements;
 mod examples;
 mod explain;
@@ -11,9 +13,11 @@ mod fluid;
 mod layers;
 mod meshes;
 mod passive;
+mod precision;
 mod program;
 mod render;
 mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod studies;

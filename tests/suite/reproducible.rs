@@ -39,8 +39,9 @@ fn simulation(transport: Method, coupling: Coupling, order: usize) -> Simulation
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
-const CASES: [(Method, Coupling, usize); 3] = [
+const CASES: [(Method, Coupling, usize); 4] = [
     (Method::Nodal, Coupling::Explicit, 1),
+    (Method::Nodal, Coupling::SemiImplicit, 1),
     (Method::Nodal, Coupling::Implicit, 2),
     (Method::Projected, Coupling::Implicit, 2),
 ];

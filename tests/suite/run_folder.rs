@@ -86,7 +86,7 @@ fn simulation(cells: usize) -> Simulation<2> {
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 23] = [
     "membrane.area",
     "membrane.perimeter",
     "membrane.centre_x",
@@ -102,6 +102,7 @@ const COLUMNS: [&str; 22] = [
     "energy_elastic",
     "dissipation",
     "energy_balance",
+    "work",
     "velocity_max",
     "divergence",
     "cfl",
@@ -125,7 +126,7 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
     let p = sim.flow().unwrap().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
     let mut row = vec![m.area, m.perimeter, m.centroid[0], m.centroid[1], m.axis_1, m.axis_2, m.angle];
     row.extend([m.extent_x, m.extent_y, chord(1.0, 0.0), chord(0.0, 1.0)]);
-    row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.budget.residual(&e)]);
+    row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.budget.residual(&e), state.budget.work]);
     row.extend([sim.largest_speed(), e.divergence, sim.courant(), STEP / limit, u[0], u[1], p]);
     row
 }

@@ -145,6 +145,27 @@ fn broken_scenes_are_refused_with_place_value_and_remedy() {
     }
 }
 
+/// What the semi-implicit coupling cannot do is told with the key that asks for it.
+#[test]
+fn the_semi_implicit_coupling_is_refused_at_order_2_and_without_inertia() {
+    let scene = GOOD.replace("[output]", "[numerics]\ncoupling = \"semi-implicit\"\n[output]");
+    let explain = ["explain", "scene.toml"];
+    let place = "scene.toml:19:12, key numerics.coupling";
+    let parts = [place, "(3.62)-(3.64) is of order 1", "order 2", "take time.order = 1, or coupling = \"implicit\""];
+    assert_message(scene.as_bytes(), &explain, 2, &parts);
+    let first = scene.replace("step = 0.1", "step = 0.1\norder = 1");
+    let massless = first.replace("viscosity = 0.01", "viscosity = 0.01\ndensity = { inside = 0, outside = 1 }");
+    let parts = ["numerics.coupling", "needs inertia", "density 0 inside, 1 outside", "take densities above 0"];
+    assert_message(massless.as_bytes(), &explain, 2, &parts);
+    // Without a membrane there is nothing to couple.
+    let fluid = GOOD.split_once("[[membrane]]").zip(scene.split_once("[time]"));
+    let fluid = fluid.map(|(head, tail)| format!("{}[time]{}", head.0, tail.1));
+    let folder = folder_with(fluid.unwrap_or_default().as_bytes());
+    assert_eq!(immersa(folder.path(), &explain), (0, String::new()));
+    let folder = folder_with(first.as_bytes());
+    assert_eq!(immersa(folder.path(), &explain), (0, String::new()));
+}
+
 #[test]
 fn the_caret_stands_under_the_wrong_name_of_an_expression() {
     let folder = folder_with(GOOD.replace("sin(pi*x)", "1 + foo*x").as_bytes());

@@ -5,6 +5,7 @@
 //! `sqrt exp log log10 sin cos tan asin acos atan sinh cosh tanh abs sign floor ceil min max hypot atan2 pow` and
 //! `if(condition, a, b)`; `log` is the natural logarithm and angles are in radians. True is 1 and false is 0.
 
+mod derivative;
 mod operation;
 mod parser;
 #[cfg(test)]
@@ -109,6 +110,11 @@ impl PartialEq for Expression {
     fn eq(&self, other: &Expression) -> bool {
         self.code == other.code
     }
+}
+
+/// The names of the functions.
+pub(crate) fn functions() -> impl Iterator<Item = &'static str> {
+    FUNCTIONS.iter().map(|f| f.0)
 }
 
 /// Whether `name` may not name a constant: a variable, `pi` or a function.

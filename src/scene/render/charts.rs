@@ -33,7 +33,8 @@ impl<'a> Sheet<'a> {
         if self.curves.is_empty() {
             return None;
         }
-        let curves = self.curves.iter().map(|(name, y, stroke)| Curve { name, x: self.x, y, stroke: *stroke });
+        let curves =
+            self.curves.iter().map(|(name, y, stroke)| Curve { name, x: self.x, y, stroke: *stroke, colour: None });
         let chart = Chart { title, x_label: self.x_label, y_label, curves: curves.collect(), ..Chart::default() };
         Some(Drawn { name: name.into(), title: format!("{title}."), svg: chart.svg(), caption: caption.into() })
     }

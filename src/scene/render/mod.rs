@@ -11,6 +11,8 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
+pub use summary::{Balance, Summary};
+
 use crate::base::{Result, Warning};
 use crate::output::write_file;
 use folder::RunFolder;

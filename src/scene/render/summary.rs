@@ -12,21 +12,36 @@ type Numbers = BTreeMap<String, Option<f64>>;
 /// How a run ended. What the file does not say has no value here.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub(super) struct Summary {
+pub struct Summary {
+    /// Title of the scene.
     pub title: String,
     /// `finished`, `interrupted` or `failed`.
     pub status: String,
+    /// Why it failed.
     pub error: Option<String>,
+    /// Steps made.
     pub steps: Option<u64>,
+    /// The time that was reached.
     pub end_time: Option<f64>,
+    /// Cells of the mesh.
     pub cells: Option<u64>,
+    /// Longest edge of the mesh.
+    pub edge: Option<f64>,
+    /// Bytes of all that grows with the mesh, an estimate.
+    pub memory: Option<u64>,
     /// Unknowns by field.
     pub unknowns: BTreeMap<String, u64>,
     /// Seconds by phase.
     pub seconds: Numbers,
+    /// Seconds of all processors by phase; those of `first_step` are a part of those of `steps`.
+    pub cpu_seconds: Numbers,
+    /// What goes against the balances.
     pub alarms: Vec<String>,
+    /// What the user should know.
     pub warnings: Vec<String>,
+    /// What was solved.
     pub plan: String,
+    /// What ought to be zero.
     pub balance: Balance,
     /// Last values by column of the series.
     #[serde(rename = "final")]
@@ -36,7 +51,7 @@ pub(super) struct Summary {
 /// What ought to be zero.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub(super) struct Balance {
+pub struct Balance {
     /// Relative residual of (3.23) at the end.
     pub energy: Option<f64>,
     /// Largest rise of kinetic and elastic energy in one step, over the energy at the start.

@@ -168,6 +168,8 @@ impl Folder {
             "steps": sim.state().steps,
             "end_time": sim.time(),
             "cells": sim.space().mesh().cell_count(),
+            "edge": model.quality.greatest_diameter.value,
+            "memory": sim.bytes(),
             "unknowns": {
                 "velocity": velocity,
                 "pressure": numbering.map_or(0, |n| n.order()) - velocity,
@@ -175,6 +177,7 @@ impl Folder {
             },
             "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
             "seconds": record.seconds,
+            "cpu_seconds": record.cpu_seconds,
             "alarms": alarms,
             "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,

@@ -1,5 +1,6 @@
 //! What a run has put into its folder so far; a checkpoint holds it beside the state.
 
+use super::Clock;
 use crate::scene::{Model, Scene};
 use crate::sim::Simulation;
 use serde::{Deserialize, Serialize};
@@ -31,9 +32,23 @@ pub(super) struct Record {
     pub last: BTreeMap<String, f64>,
     /// Seconds by phase, of all sessions of the run.
     pub seconds: BTreeMap<String, f64>,
+    /// Seconds of all processors by phase, of all sessions of the run.
+    pub cpu_seconds: BTreeMap<String, f64>,
 }
 
 impl Record {
+    /// Counts the time since `start` for a phase.
+    pub(super) fn spent(&mut self, phase: &str, start: &Clock) {
+        *self.seconds.entry(phase.to_string()).or_default() += start.0.elapsed().as_secs_f64();
+        *self.cpu_seconds.entry(phase.to_string()).or_default() += start.1.elapsed().as_secs_f64();
+    }
+
+    /// Notes what the first step cost, a part of `steps`: with a constant matrix it alone factors.
+    pub(super) fn note_first_step(&mut self) {
+        let spent = self.cpu_seconds.get("steps").copied().unwrap_or_default();
+        self.cpu_seconds.insert("first_step".to_string(), spent);
+    }
+
     /// Notes a rise of the energy in the step that was just made.
     pub(super) fn note_rise(&mut self, before: f64, sim: &Simulation<2>) {
         let (e, budget) = (sim.state().energies, sim.state().budget);

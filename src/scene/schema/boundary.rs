@@ -1,5 +1,6 @@
 //! `[boundary.NAME]`: what happens on the named parts of the boundary.
 
+use super::keys::{Absent::OneOf, Keys, Kind::Value, row};
 use super::write::{Writer, expressions, key, text};
 use crate::base::Result;
 use crate::scene::expression::Expression;
@@ -32,7 +33,23 @@ pub enum Condition {
     Periodic(String),
 }
 
-const KINDS: [&str; 5] = ["velocity", "no_slip", "slip", "open", "periodic"];
+pub(super) static KEYS: Keys = Keys {
+    about: "What holds on a boundary of the mesh: exactly one of these. `walls` stands for all sides that have no entry; without any entry, \
+        no slip holds on the whole boundary.",
+    keys: &[
+        row("velocity", Value("vector of numbers or expressions"), "m/s", OneOf, "A given velocity."),
+        row("no_slip", Value("true"), "", OneOf, "No velocity."),
+        row("slip", Value("true"), "", OneOf, "No normal velocity and no tangential stress."),
+        row("open", Value("true"), "", OneOf, "No stress (do-nothing)."),
+        row(
+            "periodic",
+            Value("text"),
+            "",
+            OneOf,
+            "The name of the boundary that is the translate of this one, with the same flow.",
+        ),
+    ],
+};
 
 /// All entries, in the order of the scene; without any, no slip on the whole boundary, or nothing where the velocity is `prescribed`.
 pub(super) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
@@ -66,12 +83,13 @@ pub(super) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> R
 
 impl Condition {
     fn read(item: &Item, context: &Context) -> Result<Condition> {
-        let (kind, item) = item.table(&KINDS)?.exactly_one(&KINDS)?;
+        let (kind, item) = item.table(&KEYS)?.exactly_one(&KEYS)?;
         let flag = |condition| match item.boolean()? {
             true => Ok(condition),
-            false => Err(item
-                .error(format!("`{}` can only be true", item.key))
-                .remedy(format!("write {kind} = true, or one of {} instead", KINDS.join(", ")))),
+            false => Err(item.error(format!("`{}` can only be true", item.key)).remedy(format!(
+                "write {kind} = true, or one of {} instead",
+                KEYS.names().collect::<Vec<_>>().join(", ")
+            ))),
         };
         match kind {
             "velocity" => item.components(context).map(Condition::Velocity),

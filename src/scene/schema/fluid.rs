@@ -1,5 +1,6 @@
 //! `[fluid]`: what flows, and what drives it.
 
+use super::keys::{Absent::Default, Absent::OneOf, Absent::Required, Keys, Kind::Either, Kind::Value, row};
 use super::write::{Writer, expressions, number, vector};
 use crate::base::Result;
 use crate::scene::expression::Expression;
@@ -26,10 +27,48 @@ pub struct Fluid {
 /// All keys but `prescribed_velocity`.
 const SOLVED: [&str; 5] = ["density", "viscosity", "gravity", "force", "initial_velocity"];
 
+pub(super) static KEYS: Keys = Keys {
+    about: "What flows, and what drives it.",
+    keys: &[
+        row(
+            "density",
+            Either("number >= 0", &CONTRAST),
+            "kg/m3",
+            Default("1.0"),
+            "Mass per volume; 0 means no inertia: the Stokes equations.",
+        ),
+        row("viscosity", Either("number > 0", &CONTRAST), "Pa s", OneOf, "Dynamic viscosity."),
+        row("gravity", Value("vector of numbers"), "m/s2", Default("[0.0, 0.0]"), "Acceleration; acts on the density."),
+        row("force", Value("vector of numbers or expressions"), "N/m3", Default("[0.0, 0.0]"), "Force per volume."),
+        row(
+            "initial_velocity",
+            Value("vector of numbers or expressions"),
+            "m/s",
+            Default("[0.0, 0.0]"),
+            "Velocity at time 0; must not depend on `t`.",
+        ),
+        row(
+            "prescribed_velocity",
+            Value("vector of numbers or expressions"),
+            "m/s",
+            OneOf,
+            "The velocity at all times, in place of a flow that is solved: then nothing else of the fluid, no membrane and no \
+             condition on a boundary but periodic sides has a meaning, and level sets are carried by it.",
+        ),
+    ],
+};
+
+static CONTRAST: Keys = Keys {
+    about: "A value on each side of the one closed structure of the scene.",
+    keys: &[
+        row("inside", Value("number"), "", Required, "Where the level set is negative."),
+        row("outside", Value("number"), "", Required, "Where it is positive."),
+    ],
+};
+
 impl Fluid {
     pub(super) fn read(item: &Item, structures: usize, context: &Context) -> Result<Fluid> {
-        let table =
-            item.table(&["density", "viscosity", "gravity", "force", "initial_velocity", "prescribed_velocity"])?;
+        let table = item.table(&KEYS)?;
         let zero = vec![Expression::constant(0.0); context.dimension];
         if let Some(velocity) = table.optional("prescribed_velocity", |i| i.components(context))? {
             if let Some((key, item)) = SOLVED.iter().find_map(|key| Some((key, table.get(key)?))) {
@@ -102,7 +141,7 @@ fn read_contrast<'a>(item: &Item<'a>, structures: usize, value: impl Fn(&Item<'a
     if !item.is_table() {
         return value(item).map(Contrast::uniform);
     }
-    let table = item.table(&["inside", "outside"])?;
+    let table = item.table(&CONTRAST)?;
     let remedy = "give both: { inside = 1, outside = 1 }";
     let contrast = Contrast {
         inside: table.required("inside", remedy, &value)?,

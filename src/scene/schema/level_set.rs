@@ -1,7 +1,8 @@
 //! `[[level_set]]`: interfaces that are carried and act on nothing.
 
+use super::keys::{Absent::*, Keys, Kind::*, row};
 use super::membrane::identifier;
-use super::shape::Shape;
+use super::shape::{self, Shape};
 use super::write::{Writer, text};
 use crate::base::Result;
 use crate::scene::item::{Context, Item};
@@ -16,6 +17,21 @@ pub struct LevelSet {
     /// Particles on the interface, followed for comparison; 0 for none.
     pub markers: usize,
 }
+
+pub(super) static KEYS: Keys = Keys {
+    about: "A closed interface that is carried and acts on nothing.",
+    keys: &[
+        row("name", Value("text"), "", Default("\"interface\""), "Its name in results; unique in the scene."),
+        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
+        row(
+            "markers",
+            Value("whole number from 3, or 0 for none"),
+            "",
+            Default("0"),
+            "Particles on the interface, in columns of their own: the length and the area of their polygon.",
+        ),
+    ],
+};
 
 const MOST_MARKERS: usize = 10_000_000;
 
@@ -38,7 +54,7 @@ pub(super) fn read(item: Option<Item>, taken: &[&str], context: &Context) -> Res
 
 impl LevelSet {
     fn read(item: &Item, context: &Context) -> Result<LevelSet> {
-        let table = item.table(&["name", "shape", "markers"])?;
+        let table = item.table(&KEYS)?;
         let shape = "give one: shape.circle = { centre = [0.5, 0.75], radius = 0.15 }";
         // A polygon has three corners.
         let markers = |i: &Item| if i.is_zero() { Ok(0) } else { i.count(3, MOST_MARKERS) };

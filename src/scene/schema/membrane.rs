@@ -1,6 +1,7 @@
 //! `[[membrane]]`: elastic interfaces.
 
-use super::shape::Shape;
+use super::keys::{Absent::*, Keys, Kind::*, row};
+use super::shape::{self, Shape};
 use super::write::{Writer, key, number, text, vector};
 use crate::base::Result;
 use crate::elastic::AreaLaw;
@@ -34,7 +35,56 @@ pub struct Chord {
     pub direction: Vec<f64>,
 }
 
-const LAWS: [&str; 3] = ["linear", "one_sided", "tension"];
+pub(super) static KEYS: Keys = Keys {
+    about: "A closed elastic membrane.",
+    keys: &[
+        row("name", Value("text"), "", Default("\"membrane\""), "Its name in results; unique in the scene."),
+        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
+        row("stretch", Value("number > 0"), "", Default("1.0"), "Stretch r at time 0: length over length at rest."),
+        row("area", Table(&LAWS), "", Required, "The law of its elastic energy."),
+        row(
+            "mass",
+            Value("number >= 0"),
+            "kg/m2",
+            Default("0.0"),
+            "Mass per area (in the plane: per length and unit depth).",
+        ),
+        row("chords", Named(&CHORD), "", Optional, "Lines along which the contour is measured."),
+    ],
+};
+
+static LAWS: Keys = Keys {
+    about: "The law of the elastic energy E(r): exactly one of these. The tension is E'(r), r the stretch (3.13).",
+    keys: &[
+        row("linear", Table(&MODULUS), "", OneOf, "E'(r) = modulus (r - 1)."),
+        row("one_sided", Table(&MODULUS), "", OneOf, "E'(r) = modulus max(r - 1, 0): no resistance to compression."),
+        row("tension", Table(&TENSION), "", OneOf, "E'(r) = tension, whatever the stretch: a drop."),
+    ],
+};
+
+static MODULUS: Keys = Keys {
+    about: "A law with an elastic modulus.",
+    keys: &[row("modulus", Value("number >= 0"), "N/m", Required, "Elastic modulus.")],
+};
+
+static TENSION: Keys = Keys {
+    about: "Surface tension.",
+    keys: &[row("tension", Value("number >= 0"), "N/m", Required, "Surface tension.")],
+};
+
+static CHORD: Keys = Keys {
+    about: "A line through the membrane, along which half the distance of its two crossings is measured.",
+    keys: &[
+        row("through", Value("point"), "m", Required, "A point of the line."),
+        row(
+            "direction",
+            Value("vector of numbers"),
+            "",
+            Required,
+            "The direction of the line, not zero, of any length.",
+        ),
+    ],
+};
 
 /// All membranes, in the order of the scene.
 pub(super) fn read(item: Option<Item>, context: &Context) -> Result<Vec<Membrane>> {
@@ -55,7 +105,7 @@ pub(super) fn read(item: Option<Item>, context: &Context) -> Result<Vec<Membrane
 
 impl Membrane {
     fn read(item: &Item, context: &Context) -> Result<Membrane> {
-        let table = item.table(&["name", "shape", "stretch", "area", "mass", "chords"])?;
+        let table = item.table(&KEYS)?;
         let shape = "give one: shape.circle = { centre = [1, 1], radius = 0.5 }";
         let law = "give the elastic law: area.linear = { modulus = 1 }";
         Ok(Membrane {
@@ -88,9 +138,9 @@ impl Membrane {
 impl AreaLaw {
     fn read(item: &Item) -> Result<AreaLaw> {
         let (law, item) = item.table(&LAWS)?.exactly_one(&LAWS)?;
-        let parameter = if law == "tension" { "tension" } else { "modulus" };
+        let (parameter, keys) = if law == "tension" { ("tension", &TENSION) } else { ("modulus", &MODULUS) };
         let remedy = format!("write {law} = {{ {parameter} = 1 }}");
-        let value = item.table(&[parameter])?.required(parameter, &remedy, Item::non_negative)?;
+        let value = item.table(keys)?.required(parameter, &remedy, Item::non_negative)?;
         Ok(match law {
             "linear" => AreaLaw::Linear { modulus: value },
             "one_sided" => AreaLaw::OneSided { modulus: value },
@@ -109,7 +159,7 @@ impl AreaLaw {
 
 impl Chord {
     fn read(name: String, item: &Item, context: &Context) -> Result<Chord> {
-        let table = item.table(&["through", "direction"])?;
+        let table = item.table(&CHORD)?;
         let direction = |i: &Item| {
             let direction = i.point(context)?;
             if direction.iter().any(|d| *d != 0.0) {

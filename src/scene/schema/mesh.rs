@@ -1,16 +1,26 @@
 //! `[mesh]`: where the mesh comes from.
 
-use super::write::{Writer, list, name, number, text, vector};
+use super::keys::{Absent::*, Keys, Kind::*, row, words};
+use super::shape::Shape;
+use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
 use crate::mesh::Diagonals;
-use crate::scene::item::Item;
+use crate::scene::item::{Context, Item};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Where the mesh comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeshSource {
-    /// A gmsh file, as an absolute path.
-    File(PathBuf),
+    /// A gmsh file.
+    File {
+        /// The file, as an absolute path.
+        path: PathBuf,
+        /// How many times every triangle is cut into four.
+        refine: usize,
+        /// Curves that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
+        geometry: Vec<(String, Shape)>,
+    },
     /// A rectangle of `cells[0] x cells[1]` rectangles, each cut into triangles.
     Rectangle {
         /// Lower left corner.
@@ -44,23 +54,103 @@ pub enum MeshSource {
 
 const DIAGONALS: [(&str, Diagonals); 3] =
     [("right", Diagonals::Right), ("left", Diagonals::Left), ("union-jack", Diagonals::UnionJack)];
+const DIAGONAL_WORDS: [&str; 3] = words(&DIAGONALS);
+
+pub(super) static KEYS: Keys = Keys {
+    about: "Where the mesh comes from: exactly one of file, rectangle, disc and box.",
+    keys: &[
+        row(
+            "file",
+            Value("path"),
+            "",
+            OneOf,
+            "A mesh of gmsh (MSH 2.2, 4.0 or 4.1), relative to the folder of the scene.",
+        ),
+        row("rectangle", Table(&RECTANGLE), "", OneOf, "A rectangle; its sides are left, right, bottom and top."),
+        row("disc", Table(&DISC), "", OneOf, "A disc."),
+        row("box", Table(&BOX), "", OneOf, "A box of tetrahedra; no flow can be computed on it yet."),
+        row(
+            "refine",
+            Value("whole number from 0 to 10"),
+            "",
+            Default("0"),
+            "How often every triangle of a mesh file is cut into four.",
+        ),
+        row(
+            "geometry",
+            Value("shapes with names, each as in `membrane.shape`"),
+            "",
+            Optional,
+            "Curves that new points on named boundaries of a mesh file are moved onto when it is refined.",
+        ),
+    ],
+};
+
+static RECTANGLE: Keys = Keys {
+    about: "A rectangle of equal rectangles, each cut into triangles.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "Lower left corner."),
+        row("max", Value("point"), "m", Required, "Upper right corner."),
+        row("cells", Value("two whole numbers from 1 to 100000"), "", Required, "Rectangles along each axis."),
+        row(
+            "diagonals",
+            Choice(&DIAGONAL_WORDS),
+            "",
+            Default("\"right\""),
+            "How each is cut: by the diagonal that rises to the right, to the left, or by both in turn.",
+        ),
+    ],
+};
+
+static DISC: Keys = Keys {
+    about: "A disc.",
+    keys: &[
+        row("centre", Value("point"), "m", Required, "Centre."),
+        row("radius", Value("number > 0"), "m", Required, "Radius."),
+        row("cells", Value("whole number from 1 to 100000"), "", Required, "Cells along a radius."),
+    ],
+};
+
+static BOX: Keys = Keys {
+    about: "A box of equal boxes, each cut into tetrahedra.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "Corner with the smallest coordinates."),
+        row("max", Value("point"), "m", Required, "Corner with the largest coordinates."),
+        row("cells", Value("three whole numbers from 1 to 100000"), "", Required, "Boxes along each axis."),
+    ],
+};
+
+/// A mesh refined more often has a million times its triangles.
+const MOST_REFINEMENTS: usize = 10;
 /// More cells along an axis exceed any memory.
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
-    pub(super) fn read(item: &Item, folder: &Path) -> Result<MeshSource> {
-        let kinds = ["file", "rectangle", "disc", "box"];
-        let (kind, item) = item.table(&kinds)?.exactly_one(&kinds)?;
+    pub(super) fn read(item: &Item, folder: &Path, constants: &BTreeMap<String, f64>) -> Result<MeshSource> {
+        let mesh = item.table(&KEYS)?;
+        let (kind, item) = mesh.exactly_one(&KEYS)?;
+        for key in ["refine", "geometry"] {
+            if let (Some(item), true) = (mesh.get(key), kind != "file") {
+                return Err(item
+                    .key_error(format!("`{key}` is for mesh files"))
+                    .remedy(format!("give the {kind} more cells")));
+            }
+        }
         match kind {
             "file" => {
                 let file = item.text()?;
                 if file.is_empty() {
                     return Err(item.error("the name of the mesh file is empty").remedy("name a gmsh file (.msh)"));
                 }
-                Ok(MeshSource::File(absolute(&folder.join(file))))
+                let context = Context { dimension: 2, constants: constants.clone() };
+                Ok(MeshSource::File {
+                    path: absolute(&folder.join(file)),
+                    refine: mesh.optional("refine", |i| i.count(0, MOST_REFINEMENTS))?.unwrap_or(0),
+                    geometry: mesh.optional("geometry", |i| curves(i, &context))?.unwrap_or_default(),
+                })
             }
             "rectangle" => {
-                let table = item.table(&["min", "max", "cells", "diagonals"])?;
+                let table = item.table(&RECTANGLE)?;
                 let min = table.required("min", "give the lower left corner: min = [0, 0]", Item::vector)?;
                 Ok(MeshSource::Rectangle {
                     min,
@@ -70,7 +160,7 @@ impl MeshSource {
                 })
             }
             "disc" => {
-                let table = item.table(&["centre", "radius", "cells"])?;
+                let table = item.table(&DISC)?;
                 Ok(MeshSource::Disc {
                     centre: table.required("centre", "give the centre: centre = [0, 0]", Item::vector)?,
                     radius: table.required("radius", "give the radius: radius = 1", Item::positive)?,
@@ -79,7 +169,7 @@ impl MeshSource {
                 })
             }
             _ => {
-                let table = item.table(&["min", "max", "cells"])?;
+                let table = item.table(&BOX)?;
                 let min = table.required("min", "give the lowest corner: min = [0, 0, 0]", Item::vector)?;
                 Ok(MeshSource::Box {
                     min,
@@ -97,7 +187,7 @@ impl MeshSource {
 
     /// Tries to open the mesh file, if there is one. Errors: it is missing or cannot be read.
     pub fn check_readable(&self) -> Result<()> {
-        let MeshSource::File(path) = self else { return Ok(()) };
+        let MeshSource::File { path, .. } = self else { return Ok(()) };
         let failed = |e: std::io::Error| {
             Error::input(format!("the mesh file cannot be read: {e}"))
                 .value(path.display())
@@ -110,7 +200,13 @@ impl MeshSource {
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[mesh]");
         match self {
-            MeshSource::File(path) => out.entry("file", text(&path.to_string_lossy())),
+            MeshSource::File { path, refine, geometry } => {
+                out.entry("file", text(&path.to_string_lossy()));
+                out.entry("refine", refine);
+                for (name, curve) in geometry {
+                    out.entry(&format!("geometry.{}", key(name)), curve.write());
+                }
+            }
             MeshSource::Rectangle { min, max, cells, diagonals } => {
                 let (min, max, diagonals) = (vector(min), vector(max), name(*diagonals, &DIAGONALS));
                 let cells = whole(cells);
@@ -129,6 +225,11 @@ impl MeshSource {
             }
         }
     }
+}
+
+/// Curves by the name of their boundary.
+fn curves(item: &Item, context: &Context) -> Result<Vec<(String, Shape)>> {
+    item.open_table()?.items().map(|(name, item)| Ok((name.to_string(), Shape::read(&item, context)?))).collect()
 }
 
 fn whole(v: &[usize]) -> String {

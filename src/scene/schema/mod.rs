@@ -1,7 +1,9 @@
 //! The tables of a scene: their types, defaults and checks, and how they are written.
 
 mod boundary;
+mod exact;
 mod fluid;
+mod keys;
 mod level_set;
 mod membrane;
 mod mesh;
@@ -13,7 +15,9 @@ mod time;
 mod write;
 
 pub use boundary::{Boundary, Condition, WALLS};
+pub use exact::Exact;
 pub use fluid::Fluid;
+pub use keys::{Absent, Key, Keys, Kind};
 pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
@@ -23,8 +27,9 @@ pub use shape::Shape;
 pub use time::Time;
 
 use super::expression::is_reserved;
-use super::item::{Context, Item, Table};
+use super::item::{self, Context, Item};
 use crate::base::Result;
+use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
 use std::path::Path;
 use write::Writer;
@@ -54,10 +59,47 @@ pub struct Settings {
     pub numerics: Numerics,
     /// What is written.
     pub output: Output,
+    /// The exact solution, where one is known.
+    pub exact: Exact,
 }
 
-const KEYS: [&str; 11] =
-    ["title", "units", "constants", "mesh", "fluid", "boundary", "membrane", "level_set", "time", "numerics", "output"];
+/// The keys of a scene.
+pub static KEYS: Keys = Keys {
+    about: "A scene is a TOML file. Lengths, times and masses are in any consistent system of units; \
+        units below are those of SI.",
+    keys: &[
+        row("title", Value("text"), "", Derived("the name of the file"), "What the scene is called."),
+        row("units", Value("text"), "", Default("\"\""), "The units of the scene, in words; nothing is converted."),
+        row(
+            "constants",
+            Value("table of numbers or expressions"),
+            "",
+            Optional,
+            "Names that expressions may use; each may use those before it.",
+        ),
+        row("mesh", Table(&mesh::KEYS), "", Required, "Where the mesh comes from."),
+        row("fluid", Table(&fluid::KEYS), "", Required, "What flows, and what drives it."),
+        row(
+            "boundary",
+            Named(&boundary::KEYS),
+            "",
+            Derived("no slip everywhere"),
+            "What happens on the named parts of the boundary.",
+        ),
+        row("membrane", List(&membrane::KEYS), "", Optional, "Elastic interfaces."),
+        row("level_set", List(&level_set::KEYS), "", Optional, "Interfaces that are carried and act on nothing."),
+        row("time", Table(&time::KEYS), "", Required, "How long, in which steps."),
+        row("numerics", Table(&numerics::KEYS), "", Optional, "How the equations are solved."),
+        row("output", Table(&output::KEYS), "", Optional, "What is written, and when."),
+        row(
+            "exact",
+            Table(&exact::KEYS),
+            "",
+            Optional,
+            "A solution that is known, against which the run measures itself.",
+        ),
+    ],
+};
 
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
@@ -65,7 +107,7 @@ impl Settings {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
-        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder))?;
+        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
         let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
@@ -84,6 +126,7 @@ impl Settings {
             boundaries: boundary::read(scene.get("boundary"), fluid.is_prescribed(), &context)?,
             numerics: Numerics::read(scene.get("numerics"))?,
             output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), &context)?,
+            exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,
             fluid,
@@ -118,16 +161,22 @@ impl Settings {
         self.time.write(&mut out);
         self.numerics.write(&mut out);
         self.output.write(&mut out);
+        self.exact.write(&mut out);
         out.text
     }
 }
 
 /// A prescribed velocity carries level sets and nothing else.
-fn check_passive(scene: &Table, without_level_set: bool) -> Result<()> {
+fn check_passive(scene: &item::Table<'_>, without_level_set: bool) -> Result<()> {
     if let Some(item) = scene.get("membrane") {
         return Err(item
             .key_error("a membrane acts on the flow, but the velocity is prescribed")
             .remedy("carry its shape as a [[level_set]], or give a viscosity in place of prescribed_velocity"));
+    }
+    if let Some(item) = scene.get("exact").map(|e| e.open_table()).transpose()?.and_then(|e| e.get("pressure")) {
+        return Err(item
+            .key_error("there is no pressure to compare: the velocity is prescribed and no flow is solved")
+            .remedy("leave exact.pressure out"));
     }
     match scene.get("fluid") {
         Some(item) if without_level_set => Err(item

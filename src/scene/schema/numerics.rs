@@ -1,5 +1,6 @@
 //! `[numerics]`: how the equations are solved.
 
+use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::elastic::Band;
@@ -31,8 +32,77 @@ pub struct Numerics {
 const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
 const TRANSPORTS: [(&str, Method); 3] =
     [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
-const COUPLINGS: [(&str, Coupling); 2] = [("explicit", Coupling::Explicit), ("implicit", Coupling::Implicit)];
+const COUPLINGS: [(&str, Coupling); 3] =
+    [("explicit", Coupling::Explicit), ("semi-implicit", Coupling::SemiImplicit), ("implicit", Coupling::Implicit)];
+const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
+const TRANSPORT_WORDS: [&str; TRANSPORTS.len()] = words(&TRANSPORTS);
+const COUPLING_WORDS: [&str; COUPLINGS.len()] = words(&COUPLINGS);
 const MOST_DEGREE: usize = 20;
+
+pub(super) static KEYS: Keys = Keys {
+    about: "How the equations are solved. What \"auto\" stands for is printed by `immersa explain SCENE`.",
+    keys: &[
+        row(
+            "thickness",
+            Value("number > 0"),
+            "m",
+            Auto,
+            "Half width of the band around an interface. The error it makes is of first order in it.",
+        ),
+        row(
+            "band",
+            Choice(&BAND_WORDS),
+            "",
+            Auto,
+            "Over which values of its level set a membrane is spread: of the same width \
+            whatever the stretch, or carried with the fluid. \"auto\" carries it for constant tension.",
+        ),
+        row(
+            "grad_div",
+            Value("number >= 0"),
+            "Pa s",
+            Auto,
+            "Weight of the grad-div term, which keeps the divergence small.",
+        ),
+        row(
+            "transport",
+            Choice(&TRANSPORT_WORDS),
+            "",
+            Default("\"nodal\""),
+            "How level sets are carried: by values at the nodes, projected, or composed with a chain of short backward maps, which never \
+             interpolates them but needs a domain that nothing flows into.",
+        ),
+        row(
+            "remap",
+            Value("number > 0"),
+            "",
+            Auto,
+            "With composed transport, the gradient of the displacement of a short map beyond which the next one begins.",
+        ),
+        row(
+            "coupling",
+            Choice(&COUPLING_WORDS),
+            "",
+            Default("\"implicit\""),
+            "How the force of a membrane enters a step: at the old interface, at one that is predicted by implicit \
+            diffusion (the book's semi-implicit scheme, for constant tension and `time.order = 1`), or linearised in the new velocity.",
+        ),
+        row(
+            "convection",
+            Value("true or false"),
+            "",
+            Auto,
+            "Whether velocity carries itself. \"auto\": where there is inertia.",
+        ),
+        row(
+            "quadrature",
+            Value("whole number from 1 to 20"),
+            "",
+            Auto,
+            "Degree of the polynomials that quadrature integrates exactly.",
+        ),
+    ],
+};
 
 impl Numerics {
     pub(super) fn read(item: Option<Item>) -> Result<Numerics> {
@@ -47,16 +117,7 @@ impl Numerics {
             quadrature: None,
         };
         let Some(item) = item else { return Ok(numerics) };
-        let table = item.table(&[
-            "thickness",
-            "band",
-            "grad_div",
-            "transport",
-            "remap",
-            "coupling",
-            "convection",
-            "quadrature",
-        ])?;
+        let table = item.table(&KEYS)?;
         let degree = |i: &Item| i.count(1, MOST_DEGREE);
         numerics.thickness = table.optional("thickness", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.band = table.optional("band", |i| i.unless_auto(|i| i.choice(&BANDS)))?.flatten();

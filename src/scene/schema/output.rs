@@ -1,5 +1,6 @@
 //! `[output]`: what is written, and when.
 
+use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::membrane::named;
 use super::time::Time;
 use super::write::{Writer, key, name, number, text, vector};
@@ -116,8 +117,116 @@ const QUANTITIES: [(&str, Quantity); 5] = [
     ("level_set", Quantity::LevelSet),
     ("stretch", Quantity::Stretch),
 ];
-const KEYS: [&str; 10] =
-    ["every", "fields", "pictures", "film", "checkpoint", "probes", "profiles", "forces", "fluxes", "picture"];
+const QUANTITY_WORDS: [&str; 5] = words(&QUANTITIES);
+
+pub(super) static KEYS: Keys = Keys {
+    about: "What is written, and when. What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`.",
+    keys: &[
+        row("every", Value("number > 0"), "s", Derived("`time.step`"), "Time between rows of `series.csv`."),
+        row(
+            "fields",
+            Value("number > 0 or false"),
+            "s",
+            Derived("a tenth of the run"),
+            "Time between field files (VTU); false for none. \
+            Pictures are drawn from field files, which are written at their times too.",
+        ),
+        row(
+            "pictures",
+            Value("number > 0 or false"),
+            "s",
+            Derived("a fiftieth of the run"),
+            "Time between pictures; false for none.",
+        ),
+        row(
+            "film",
+            Value("true or false"),
+            "",
+            Derived("true where there are pictures"),
+            "Whether the pictures are joined to a film.",
+        ),
+        row(
+            "checkpoint",
+            Value("number >= 0 or false"),
+            "s",
+            Default("30.0"),
+            "Seconds of the clock on the wall between checkpoints, \
+            0 for one after each step; false for none.",
+        ),
+        row("probes", Named(&PROBE), "", Optional, "Values at points, in `series.csv`."),
+        row("profiles", Named(&PROFILE), "", Optional, "Values along lines at given times, in `profiles/NAME.csv`."),
+        row("forces", Named(&FORCE), "", Optional, "Forces of the fluid on boundaries, in `series.csv`."),
+        row(
+            "fluxes",
+            Named(&FLUX),
+            "",
+            Optional,
+            "Volumes that leave through boundaries in unit time, in `series.csv`.",
+        ),
+        row("picture", Table(&PICTURE), "", Optional, "How pictures look."),
+    ],
+};
+
+static PROBE: Keys = Keys {
+    about: "A value at a point.",
+    keys: &[
+        row("at", Value("point"), "m", Required, "The point."),
+        row("of", Choice(&QUANTITY_WORDS), "", Required, "What is measured."),
+    ],
+};
+
+static PROFILE: Keys = Keys {
+    about: "Values along a segment.",
+    keys: &[
+        row("from", Value("point"), "m", Required, "One end."),
+        row("to", Value("point"), "m", Required, "The other end."),
+        row(
+            "points",
+            Value("whole number from 2 to 1000000"),
+            "",
+            Default("200"),
+            "Equidistant points, both ends included.",
+        ),
+        row("of", Choice(&QUANTITY_WORDS), "", Required, "What is measured."),
+        row(
+            "times",
+            Value("list of rising numbers >= 0"),
+            "s",
+            Derived("the end"),
+            "When: at the first step at or after each.",
+        ),
+    ],
+};
+
+static FORCE: Keys = Keys {
+    about: "The force of the fluid on a boundary, by the residual of the momentum equation (the more accurate one) and by the stress. \
+        At the ends of an open curve the residual holds the force on what comes next, too.",
+    keys: &[
+        row("boundary", Value("text"), "", Required, "The name of the boundary."),
+        row("about", Value("point"), "m", Optional, "The point about which the moment is taken."),
+    ],
+};
+
+static FLUX: Keys = Keys {
+    about: "The volume that leaves through a boundary in unit time.",
+    keys: &[row("boundary", Value("text"), "", Required, "The name of the boundary.")],
+};
+
+static PICTURE: Keys = Keys {
+    about: "How pictures look.",
+    keys: &[
+        row(
+            "field",
+            Choice(&QUANTITY_WORDS),
+            "",
+            Default("\"speed\""),
+            "The field whose values are the colours; not the velocity, which is a vector.",
+        ),
+        row("mesh", Value("true or false"), "", Default("false"), "Whether the edges of the mesh are drawn."),
+        row("size", Value("whole number from 64 to 8192"), "pixels", Default("800"), "Length of the longer side."),
+    ],
+};
+
 /// Without a word from the scene: field files and pictures in a run, and seconds between checkpoints.
 const FIELD_FILES: f64 = 10.0;
 const PICTURES: f64 = 50.0;
@@ -240,7 +349,7 @@ impl<'a> Source<'a> {
     }
 
     fn probe(&self, name: String, item: &Item) -> Result<Probe> {
-        let table = item.table(&["at", "of"])?;
+        let table = item.table(&PROBE)?;
         Ok(Probe {
             name,
             at: table.required("at", "give the point: at = [1, 1]", |i| i.point(self.context))?,
@@ -249,7 +358,7 @@ impl<'a> Source<'a> {
     }
 
     fn profile(&self, name: String, item: &Item) -> Result<Profile> {
-        let table = item.table(&["from", "to", "points", "of", "times"])?;
+        let table = item.table(&PROFILE)?;
         let from = table.required("from", "give one end: from = [0, 1]", |i| i.point(self.context))?;
         let to = |i: &Item| match i.point(self.context)? {
             to if to == from => Err(i.error("the profile has no length").remedy("give `to` and `from` that differ")),
@@ -285,7 +394,7 @@ impl<'a> Source<'a> {
                 .key_error("there are no forces: the velocity is prescribed and no flow is solved")
                 .remedy("leave output.forces out"));
         }
-        let table = item.table(&["boundary", "about"])?;
+        let table = item.table(&FORCE)?;
         Ok(Force {
             name,
             boundary: table.required("boundary", "name a boundary: boundary = \"cylinder\"", boundary)?,
@@ -304,7 +413,7 @@ impl<'a> Source<'a> {
     }
 
     fn picture(&self, item: &Item) -> Result<Picture> {
-        let table = item.table(&["field", "mesh", "size"])?;
+        let table = item.table(&PICTURE)?;
         let field = |i: &Item| match self.quantity(i)? {
             Quantity::Velocity => {
                 Err(i.error("a picture shows one number at each point").remedy("write field = \"speed\""))
@@ -337,7 +446,7 @@ impl<'a> Source<'a> {
 }
 
 fn flux(name: String, item: &Item) -> Result<Flux> {
-    let table = item.table(&["boundary"])?;
+    let table = item.table(&FLUX)?;
     Ok(Flux { name, boundary: table.required("boundary", "name a boundary: boundary = \"right\"", boundary)? })
 }
 

@@ -1,13 +1,19 @@
 //! Polygons given by their corners.
 
+use super::keys::{Absent::Required, Keys, Kind::Value, row};
 use crate::base::Result;
 use crate::scene::item::Item;
 use robust::{Coord, orient2d};
 
+pub(super) static KEYS: Keys = Keys {
+    about: "A simple polygon, in either sense of rotation.",
+    keys: &[row("points", Value("list of at least three points"), "m", Required, "The corners, in order, each once.")],
+};
+
 /// The corners of a simple polygon: at least three, and no two sides meet but neighbours in their corner.
 pub(super) fn read(item: &Item) -> Result<Vec<[f64; 2]>> {
     let remedy = "give at least three corners: points = [[0, 0], [1, 0], [0, 1]]";
-    item.table(&["points"])?.required("points", remedy, |list| {
+    item.table(&KEYS)?.required("points", remedy, |list| {
         let items = list.list()?;
         let points: Vec<[f64; 2]> = items.iter().map(Item::vector).collect::<Result<_>>()?;
         if points.len() < 3 {

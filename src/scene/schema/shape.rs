@@ -1,5 +1,6 @@
 //! `[[membrane]] shape`: the form of an interface at time 0.
 
+use super::keys::{Absent::*, Keys, Kind::*, row};
 use super::polygon;
 use super::write::{expression, list, number, vector};
 use crate::base::Result;
@@ -44,7 +45,51 @@ pub enum Shape {
     Expression(Expression),
 }
 
-const SHAPES: [&str; 6] = ["circle", "ellipse", "rounded_box", "polygon", "union", "expression"];
+pub(super) static KEYS: Keys = Keys {
+    about: "A closed curve and its inside: exactly one of these.",
+    keys: &[
+        row("circle", Table(&CIRCLE), "", OneOf, "A circle."),
+        row("ellipse", Table(&ELLIPSE), "", OneOf, "An ellipse."),
+        row("rounded_box", Table(&ROUNDED_BOX), "", OneOf, "A rectangle with rounded corners."),
+        row("polygon", Table(&polygon::KEYS), "", OneOf, "A polygon."),
+        row("union", Value("list of shapes"), "", OneOf, "All points that lie in one of the shapes."),
+        row(
+            "expression",
+            Value("expression"),
+            "",
+            OneOf,
+            "The points where it is negative; of `x` and `y`, not constant, not of `t`.",
+        ),
+    ],
+};
+
+static CIRCLE: Keys = Keys {
+    about: "A circle.",
+    keys: &[
+        row("centre", Value("point"), "m", Required, "Centre."),
+        row("radius", Value("number > 0"), "m", Required, "Radius."),
+    ],
+};
+
+static ELLIPSE: Keys = Keys {
+    about: "An ellipse.",
+    keys: &[
+        row("centre", Value("point"), "m", Required, "Centre."),
+        row("semi_axes", Value("two numbers > 0"), "m", Required, "The first lies along x when `angle` is 0."),
+        row("angle", Value("number"), "degrees", Default("0.0"), "Counter-clockwise rotation."),
+    ],
+};
+
+static ROUNDED_BOX: Keys = Keys {
+    about: "A rectangle with rounded corners.",
+    keys: &[
+        row("centre", Value("point"), "m", Required, "Centre."),
+        row("half_size", Value("two numbers > 0"), "m", Required, "Half of the width and of the height."),
+        row("radius", Value("number >= 0"), "m", Required, "Radius of the corners, at most the smaller half size."),
+        row("angle", Value("number"), "degrees", Default("0.0"), "Counter-clockwise rotation."),
+    ],
+};
+
 /// Unions that may stand inside one another.
 const DEPTH: usize = 8;
 
@@ -56,7 +101,7 @@ impl Shape {
     }
 
     fn read_nested(item: &Item, context: &Context, depth: usize) -> Result<Shape> {
-        let (kind, item) = item.table(&SHAPES)?.exactly_one(&SHAPES)?;
+        let (kind, item) = item.table(&KEYS)?.exactly_one(&KEYS)?;
         match kind {
             "circle" => circle(&item),
             "ellipse" => ellipse(&item),
@@ -102,7 +147,7 @@ impl Shape {
 }
 
 fn circle(item: &Item) -> Result<Shape> {
-    let table = item.table(&["centre", "radius"])?;
+    let table = item.table(&CIRCLE)?;
     Ok(Shape::Circle {
         centre: table.required("centre", CENTRE, Item::vector)?,
         radius: table.required("radius", "give the radius: radius = 0.5", Item::positive)?,
@@ -110,7 +155,7 @@ fn circle(item: &Item) -> Result<Shape> {
 }
 
 fn ellipse(item: &Item) -> Result<Shape> {
-    let table = item.table(&["centre", "semi_axes", "angle"])?;
+    let table = item.table(&ELLIPSE)?;
     Ok(Shape::Ellipse {
         centre: table.required("centre", CENTRE, Item::vector)?,
         semi_axes: table.required("semi_axes", "give both: semi_axes = [0.75, 0.5]", lengths)?,
@@ -119,7 +164,7 @@ fn ellipse(item: &Item) -> Result<Shape> {
 }
 
 fn rounded_box(item: &Item) -> Result<Shape> {
-    let table = item.table(&["centre", "half_size", "radius", "angle"])?;
+    let table = item.table(&ROUNDED_BOX)?;
     let centre = table.required("centre", CENTRE, Item::vector)?;
     let half_size = table.required("half_size", "give both: half_size = [0.5, 0.25]", lengths)?;
     let radius = table.required("radius", "give the radius of the corners: radius = 0.1", |i| {

@@ -1,5 +1,6 @@
 //! `[time]`: how long, in which steps.
 
+use super::keys::{Absent::Default, Absent::Required, Keys, Kind::Value, row};
 use super::write::{Writer, number};
 use crate::base::Result;
 use crate::scene::item::Item;
@@ -15,13 +16,22 @@ pub struct Time {
     pub order: usize,
 }
 
+pub(super) static KEYS: Keys = Keys {
+    about: "How long, in which steps.",
+    keys: &[
+        row("end", Value("number > 0"), "s", Required, "The end, a multiple of the step; the start is 0."),
+        row("step", Value("number > 0"), "s", Required, "The time step."),
+        row("order", Value("1 or 2"), "", Default("2"), "Order of the backward difference formula (BDF1 or BDF2)."),
+    ],
+};
+
 /// Relative rounding that a multiple of the step may have.
 const ROUNDING: f64 = 1e-9;
 const MOST_STEPS: f64 = 1e9;
 
 impl Time {
     pub(super) fn read(item: &Item) -> Result<Time> {
-        let table = item.table(&["end", "step", "order"])?;
+        let table = item.table(&KEYS)?;
         let time = Time {
             end: table.required("end", "give the end: end = 1.0", Item::positive)?,
             step: table.required("step", "give the time step: step = 1e-3", Item::positive)?,

@@ -1,0 +1,124 @@
+//! Meshes for FreeFEM: its own `.msh` format (not gmsh's), which `readmesh` of every FreeFEM reads without a plugin.
+
+use super::Mesh;
+use crate::base::{Error, Result};
+use std::fmt::Write;
+
+/// The sides of a rectangle have the labels that FreeFEM's `square` gives them, from 1.
+const SQUARE: [&str; 4] = ["bottom", "right", "top", "left"];
+
+/// The labels of the boundaries in [`text`]: `bottom`, `right`, `top` and `left` are 1 to 4 as in FreeFEM's `square`, the others
+/// have the numbers from 5 in the order of the alphabet. A facet of several boundaries gets the label of the smallest of them, so that
+/// `walls`, which is all of them, gets none; a facet of none gets 0.
+pub fn labels(mesh: &Mesh<2>) -> Vec<(String, u32)> {
+    let owners = owners(mesh);
+    let mut used: Vec<&str> = owners.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let others = used.iter().filter(|name| !SQUARE.contains(name));
+    let sides = SQUARE.iter().zip(1..).filter(|(name, _)| used.contains(name));
+    sides.map(|(name, k)| (name.to_string(), k)).chain(others.map(ToString::to_string).zip(5..)).collect()
+}
+
+/// The mesh in FreeFEM's format: a line with the numbers of vertices, triangles and boundary edges; then `x y label` a vertex, three
+/// vertices (from 1) and a region a triangle, two vertices and a label an edge. Coordinates come back bit by bit.
+///
+/// # Errors
+/// Of kind `Input`: a boundary without a name, on which no condition could be set.
+pub fn text(mesh: &Mesh<2>) -> Result<String> {
+    let (labels, owners) = (labels(mesh), owners(mesh));
+    let label = |name: &str| labels.iter().find(|l| l.0 == name).map_or(0, |l| l.1);
+    let mut of_point = vec![0; mesh.points().len()];
+    let mut edges = String::new();
+    for (facet, owner) in mesh.facets().iter().zip(&owners) {
+        let Some(owner) = owner else {
+            let at: Vec<_> = mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
+            return Err(Error::input("an edge of the boundary belongs to no named boundary")
+                .at(format!("edge with the ends {at:?}"))
+                .remedy("name all of the boundary in the mesh (gmsh: Physical Curve)"));
+        };
+        // From the outside of the facet's cell, in the order in which FreeFEM's own meshes have them.
+        let cell = mesh.cell(facet.cell as usize);
+        let (a, b) = (cell[(facet.opposite as usize + 1) % 3], cell[(facet.opposite as usize + 2) % 3]);
+        for v in [a, b] {
+            of_point[v as usize] = label(owner);
+        }
+        // Writing to a string cannot fail, here and below.
+        let _ = writeln!(edges, "{} {} {}", a + 1, b + 1, label(owner));
+    }
+    let mut out = String::new();
+    let _ = writeln!(out, "{} {} {}", mesh.points().len(), mesh.cell_count(), mesh.facets().len());
+    for (p, label) in mesh.points().iter().zip(of_point) {
+        let _ = writeln!(out, "{:?} {:?} {label}", p[0], p[1]);
+    }
+    for c in 0..mesh.cell_count() {
+        let v = mesh.cell(c);
+        let _ = writeln!(out, "{} {} {} 0", v[0] + 1, v[1] + 1, v[2] + 1);
+    }
+    Ok(out + &edges)
+}
+
+/// The smallest boundary of every facet, the first in the alphabet among equals.
+fn owners(mesh: &Mesh<2>) -> Vec<Option<&str>> {
+    let mut owners: Vec<Option<(usize, &str)>> = vec![None; mesh.facets().len()];
+    for (name, facets) in mesh.boundaries() {
+        for &f in facets {
+            let owner = &mut owners[f as usize];
+            if owner.is_none_or(|(size, _)| facets.len() < size) {
+                *owner = Some((facets.len(), name));
+            }
+        }
+    }
+    owners.into_iter().map(|o| o.map(|(_, name)| name)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonals, disc, rectangle};
+
+    /// What FreeFem++ 4.11 writes with `savemesh` for `square(3, 2, [2*x, y], flags=1)`, its edges sorted.
+    const SAVED: &str = "12 12 10
+0 0 4|0.666666666667 0 1|1.33333333333 0 1|2 0 2|0 0.5 4|0.666666666667 0.5 0|1.33333333333 0.5 0|2 0.5 2|0 1 4|0.666666666667 1 3|1.33333333333 1 3|2 1 3
+1 2 5|5 2 6|2 3 7|2 7 6|3 4 7|7 4 8|5 6 10|5 10 9|6 7 10|10 7 11|7 8 12|7 12 11
+1 2 1|2 3 1|3 4 1|4 8 2|5 1 4|8 12 2|9 5 4|10 9 3|11 10 3|12 11 3";
+
+    #[test]
+    fn a_rectangle_is_that_of_freefem() {
+        let mesh = rectangle([0.0; 2], [2.0, 1.0], [3, 2], Diagonals::UnionJack).unwrap();
+        let ours = text(&mesh).unwrap();
+        let lines: Vec<&str> = ours.lines().collect();
+        let theirs: Vec<Vec<&str>> = SAVED.lines().map(|l| l.split('|').collect()).collect();
+        assert_eq!(lines[0], theirs[0][0]);
+        let numbers = |line: &str| line.split(' ').map(|w| w.parse::<f64>().unwrap()).collect::<Vec<_>>();
+        for (ours, theirs) in lines[1..13].iter().zip(&theirs[1]) {
+            // Where two sides meet, the label of the vertex may be that of either.
+            let (a, b) = (numbers(ours), numbers(theirs));
+            assert!((a[0] - b[0]).abs() < 1e-11 && (a[1] - b[1]).abs() < 1e-11 && (a[2] > 0.0) == (b[2] > 0.0));
+        }
+        let triangle = |line: &str| {
+            let v: Vec<usize> = line.split(' ').take(3).map(|w| w.parse().unwrap()).collect();
+            let first = (0..3).min_by_key(|&k| v[k]).unwrap();
+            [v[first], v[(first + 1) % 3], v[(first + 2) % 3]]
+        };
+        for (ours, theirs) in lines[13..25].iter().zip(&theirs[2]) {
+            assert_eq!(triangle(ours), triangle(theirs));
+        }
+        let mut edges = lines[25..].to_vec();
+        edges.sort_by_key(|e| numbers(e)[0] as usize);
+        assert_eq!(edges, theirs[3]);
+    }
+
+    #[test]
+    fn labels_are_stable_and_a_nameless_boundary_is_refused() {
+        let mut mesh = disc([0.0; 2], 1.0, 2).unwrap();
+        assert_eq!(labels(&mesh), [("wall".to_string(), 5)]);
+        mesh.set_boundary("inlet", vec![0, 1]);
+        assert_eq!(labels(&mesh), [("inlet".to_string(), 5), ("wall".to_string(), 6)]);
+        let text_of = text(&mesh).unwrap();
+        assert_eq!(text_of.lines().rev().take(12).filter(|l| l.ends_with(" 5")).count(), 2);
+        let mesh =
+            Mesh::<2>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Into::into).to_vec(), vec![0, 1, 2]).unwrap();
+        assert!(text(&mesh).unwrap_err().advice().contains("Physical Curve"));
+    }
+}

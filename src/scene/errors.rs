@@ -1,0 +1,51 @@
+//! Errors of a run against the exact solution of its scene: columns of the series.
+
+use super::schema::Exact;
+use crate::fem::{Basis, Cells, Rule, integrate, scalar_errors, vector_errors};
+use crate::mesh::Point;
+use crate::sim::Simulation;
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
+
+/// Degree of the rule that takes the mean of the pressure off: that of the norms.
+const DEGREE: usize = 8;
+
+/// The names of the columns.
+pub(super) fn columns(exact: &Exact) -> impl Iterator<Item = String> {
+    let velocity = exact.velocity.iter().flat_map(|_| ["error_velocity_l2", "error_velocity_h1"]);
+    let pressure = exact.pressure.iter().map(|_| "error_pressure_l2");
+    velocity.chain(pressure).map(String::from).collect::<Vec<_>>().into_iter()
+}
+
+/// The norms over the whole mesh, now: of the velocity in L2, of its gradient in L2, of the pressure in L2, the latter up to a
+/// constant where no boundary is open.
+pub(super) fn row(exact: &Exact, sim: &Simulation<2>) -> Vec<f64> {
+    let mut row = Vec::new();
+    let (state, t) = (sim.state(), sim.time());
+    if let Some(velocity) = &exact.velocity {
+        let errors = vector_errors(sim.space(), &state.flow.u, |x| {
+            let mut value = SVector::<f64, 2>::zeros();
+            let mut gradient = SMatrix::<f64, 2, 2>::zeros();
+            for (i, e) in velocity.iter().take(2).enumerate() {
+                let (v, g) = e.eval_with_gradient([x[0], x[1], 0.0], t);
+                value[i] = v;
+                gradient[(i, 0)] = g[0];
+                gradient[(i, 1)] = g[1];
+            }
+            (value, gradient)
+        });
+        row.extend([errors.l2, errors.h1]);
+    }
+    if let Some((pressure, flow)) = exact.pressure.as_ref().zip(sim.flow()) {
+        let space = flow.pressure().space();
+        let at = |x: &Point<2>| pressure.eval([x[0], x[1], 0.0], t);
+        let mut shift = 0.0;
+        if !flow.numbering().is_open() {
+            let basis = Basis::new(space, &Arc::new(Rule::simplex(2, DEGREE)));
+            let [sum, area] = integrate(&basis, Cells::All, |q| [basis.value(q, &state.flow.p) - at(&q.x), 1.0]);
+            shift = sum / area;
+        }
+        row.push(scalar_errors(space, &state.flow.p, |x| (at(x) + shift, SVector::zeros())).l2);
+    }
+    row
+}

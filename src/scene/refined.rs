@@ -1,0 +1,69 @@
+//! A mesh file refined as the scene asks for, its boundary moved onto the curves that the scene names.
+
+use super::Scene;
+use super::model::shape;
+use crate::base::{Error, Result};
+use crate::levelset::Shape;
+use crate::mesh::{Mesh, Point, refine};
+
+/// Steps to the boundary of a shape; the first lands on it but for the rounding of its gradient.
+const STEPS: usize = 3;
+/// A boundary point farther from its shape than this part of its facet says that the shape is not that of the boundary.
+const OFF: f64 = 0.05;
+
+/// The mesh refined `times`, new points of the boundaries `geometry` moved onto their shapes.
+///
+/// # Errors
+/// A boundary that the mesh does not have, one that does not lie on its shape, a triangle that is turned over.
+pub(super) fn refined(
+    scene: &Scene,
+    mesh: Mesh<2>,
+    times: usize,
+    geometry: &[(String, super::schema::Shape)],
+) -> Result<Mesh<2>> {
+    let mut curves: Vec<(&str, Box<dyn Shape<2>>)> = Vec::new();
+    let (low, high) = mesh.bounding_box();
+    let room = (high - low) * 0.05;
+    for (name, curve) in geometry {
+        let place = |e| scene.blame(&["mesh", "geometry", name], e);
+        let curve = shape(curve, (low - room, high + room)).map_err(place)?;
+        check_lies_on(&mesh, name, curve.as_ref()).map_err(place)?;
+        curves.push((name, curve));
+    }
+    let onto =
+        |name: &str, x: &Point<2>| curves.iter().find(|c| c.0 == name).map(|(_, curve)| nearest(curve.as_ref(), *x));
+    (0..times).try_fold(mesh, |mesh, _| refine(&mesh, onto)).map_err(|e| scene.blame(&["mesh", "refine"], e))
+}
+
+fn check_lies_on(mesh: &Mesh<2>, name: &str, curve: &dyn Shape<2>) -> Result<()> {
+    for &f in mesh.boundary(name)? {
+        let facet = &mesh.facets()[f as usize];
+        let (_, length) = mesh.facet_normal(facet);
+        for v in mesh.facet_points(facet) {
+            let x = &mesh.points()[v as usize];
+            let off = curve.distance(x).abs();
+            if off > OFF * length {
+                return Err(Error::scene(format!(
+                    "the boundary `{name}` does not lie on the curve that the scene gives it"
+                ))
+                .value(format!("the point {:?} is {off:.3e} away from it", x.as_slice()))
+                .remedy("give the curve that the mesh was made from, or leave it out: straight parts need none"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The point of the boundary of a shape that is nearest to `x`, which lies close to it: along the gradient of the distance.
+fn nearest(curve: &dyn Shape<2>, mut x: Point<2>) -> Point<2> {
+    let h = 1e-5 * curve.bounds().1.metric_distance(&curve.bounds().0);
+    for _ in 0..STEPS {
+        let along = |d: Point<2>| (curve.distance(&(x + d)) - curve.distance(&(x - d))) / (2.0 * h);
+        let gradient = Point::<2>::new(along(Point::<2>::new(h, 0.0)), along(Point::<2>::new(0.0, h)));
+        let length = gradient.norm_squared();
+        if length > 0.25 {
+            x -= gradient * (curve.distance(&x) / length);
+        }
+    }
+    x
+}

@@ -1,0 +1,116 @@
+//! The reference of the scene format, held against reading and writing.
+
+use super::*;
+use crate::scene::schema::Kind;
+use std::collections::BTreeSet;
+
+/// Checks that `keys` describe the table `written`; notes by its path each key whose default is stated and written.
+fn described(
+    written: &toml::Table,
+    keys: &'static Keys,
+    path: &str,
+    check_defaults: bool,
+    seen: &mut BTreeSet<String>,
+) {
+    for (name, value) in written {
+        let path = format!("{path}.{name}");
+        let key = keys.get(name).unwrap_or_else(|| panic!("{path} is not in the reference"));
+        let stated = match key.absent {
+            Absent::Default(value) => Some(value),
+            Absent::Auto => Some("\"auto\""),
+            _ => None,
+        };
+        if let (Some(stated), true) = (stated, check_defaults) {
+            assert_eq!(value.to_string(), stated, "default of {path}");
+            seen.insert(path.clone());
+        }
+        match (key.kind, value) {
+            (Kind::Named(inner), toml::Value::Table(tables)) => {
+                let tables = tables.values().map(|t| t.as_table().unwrap());
+                tables.for_each(|t| described(t, inner, &path, check_defaults, seen));
+            }
+            (Kind::List(inner), toml::Value::Array(tables)) => {
+                let tables = tables.iter().map(|t| t.as_table().unwrap());
+                tables.for_each(|t| described(t, inner, &path, check_defaults, seen));
+            }
+            (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(table)) => {
+                described(table, inner, &path, check_defaults, seen);
+            }
+            _ => (),
+        }
+    }
+}
+
+/// All keys in `keys` with a stated default.
+fn stated(keys: &'static Keys, path: &str, all: &mut BTreeSet<String>) {
+    for key in keys.keys {
+        let path = format!("{path}.{}", key.name);
+        if matches!(key.absent, Absent::Default(_) | Absent::Auto) {
+            all.insert(path.clone());
+        }
+        if let Some(inner) = key.kind.keys() {
+            stated(inner, &path, all);
+        }
+    }
+}
+
+/// Only what must be written: the defaults of all else show.
+const BARE: &str = r#"
+[mesh]
+rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }
+[fluid]
+viscosity = 1
+[[membrane]]
+shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }
+area.tension = { tension = 1 }
+[time]
+end = 1
+step = 0.1
+[output]
+profiles.line = { from = [0, 1], to = [2, 1], of = "velocity" }
+"#;
+
+#[test]
+fn the_reference_describes_what_is_written_and_states_the_defaults() {
+    let mut seen = BTreeSet::new();
+    let box_shape = "shape.rounded_box = { centre = [1, 1], half_size = [1, 2], radius = 0.1 }";
+    let rounded = BARE.replace("shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }", box_shape);
+    for (text, bare) in [(MEMBRANE, false), (FULL, false), (BARE, true), (&rounded, true)] {
+        let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
+        described(&written, &KEYS, "", bare, &mut seen);
+    }
+    let mut all = BTreeSet::new();
+    stated(&KEYS, "", &mut all);
+    assert_eq!(seen, all, "a default that no bare scene shows");
+}
+
+#[test]
+fn the_reference_has_the_keys_that_reading_allows() {
+    let written: toml::Table = parse(FULL).unwrap().to_toml().parse().unwrap();
+    let mut tables = vec![(String::new(), &KEYS, toml::Value::Table(written))];
+    while let Some((path, keys, value)) = tables.pop() {
+        let dot = if path.is_empty() { "" } else { "." };
+        let e =
+            Scene::parse_with(FULL, Path::new("case/scene.toml"), &[format!("{path}{dot}no_such_key=1")]).unwrap_err();
+        let names = keys.names().collect::<Vec<_>>().join(", ");
+        assert!(e.advice().ends_with(&format!("alid keys here: {names}")), "{path}: {e}");
+        for (name, value) in value.as_table().unwrap() {
+            let path = format!("{path}{dot}{name}");
+            match (keys.get(name).unwrap().kind, value) {
+                (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(_)) => {
+                    tables.push((path, inner, value.clone()));
+                }
+                (Kind::List(inner), toml::Value::Array(list)) => {
+                    tables.push((format!("{path}.0"), inner, list[0].clone()))
+                }
+                (Kind::Named(inner), toml::Value::Table(named)) => {
+                    let (name, value) = named.iter().next().unwrap();
+                    // A name with a blank cannot be given by an override.
+                    let name = if name.contains(' ') { "left" } else { name };
+                    tables.push((format!("{path}.{name}"), inner, named.get(name).unwrap_or(value).clone()));
+                }
+                _ => (),
+            }
+        }
+    }
+}

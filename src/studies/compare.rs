@@ -1,0 +1,414 @@
+//! `immersa compare`: a scene and its FreeFEM twin on the same mesh, with the same step and the same values.
+
+use super::campaign::Campaign;
+use super::findings::{Drawing, Findings};
+use super::freefem::{Case, INSTALL, Reading};
+use super::trial::{Outcome, Trial};
+use super::twin::{Loop, Twin};
+use crate::base::{Error, Result};
+use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, Table, rounded};
+use std::path::Path;
+
+/// Steps for which a loop is timed that is not the twin's first: enough for a mean, few enough to wait for.
+const TIMED_STEPS: usize = 10;
+/// Times at which values are printed side by side.
+const SHOWN_TIMES: usize = 2;
+
+/// What a comparison is told.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// How often everything is run; of the times the least counts.
+    pub repeat: usize,
+    /// Largest differences that are accepted, relative to the largest value of the quantity; those with a name before those without.
+    pub bounds: Vec<Bound>,
+    /// Keep FreeFEM's result in `data/` beside the twin under this name.
+    pub record: Option<String>,
+}
+
+/// A bound of a difference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bound {
+    /// The column; all columns without one of their own if there is none.
+    pub column: Option<String>,
+    /// The bound.
+    pub value: f64,
+}
+
+impl std::str::FromStr for Bound {
+    type Err = String;
+    /// `1e-3` or `membrane.horizontal=1e-5`.
+    fn from_str(text: &str) -> std::result::Result<Bound, String> {
+        let (column, number) = match text.split_once('=') {
+            Some((column, number)) => (Some(column.trim().to_string()), number),
+            None => (None, text),
+        };
+        let value = number.trim().parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
+        let value = value.ok_or("write a positive number, or COLUMN=NUMBER, as in membrane.horizontal=1e-5")?;
+        Ok(Bound { column, value })
+    }
+}
+
+/// What a program cost.
+struct Cost {
+    who: String,
+    steps: f64,
+    first: f64,
+    per_step: f64,
+}
+
+/// A quantity that both programs give.
+struct Pair<'a> {
+    name: &'a str,
+    ours: Vec<f64>,
+    theirs: Vec<f64>,
+}
+
+impl Pair<'_> {
+    fn largest_value(&self) -> f64 {
+        self.theirs.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+    }
+    /// Number of the row with the largest difference, and the difference.
+    fn worst(&self) -> (usize, f64) {
+        let differences = self.ours.iter().zip(&self.theirs).map(|(a, b)| (a - b).abs()).enumerate();
+        differences.fold((0, 0.0), |m, d| if d.1 > m.1 || d.1.is_nan() { d } else { m })
+    }
+    fn relative(&self) -> f64 {
+        let (_, difference) = self.worst();
+        if difference == 0.0 { 0.0 } else { difference / self.largest_value() }
+    }
+}
+
+/// Compares the scene of the campaign, which has the scheme of the twin, with the twin.
+///
+/// # Errors
+/// A scene or a twin that cannot be run, or whose run failed; no quantity that both give; FreeFEM not installed and nothing recorded that
+/// fits.
+pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<Findings> {
+    let scene = campaign.scene();
+    let case = Case::new(twin, scene)?;
+    let (ours, readings) = runs(campaign, &case, twin.loops(), told.repeat.max(1))?;
+    let (Some(outcome), Some(reading)) = (ours.first(), readings.first().and_then(|r| r.first())) else {
+        return Err(Error::internal("a comparison without runs"));
+    };
+    let (times, pairs) = common(&outcome.series, &reading.table, twin.path())?;
+    if let Some(name) = &told.record {
+        record(reading, twin, name)?;
+    }
+    write_both(campaign.folder(), &times, &pairs)?;
+    let costs = costs(&ours, &readings, twin.loops());
+    let mut found = Findings {
+        title: format!("{}: immersa and FreeFEM", scene.title),
+        subtitle: format!(
+            "{}, dt = {:?}, to t = {:?}",
+            case.size,
+            scene.time.step,
+            times.last().copied().unwrap_or(0.0)
+        ),
+        ..Findings::default()
+    };
+    found.grids =
+        vec![differences(&times, &pairs), side_by_side(&times, &pairs), times_of(&costs, twin.loops(), reading)];
+    found.drawings = drawings(&times, &pairs, reading);
+    found.statements = statements(&pairs, &costs, reading);
+    found.alarms = alarms(&pairs, &told.bounds);
+    found.notes = notes(&case, twin, reading, &pairs, outcome);
+    found.headline = headline(&pairs, &costs, reading);
+    Ok(found)
+}
+
+/// All runs, in turn, so that a noisy machine favours nobody: ours, and FreeFEM's by loop.
+fn runs(
+    campaign: &mut Campaign<'_>,
+    case: &Case<'_>,
+    loops: &[Loop],
+    repeat: usize,
+) -> Result<(Vec<Outcome>, Vec<Vec<Reading>>)> {
+    let (time, runs, stop) = (campaign.scene().time, campaign.folder().join("runs"), campaign.stop());
+    let mut ours = Vec::new();
+    let mut theirs: Vec<Vec<Reading>> = vec![Vec::new(); loops.len()];
+    for repetition in 0..repeat {
+        let trial = Trial { label: "immersa".into(), set: vec![], repetition };
+        let outcome = campaign.run(&trial, repetition + 1, repeat)?;
+        if !outcome.finished() {
+            return Err(Error::computation(format!("immersa's own run {}", outcome.end.in_words()))
+                .value(outcome.end.reason())
+                .remedy("take a smaller time.step with --set: explicit coupling has a limit, which `immersa explain` prints"));
+        }
+        ours.push(outcome);
+        for (k, work) in loops.iter().enumerate() {
+            let end = if k == 0 { time.end } else { time.end.min(time.step * TIMED_STEPS as f64) };
+            match case.run(work, end, repetition, &runs, stop)? {
+                Some(reading) => {
+                    let cost =
+                        reading.about.per_step.map_or(String::new(), |s| format!(", {} s a step", rounded(s, 3)));
+                    campaign.listener().note(&format!("FreeFEM {}{cost}", work.name));
+                    theirs[k].push(reading);
+                }
+                None => {
+                    campaign.listener().note("FreeFEM is not installed: its recorded result is taken");
+                    return Ok((ours, vec![vec![case.recorded()?]]));
+                }
+            }
+        }
+    }
+    Ok((ours, theirs))
+}
+
+/// The times that both have, and the quantities that both have, at these times.
+fn common<'a>(ours: &Table, theirs: &'a Table, script: &Path) -> Result<(Vec<f64>, Vec<Pair<'a>>)> {
+    let (mine, other) = (ours.column("time")?, theirs.column("time")?);
+    let at = |t: f64| mine.iter().position(|m| (m - t).abs() <= 1e-9 * t.abs().max(1.0));
+    let rows: Vec<(usize, usize)> = other.iter().enumerate().filter_map(|(j, t)| Some((at(*t)?, j))).collect();
+    let mut pairs = Vec::new();
+    for (name, column) in theirs.names.iter().zip(&theirs.columns).filter(|(n, _)| *n != "time") {
+        if let Ok(values) = ours.column(name) {
+            let (ours, theirs) = rows.iter().map(|&(i, j)| (values[i], column[j])).unzip();
+            pairs.push(Pair { name, ours, theirs });
+        }
+    }
+    if pairs.is_empty() || rows.is_empty() {
+        return Err(Error::input("the twin and the scene have no quantity or no time in common")
+            .at(script.display().to_string())
+            .value(format!("columns of the twin: {}; {} times", theirs.names.join(", "), other.len()))
+            .remedy(format!("name the columns of the twin as in the series: {}", ours.names.join(", "))));
+    }
+    Ok((rows.iter().map(|&(_, j)| other[j]).collect(), pairs))
+}
+
+fn record(reading: &Reading, twin: &Twin, name: &str) -> Result<()> {
+    if reading.recorded.is_some() {
+        return Err(Error::input("there is nothing to record: FreeFEM is not installed").value(name).remedy(INSTALL));
+    }
+    let folder = twin.path().with_file_name("data");
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| Error::input(format!("a folder cannot be made: {e}")).at(folder.display().to_string()))?;
+    reading.keep(&folder, name)
+}
+
+/// `side_by_side.csv`: all common values of both.
+fn write_both(folder: &Path, times: &[f64], pairs: &[Pair<'_>]) -> Result<()> {
+    let names: Vec<[String; 2]> =
+        pairs.iter().map(|p| ["immersa", "freefem"].map(|who| format!("{}.{who}", p.name))).collect();
+    let mut columns: Vec<(&str, &[f64])> = vec![("time", times)];
+    for (p, [ours, theirs]) in pairs.iter().zip(&names) {
+        columns.extend([(ours.as_str(), p.ours.as_slice()), (theirs.as_str(), p.theirs.as_slice())]);
+    }
+    Table::new(&columns).write(&folder.join("side_by_side.csv"))
+}
+
+/// The least costs: ours first, then those of FreeFEM's loops.
+fn costs(ours: &[Outcome], theirs: &[Vec<Reading>], loops: &[Loop]) -> Vec<Cost> {
+    let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NAN, f64::min);
+    let mine = Cost {
+        who: "immersa".into(),
+        steps: ours.first().and_then(|o| o.summary.steps).unwrap_or(0) as f64,
+        first: least(&mut ours.iter().map(Outcome::cpu_first_step)),
+        per_step: least(&mut ours.iter().map(Outcome::cpu_per_later_step)),
+    };
+    let of = |(work, readings): (&Loop, &Vec<Reading>)| {
+        let number = |f: fn(&Reading) -> Option<f64>| least(&mut readings.iter().map(|r| f(r).unwrap_or(f64::NAN)));
+        let who = if work.name.is_empty() { "FreeFEM".into() } else { format!("FreeFEM's {} loop", work.name) };
+        Cost {
+            who,
+            steps: number(|r| r.about.steps),
+            first: number(|r| r.about.first_step),
+            per_step: number(|r| r.about.per_step),
+        }
+    };
+    std::iter::once(mine).chain(loops.iter().zip(theirs).map(of)).collect()
+}
+
+fn differences(times: &[f64], pairs: &[Pair<'_>]) -> Grid {
+    let header = ["quantity", "largest value", "largest difference", "at t", "relative"];
+    let mut grid = Grid::new("differences", "Differences", header);
+    for p in pairs {
+        let (row, difference) = p.worst();
+        let [value, relative] = [p.largest_value(), p.relative()];
+        grid.rows.push(vec![
+            Cell::text(p.name),
+            Cell::Number(value, 5),
+            Cell::Number(difference, 2),
+            Cell::Number(times[row], 4),
+            Cell::Number(relative, 2),
+        ]);
+    }
+    grid.caption = format!("Over {} common times; relative to FreeFEM's largest value of the quantity.", times.len());
+    grid
+}
+
+fn side_by_side(times: &[f64], pairs: &[Pair<'_>]) -> Grid {
+    let header = ["t", "quantity", "immersa", "FreeFEM", "difference"];
+    let mut grid = Grid::new("values", "Side by side", header);
+    let count = SHOWN_TIMES.min(times.len() - 1).max(1);
+    let mut rows: Vec<usize> = (1..=count).map(|k| k * (times.len() - 1) / count).collect();
+    rows.dedup();
+    for row in rows {
+        for p in pairs {
+            let number = |v: f64| Cell::Number(v, 7);
+            let [a, b] = [p.ours[row], p.theirs[row]];
+            grid.rows.push(vec![
+                Cell::Number(times[row], 4),
+                Cell::text(p.name),
+                number(a),
+                number(b),
+                Cell::Number(a - b, 2),
+            ]);
+        }
+    }
+    grid.caption = "All common times are in side_by_side.csv.".into();
+    grid
+}
+
+fn times_of(costs: &[Cost], loops: &[Loop], reading: &Reading) -> Grid {
+    let title = "CPU seconds a step, one thread";
+    let mut grid = Grid::new("times", title, ["program", "steps", "first step", "per later step", "over immersa's"]);
+    let ours = costs.first().map_or(f64::NAN, |c| c.per_step);
+    for (k, c) in costs.iter().enumerate() {
+        // Seconds of another machine say nothing about ours.
+        let ratio = if k > 0 && reading.recorded.is_some() { f64::NAN } else { c.per_step / ours };
+        let number = |v: f64| Cell::Number(v, 3);
+        grid.rows.push(vec![
+            Cell::text(&c.who),
+            Cell::Number(c.steps, 6),
+            number(c.first),
+            number(c.per_step),
+            number(ratio),
+        ]);
+    }
+    grid.caption = "The least of the repetitions, which were run in turn. Set-up and output are left out; the first step factors, and ours \
+                    counts its energy balance in every step."
+        .into();
+    for work in loops.iter().filter(|l| !l.words.is_empty()) {
+        grid.caption += &format!(" FreeFEM's {} loop: {}.", work.name, work.words);
+    }
+    if reading.recorded.is_some() {
+        grid.caption += " FreeFEM's seconds are those of the machine where they were recorded.";
+    }
+    grid
+}
+
+fn drawings(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Vec<Drawing> {
+    let theirs = if reading.recorded.is_some() { "FreeFEM (recorded)" } else { "FreeFEM" };
+    let mut all = Vec::new();
+    for p in pairs {
+        let curve = |name, y, stroke| Curve { name, x: times, y, stroke, colour: None };
+        let curves = vec![curve("immersa", &p.ours, Stroke::Line), curve(theirs, &p.theirs, Stroke::Points)];
+        let chart = Chart { x_label: "time", y_label: p.name, curves, ..Chart::default() };
+        let caption = format!("The largest difference is {} of the largest value.", rounded(p.relative(), 2));
+        all.push(Drawing { name: p.name.replace('.', "_"), title: format!("{}.", p.name), svg: chart.svg(), caption });
+    }
+    let relative: Vec<Vec<f64>> = pairs
+        .iter()
+        .map(|p| {
+            let largest = p.largest_value();
+            p.ours.iter().zip(&p.theirs).map(|(a, b)| (a - b).abs() / largest).collect()
+        })
+        .collect();
+    let curves =
+        pairs.iter().zip(&relative).map(|(p, y)| Curve { name: p.name, x: times, y, ..Curve::default() }).collect();
+    let chart =
+        Chart { x_label: "time", y_label: "difference over largest value", log_y: true, curves, ..Chart::default() };
+    all.push(Drawing {
+        name: "differences".into(),
+        title: "Differences.".into(),
+        svg: chart.svg(),
+        caption: "Relative to FreeFEM's largest value of the quantity.".into(),
+    });
+    all
+}
+
+fn statements(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) -> Vec<String> {
+    let largest = pairs.iter().max_by(|a, b| a.relative().total_cmp(&b.relative()));
+    let mut said: Vec<String> = largest
+        .map(|p| {
+            format!(
+                "All quantities agree within {} of their largest values; {} differs most.",
+                rounded(p.relative(), 2),
+                p.name
+            )
+        })
+        .into_iter()
+        .collect();
+    if reading.recorded.is_some() {
+        said.push(
+            "FreeFEM is not installed here: its results are recorded ones, and its times cannot be compared.".into(),
+        );
+    } else if let [ours, theirs @ ..] = costs {
+        said.extend(theirs.iter().filter(|c| c.per_step.is_finite()).map(|c| {
+            format!(
+                "A step takes immersa {} s of CPU time and {} {} s: {} times as long.",
+                rounded(ours.per_step, 3),
+                c.who,
+                rounded(c.per_step, 3),
+                rounded(c.per_step / ours.per_step, 2)
+            )
+        }));
+    }
+    said
+}
+
+fn alarms(pairs: &[Pair<'_>], bounds: &[Bound]) -> Vec<String> {
+    let own = |p: &Pair| bounds.iter().find(|b| b.column.as_deref() == Some(p.name));
+    let general = bounds.iter().find(|b| b.column.is_none());
+    let mut alarms: Vec<String> = pairs
+        .iter()
+        .filter_map(|p| own(p).or(general).map(|b| (p, b.value)))
+        // A difference that is no number is beyond any bound.
+        .filter(|(p, bound)| p.relative().is_nan() || p.relative() > *bound)
+        .map(|(p, bound)| {
+            format!(
+                "{} differs by {} of its largest value, more than the {bound:?} that was asked for.",
+                p.name,
+                rounded(p.relative(), 2)
+            )
+        })
+        .collect();
+    let unknown = bounds.iter().filter_map(|b| b.column.as_deref()).filter(|c| pairs.iter().all(|p| p.name != *c));
+    alarms.extend(unknown.map(|c| format!("{c} was to be compared, but not both programs give it.")));
+    alarms
+}
+
+fn notes(case: &Case<'_>, twin: &Twin, reading: &Reading, pairs: &[Pair<'_>], outcome: &Outcome) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(file) = &reading.recorded {
+        notes.push(format!(
+            "FreeFEM's results are recorded ones, made by {}: {}; {INSTALL}.",
+            reading.about.made_by,
+            file.display()
+        ));
+    }
+    if !twin.settings().is_empty() {
+        notes.push(format!(
+            "So that both have the same scheme, the twin sets: {}; --set changes it.",
+            twin.settings().join(", ")
+        ));
+    }
+    let labels: Vec<String> = case.labels.iter().map(|(name, k)| format!("{name} {k}")).collect();
+    notes.push(format!("Labels of the boundaries in the mesh for FreeFEM: {}.", labels.join(", ")));
+    let alone = reading.table.names.iter().filter(|n| *n != "time" && pairs.iter().all(|p| p.name != *n));
+    let alone: Vec<&str> = alone.map(String::as_str).collect();
+    if !alone.is_empty() {
+        notes.push(format!("Of the twin's columns the series has no {}.", alone.join(", ")));
+    }
+    notes.extend(outcome.summary.alarms.iter().map(|a| format!("immersa's run raised an alarm. {a}")));
+    notes
+}
+
+fn headline(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) -> Vec<Number> {
+    let worst = pairs.iter().map(Pair::relative).fold(0.0, f64::max);
+    let made = if reading.recorded.is_some() { "FreeFEM's results are recorded" } else { "both run now" };
+    let number = |label: &str, value: String, note: &str| Number { label: label.into(), value, note: note.into() };
+    let mut all = vec![number("Largest difference", rounded(worst, 2), made)];
+    if let [ours, theirs @ ..] = costs {
+        all.push(number("CPU seconds a step", rounded(ours.per_step, 3), "immersa, one thread"));
+        let live = theirs.iter().filter(|c| reading.recorded.is_none() && c.per_step.is_finite());
+        all.extend(live.map(|c| {
+            number(
+                &format!("{}, over immersa's", c.who),
+                format!("{} times", rounded(c.per_step / ours.per_step, 2)),
+                "CPU time of a step",
+            )
+        }));
+    }
+    all
+}

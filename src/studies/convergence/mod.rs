@@ -1,0 +1,326 @@
+//! The convergence study: a scene on finer and finer levels, and what its numbers tend to.
+
+mod interface;
+mod ladder;
+mod page;
+mod sequence;
+
+pub use interface::{Distance, distance};
+pub use ladder::Halved;
+pub use sequence::{Basis, Limit, Sequence, orders_of_changes, orders_of_errors};
+
+use super::{Campaign, Findings, Outcome};
+use crate::base::{Error, Kind, Result};
+use crate::output::Snapshot;
+use crate::scene::schema::{MeshSource, Settings as SceneSettings};
+use crate::scene::{Diagnostics, Model, Scene, nearest};
+use interface::fields_at;
+use ladder::Ladder;
+use std::path::PathBuf;
+
+/// What a convergence study is asked.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// What is halved.
+    pub halved: Halved,
+    /// Levels, the scene being the coarsest one.
+    pub levels: usize,
+    /// Mesh files, from coarse to fine, instead of halving.
+    pub meshes: Vec<PathBuf>,
+    /// Columns of the series, or `interface` for the distances of the interfaces from level to level; a choice if empty.
+    pub quantities: Vec<String>,
+    /// Times at which they are taken, multiples of the scene's step; its end if empty.
+    pub times: Vec<f64>,
+    /// The order that theory gives, where it does: extrapolation is with that one.
+    pub order: Option<f64>,
+    /// Whether what is not refined is halved, on the coarsest level, to see what it does.
+    pub checks: bool,
+}
+
+/// What a quantity is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meaning {
+    /// A number that tends to a limit that is not known.
+    Value,
+    /// A norm of an error, which tends to zero.
+    Error,
+    /// A distance between neighbouring levels, which tends to zero.
+    Change,
+}
+
+/// A quantity that is studied.
+#[derive(Clone, Debug, PartialEq)]
+struct Quantity {
+    name: String,
+    meaning: Meaning,
+}
+
+/// A quantity at a time, on all levels.
+#[derive(Clone, Debug)]
+struct Row {
+    quantity: Quantity,
+    time: f64,
+    sequence: Sequence,
+    /// The order seen on each level and those before it.
+    orders: Vec<f64>,
+    limit: Option<Limit>,
+    /// By how much each check moves it.
+    checks: Vec<f64>,
+}
+
+/// The quantity that stands for the distances of all interfaces.
+const INTERFACE: &str = "interface";
+/// The ends of its columns.
+const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
+
+/// Runs the levels of a study and says what they show.
+///
+/// # Errors
+/// A quantity or a time that the scene does not have; whatever [`Campaign::run`] gives. A level that fails is left out.
+pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Findings> {
+    let scene = campaign.scene().clone();
+    // The model of the coarsest level knows the columns, and the band that the mesh would choose.
+    let model = Model::new(&scene)?;
+    let columns = Diagnostics::new(&scene, &model)?.columns();
+    let quantities = quantities(&scene, &settings.quantities, &columns)?;
+    let times = times(&scene, &settings.times)?;
+    let common = common(&scene, &times, quantities.iter().any(|q| q.meaning == Meaning::Change));
+    if !settings.meshes.is_empty() && !matches!(scene.mesh, MeshSource::File { .. }) {
+        return Err(Error::scene("a list of meshes needs a scene with a mesh file")
+            .at("--meshes")
+            .remedy("write mesh.file in the scene; its other keys then fit every mesh of the list"));
+    }
+    let ladder = Ladder::new(&scene, settings, model.thickness, &common)?;
+    drop(model);
+    let trials: Vec<_> = ladder.levels.iter().chain(ladder.checks.iter().map(|c| &c.1)).cloned().collect();
+    // The checks come first: they are cheap.
+    let order: Vec<usize> = (ladder.levels.len()..trials.len()).chain(0..ladder.levels.len()).collect();
+    let mut outcomes: Vec<Option<Outcome>> = trials.iter().map(|_| None).collect();
+    for (k, &i) in order.iter().enumerate() {
+        outcomes[i] = Some(campaign.run(&trials[i], k + 1, trials.len())?);
+    }
+    let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
+    let (levels, checks) = outcomes.split_at(ladder.levels.len());
+    let sizes = sizes(&scene, settings, &ladder, levels);
+    let mut rows = Vec::new();
+    for &time in &times {
+        let apart = distances(campaign, &scene, &quantities, levels, time)?;
+        for quantity in &quantities {
+            let values = match quantity.meaning {
+                Meaning::Change => {
+                    apart.iter().map(|of| of.iter().find(|d| d.0 == quantity.name).map_or(f64::NAN, |d| d.1)).collect()
+                }
+                _ => levels.iter().map(|o| o.value(&quantity.name, time)).collect::<Result<Vec<f64>>>()?,
+            };
+            let moved = |o: &Outcome| Ok(o.value(&quantity.name, time)? - values.first().copied().unwrap_or(f64::NAN));
+            let checks = match quantity.meaning {
+                Meaning::Change => vec![f64::NAN; checks.len()],
+                _ => checks.iter().map(moved).collect::<Result<_>>()?,
+            };
+            rows.push(Row::new(
+                quantity.clone(),
+                time,
+                Sequence { sizes: sizes.clone(), values },
+                checks,
+                known(settings),
+            ));
+        }
+    }
+    Ok(page::findings(&page::Study {
+        scene: &scene,
+        settings,
+        ladder: &ladder,
+        outcomes: &outcomes,
+        sizes: &sizes,
+        rows: &rows,
+    }))
+}
+
+/// The order that is known beforehand: that of the thickness is one.
+fn known(settings: &Settings) -> Option<f64> {
+    settings.order.or(settings.halved.thickness.then_some(1.0))
+}
+
+impl Row {
+    fn new(quantity: Quantity, time: f64, sequence: Sequence, checks: Vec<f64>, known: Option<f64>) -> Row {
+        let (orders, limit) = match quantity.meaning {
+            Meaning::Value => (sequence.orders(), sequence.limit(known)),
+            Meaning::Error => (orders_of_errors(&sequence.sizes, &sequence.values), None),
+            Meaning::Change => (orders_of_changes(&sequence.sizes, &sequence.values), None),
+        };
+        Row { quantity, time, sequence, orders, limit, checks }
+    }
+
+    /// The order seen on the finest level that gave a value; NaN if none is.
+    fn order(&self) -> f64 {
+        self.sequence
+            .values
+            .iter()
+            .rposition(|v| v.is_finite())
+            .and_then(|k| self.orders.get(k))
+            .copied()
+            .unwrap_or(f64::NAN)
+    }
+
+    /// The value on the finest level that gave one.
+    fn finest(&self) -> f64 {
+        self.sequence.values.iter().rev().find(|v| v.is_finite()).copied().unwrap_or(f64::NAN)
+    }
+
+    /// What tends to zero with the level: the error, or the change from the level before.
+    fn shrinking(&self) -> Vec<f64> {
+        match self.quantity.meaning {
+            Meaning::Value => self.sequence.changes().into_iter().map(f64::abs).collect(),
+            _ => self.sequence.values.clone(),
+        }
+    }
+}
+
+/// The quantities that are asked for, or a choice of those that the scene has.
+fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Result<Vec<Quantity>> {
+    let distances = || scene.membranes.iter().flat_map(|m| DISTANCES.map(|d| format!("{}.{d}", m.name)));
+    let meaning = |name: &str| match name.starts_with("error_") {
+        true => Meaning::Error,
+        false if distances().any(|d| d == name) => Meaning::Change,
+        false => Meaning::Value,
+    };
+    let mut names: Vec<String> = Vec::new();
+    let chosen = if asked.is_empty() { choice(scene, columns) } else { asked.to_vec() };
+    for name in chosen {
+        let known = columns.contains(&name) || distances().any(|d| d == name);
+        if name == INTERFACE && !scene.membranes.is_empty() {
+            names.extend(distances());
+        } else if known {
+            names.push(name);
+        } else {
+            let interface = (!scene.membranes.is_empty()).then_some(INTERFACE);
+            return Err(Error::scene("the runs of this scene have no such quantity")
+                .at("--quantity")
+                .value(&name)
+                .remedy(nearest::advice(&name, columns.iter().map(String::as_str).chain(interface))));
+        }
+    }
+    let mut unique: Vec<Quantity> = Vec::new();
+    for name in names {
+        if !unique.iter().any(|q| q.name == name) {
+            unique.push(Quantity { meaning: meaning(&name), name });
+        }
+    }
+    Ok(unique)
+}
+
+/// Errors where they are known; lengths, area and place of the interfaces; energies; what the scene measures itself.
+fn choice(scene: &SceneSettings, columns: &[String]) -> Vec<String> {
+    let mut names: Vec<String> = columns.iter().filter(|c| c.starts_with("error_")).cloned().collect();
+    for m in &scene.membranes {
+        match m.chords.is_empty() {
+            true => names.extend(["axis_1", "axis_2"].map(|c| format!("{}.{c}", m.name))),
+            false => names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name))),
+        }
+        names.extend(["perimeter", "area"].map(|c| format!("{}.{c}", m.name)));
+    }
+    if names.iter().all(|n| !n.starts_with("error_")) {
+        names.push("energy_kinetic".into());
+    }
+    if !scene.membranes.is_empty() {
+        names.extend(["energy_elastic".into(), INTERFACE.into()]);
+    }
+    // Columns of forces, fluxes and probes come after those that every run has.
+    let own = columns.iter().skip_while(|c| *c != "step_over_limit").skip(1).filter(|c| !c.starts_with("error_"));
+    names.extend(own.cloned());
+    names
+}
+
+/// The times that are asked for, rising; the end of the scene without any.
+fn times(scene: &SceneSettings, asked: &[f64]) -> Result<Vec<f64>> {
+    if asked.is_empty() {
+        return Ok(vec![scene.time.end]);
+    }
+    let mut times = asked.to_vec();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    for &t in &times {
+        let steps = t / scene.time.step;
+        if !(t.is_finite() && steps >= 0.5 && (steps - steps.round()).abs() < 1e-6) {
+            return Err(Error::scene("a time of the study is not reached by the steps of its coarsest level")
+                .at("--at")
+                .value(t)
+                .remedy(format!("give a multiple of the step, {}", scene.time.step)));
+        }
+    }
+    Ok(times)
+}
+
+/// What all trials share: they end at the last of the times, and have rows, and fields if asked for, at all of them.
+fn common(scene: &SceneSettings, times: &[f64], fields: bool) -> Vec<String> {
+    let step = scene.time.step;
+    let end = times.last().copied().unwrap_or(scene.time.end);
+    let whole =
+        |interval: f64| times.iter().all(|t| ((t / interval).round() * interval - t).abs() < 1e-9 * t.max(interval));
+    let every = if whole(scene.output.every) { scene.output.every } else { step };
+    let mut set = vec![format!("time.end={end:?}"), format!("output.every={every:?}")];
+    if fields {
+        let steps = times.iter().map(|t| (t / step).round() as u64).fold(0, divisor);
+        set.push(format!("output.fields={:?}", steps as f64 * step));
+    }
+    set
+}
+
+/// The greatest common divisor (Euclid).
+fn divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { divisor(b, a % b) }
+}
+
+/// What makes each level fine.
+fn sizes(scene: &SceneSettings, settings: &Settings, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
+    let halving = |first: f64| (0..levels.len()).map(|k| first / 2f64.powi(k as i32)).collect();
+    if settings.halved.thickness {
+        return halving(ladder.thickness.unwrap_or(f64::NAN));
+    }
+    if !settings.halved.space {
+        return halving(scene.time.step);
+    }
+    let edges: Vec<f64> = levels.iter().map(|o| o.summary.edge.unwrap_or(f64::NAN)).collect();
+    if settings.meshes.is_empty() {
+        return edges;
+    }
+    // The longest edge of a mesh of a generator is a matter of chance; the mean size of its cells is not.
+    let sizes: Vec<f64> = levels.iter().map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(-0.5))).collect();
+    let scale = edges.iter().zip(&sizes).map(|(e, s)| e / s).find(|s| s.is_finite()).unwrap_or(f64::NAN);
+    sizes.iter().map(|s| s * scale).collect()
+}
+
+/// By level, the distances of the interfaces from those one level before, with the names of their quantities.
+fn distances(
+    campaign: &Campaign<'_>,
+    scene: &Scene,
+    quantities: &[Quantity],
+    levels: &[Outcome],
+    time: f64,
+) -> Result<Vec<Vec<(String, f64)>>> {
+    let mut all = Vec::new();
+    let mut before: Option<Snapshot<2>> = None;
+    for outcome in levels {
+        let mut found = Vec::new();
+        let mut now = None;
+        if outcome.finished() && quantities.iter().any(|q| q.meaning == Meaning::Change) {
+            let fields = fields_at(&campaign.folder_of(&outcome.trial)?, time)?;
+            for m in scene.membranes.iter().filter(|_| before.is_some()) {
+                let apart = before.as_ref().map(|b| distance(b, &fields, &m.name)).transpose();
+                match apart {
+                    Ok(Some(d)) => {
+                        found.extend(DISTANCES.map(|n| format!("{}.{n}", m.name)).into_iter().zip([d.mean, d.largest]))
+                    }
+                    Ok(None) => {}
+                    // An interface that is gone has no distance.
+                    Err(e) if e.kind() == Kind::Computation => {}
+                    Err(e) => return Err(e),
+                }
+            }
+            now = Some(fields);
+        }
+        all.push(found);
+        before = now;
+    }
+    Ok(all)
+}

@@ -1,0 +1,27 @@
+//! Studies: the same scene run many times, and what the runs say together.
+//!
+//! A study makes [`Trial`]s, a scene with some values set each; a [`Campaign`] runs them into folders of their own, once:
+//! the same study started again goes on where it stopped. A trial that blows up is a result, not the end of the study. What
+//! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
+
+mod axis;
+mod campaign;
+mod compare;
+pub mod convergence;
+mod findings;
+mod freefem;
+mod front;
+mod method;
+pub mod precision;
+pub mod stability;
+mod trial;
+mod twin;
+
+pub use axis::{Axis, Choice, combinations, in_words, settings};
+pub use campaign::{Campaign, Listener};
+pub use compare::{Bound, Comparison, compare};
+pub use findings::{Drawing, Findings};
+pub use freefem::{About, Case, Reading};
+pub use method::Method;
+pub use trial::{End, Outcome, Trial};
+pub use twin::{Loop, Twin};

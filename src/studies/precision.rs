@@ -1,0 +1,473 @@
+//! `immersa study precision`: error against cost for methods, meshes and steps.
+
+mod report;
+
+use super::axis::{self, Axis, Choice};
+use super::campaign::Campaign;
+use super::findings::Findings;
+use super::freefem::Case;
+use super::front::Offer;
+use super::method::Method;
+pub use super::method::Quantity;
+use super::trial::{Outcome, Trial};
+use super::twin::Twin;
+use crate::base::{Error, Kind, Result};
+use crate::output::Table;
+use crate::scene::nearest::advice;
+use crate::scene::{Diagnostics, Model, Scene};
+
+/// What a study of precision is told.
+#[derive(Clone, Debug, Default)]
+pub struct Precision {
+    /// The methods; none stands for the scene as it is.
+    pub methods: Vec<Method>,
+    /// Other keys of the scene and the values that they take, all combined.
+    pub factors: Vec<Axis>,
+    /// Cells along the first axis of the mesh; none stands for those of the scene.
+    pub cells: Vec<usize>,
+    /// Time steps; none stands for that of the scene.
+    pub steps: Vec<f64>,
+    /// What is measured.
+    pub quantities: Vec<Quantity>,
+    /// What is right.
+    pub truth: Truth,
+    /// Errors for which the cheapest setting is told.
+    pub tolerances: Vec<f64>,
+    /// FreeFEM's script, to be run on the same meshes with the same steps.
+    pub twin: Option<Twin>,
+    /// How often everything is run; of the times the least counts.
+    pub repeat: usize,
+}
+
+/// What is right.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Truth {
+    /// The values of the quantities, in their order.
+    Exact(Vec<f64>),
+    /// A run with these settings.
+    Reference(Method),
+}
+
+impl Default for Truth {
+    fn default() -> Truth {
+        Truth::Exact(Vec::new())
+    }
+}
+
+/// A setting, what it cost and how far off it was.
+#[derive(Clone, Debug)]
+struct Point {
+    method: String,
+    /// Mesh, step and other values, in words.
+    setting: String,
+    /// The same by name.
+    values: Vec<(String, String)>,
+    /// Points of the same family are joined by a line: the number of their mesh and their factors.
+    family: String,
+    /// Relative error of each quantity; NaN if the run failed.
+    errors: Vec<f64>,
+    cpu: f64,
+    unknowns: f64,
+    /// Bytes; NaN for FreeFEM.
+    memory: f64,
+    end: String,
+    ours: bool,
+}
+
+impl Point {
+    /// The largest of its errors; NaN if one is.
+    fn error(&self) -> f64 {
+        self.errors.iter().fold(0.0, |m: f64, e| if e.is_nan() { f64::NAN } else { m.max(*e) })
+    }
+    fn offer(&self) -> Offer {
+        Offer { cost: self.cpu, error: self.error() }
+    }
+}
+
+/// The right values and how far they can be trusted.
+#[derive(Clone, Debug, Default)]
+struct Reference {
+    values: Vec<f64>,
+    /// Estimated relative error of each value.
+    own: Vec<f64>,
+    /// How it was made.
+    words: String,
+    /// How its own error was estimated, and what could not be.
+    notes: Vec<String>,
+}
+
+impl Reference {
+    fn error(&self) -> f64 {
+        self.own.iter().fold(0.0, |m: f64, e| m.max(*e))
+    }
+}
+
+/// A combination of mesh, step and factors; methods are run in it one after the other.
+#[derive(Clone, Debug, Default)]
+struct Setting {
+    words: String,
+    /// The same by name.
+    values: Vec<(String, String)>,
+    /// The same without the step.
+    family: String,
+    set: Vec<String>,
+    cells: Option<usize>,
+    step: Option<f64>,
+}
+
+/// Runs all methods on all meshes with all steps, and says what an error costs.
+///
+/// # Errors
+/// A value that the scene does not take, a quantity that the series has not; a reference run that failed; and those of
+/// [`Campaign::run`].
+pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Findings> {
+    let end = campaign.scene().time.end;
+    let quantities: Vec<(String, f64)> =
+        told.quantities.iter().map(|q| (q.column.clone(), q.time.unwrap_or(end))).collect();
+    check(campaign, told, &quantities)?;
+    let settings = settings(campaign, told)?;
+    let reference = reference(campaign, &told.truth, &quantities)?;
+    let mut points: Vec<Point> = Vec::new();
+    let repeat = told.repeat.max(1);
+    let of = repeat * settings.iter().map(|s| methods(told, s).len()).sum::<usize>();
+    let mut k = 0;
+    for repetition in 0..repeat {
+        for setting in &settings {
+            for method in methods(told, setting) {
+                k += 1;
+                let label = [method.name.as_str(), &setting.words].join(", ");
+                let set = [setting.set.clone(), method.set.clone()].concat();
+                let trial = Trial { label: label.trim_start_matches(", ").into(), set, repetition };
+                let outcome = campaign.run(&trial, k, of)?;
+                merge(&mut points, of_ours(&method.name, setting, &outcome, &quantities, &reference)?);
+            }
+            if let Some(twin) = &told.twin {
+                merge(&mut points, of_freefem(campaign, twin, setting, repetition, &quantities, &reference)?);
+            }
+        }
+    }
+    Ok(report::findings(campaign.scene(), told, &quantities, &reference, &points))
+}
+
+/// Checks what can be known before the first run.
+fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]) -> Result<()> {
+    let scene = campaign.scene();
+    if quantities.is_empty() {
+        return Err(Error::scene("a study of precision needs a quantity")
+            .at("--quantity")
+            .remedy("name a column of series.csv, with @TIME if it is not the end: --quantity membrane.area@0.4"));
+    }
+    let model = Model::new(scene)?;
+    let columns = Diagnostics::new(scene, &model)?.columns();
+    if let Some((column, _)) = quantities.iter().find(|q| !columns.contains(&q.0)) {
+        return Err(Error::scene("the series has no such column")
+            .at("--quantity")
+            .value(column)
+            .remedy(advice(column, columns.iter().map(String::as_str))));
+    }
+    if let Some((column, t)) = quantities.iter().find(|(_, t)| !(0.0..=scene.time.end).contains(t)) {
+        return Err(Error::scene(format!("the time of {column} lies outside the run"))
+            .at("--quantity")
+            .value(t)
+            .remedy(format!("give a time from 0 to time.end = {:?}", scene.time.end)));
+    }
+    if let Truth::Exact(values) = &told.truth
+        && values.len() != quantities.len()
+    {
+        return Err(Error::scene("an exact value is needed for every quantity")
+            .at("--exact")
+            .value(format!("{} values for {} quantities", values.len(), quantities.len()))
+            .remedy("give --exact once for each --quantity, in the same order, or --reference"));
+    }
+    let mut names: Vec<&str> = told.methods.iter().map(|m| m.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|w| w[0] == w[1]) {
+        return Err(Error::scene("two methods have the same name")
+            .at("--method")
+            .value(twice[0])
+            .remedy("name them differently"));
+    }
+    Ok(())
+}
+
+/// The combinations of meshes, factors and steps, as they were given.
+fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
+    let own_cells = told.methods.iter().flat_map(|m| m.cells.iter().flatten().copied());
+    let own_steps = told.methods.iter().flat_map(|m| m.steps.iter().flatten().copied());
+    let cells = distinct(told.cells.iter().copied().chain(own_cells));
+    let steps = distinct(told.steps.iter().copied().chain(own_steps));
+    let step = |dt: &f64| Choice {
+        name: "dt".into(),
+        value: format!("{dt:?}"),
+        label: format!("dt = {dt:?}"),
+        set: format!("time.step={dt:?}"),
+    };
+    let mut axes = vec![Axis::cells(campaign.scene(), &cells)?];
+    axes.extend(told.factors.iter().cloned());
+    axes.push(Axis { name: "dt".into(), choices: steps.iter().map(step).collect() });
+    // An axis without values leaves what the scene has.
+    axes.retain(|a| !a.choices.is_empty());
+    let setting = |choices: &Vec<Choice>| {
+        let number = |name: &str| choices.iter().find(|c| c.name == name).and_then(Choice::number);
+        let step = number("dt");
+        let family = if step.is_some() { choices.len() - 1 } else { choices.len() };
+        Setting {
+            words: axis::in_words(choices),
+            values: choices.iter().map(|c| (c.name.clone(), c.value.clone())).collect(),
+            family: axis::in_words(&choices[..family]),
+            set: axis::settings(choices),
+            cells: number("n").map(|n| n as usize),
+            step,
+        }
+    };
+    Ok(axis::combinations(&axes).iter().map(setting).collect())
+}
+
+fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    values.fold(Vec::new(), |mut all, v| {
+        if !all.contains(&v) {
+            all.push(v);
+        }
+        all
+    })
+}
+
+/// The methods that are run in a setting: those that have no meshes or steps of their own take those of the study.
+fn methods(told: &Precision, setting: &Setting) -> Vec<Method> {
+    let fits = |m: &&Method| {
+        let cells = m.cells.as_ref().unwrap_or(&told.cells);
+        let steps = m.steps.as_ref().unwrap_or(&told.steps);
+        setting.cells.is_none_or(|n| cells.is_empty() || cells.contains(&n))
+            && setting.step.is_none_or(|dt| steps.is_empty() || steps.contains(&dt))
+    };
+    if told.methods.is_empty() {
+        return vec![Method::default()];
+    }
+    told.methods.iter().filter(fits).cloned().collect()
+}
+
+/// The right values; a reference run is run, and run coarser for its own error.
+fn reference(campaign: &mut Campaign<'_>, truth: &Truth, quantities: &[(String, f64)]) -> Result<Reference> {
+    let settings = match truth {
+        Truth::Exact(values) => {
+            let own = vec![0.0; values.len()];
+            return Ok(Reference { values: values.clone(), own, words: "exact values".into(), notes: vec![] });
+        }
+        Truth::Reference(settings) => settings,
+    };
+    let mut set = settings.set.clone();
+    let n = settings.cells.as_ref().and_then(|c| c.last()).copied();
+    let cells = |n: usize| Ok::<_, Error>(axis::settings(&Axis::cells(campaign.scene(), &[n])?.choices));
+    let [chosen, coarser_mesh] = [n, n.map(|n| n / 2).filter(|n| *n > 0)].map(|n| n.map(cells).transpose());
+    set.extend(chosen?.unwrap_or_default());
+    set.extend(settings.steps.iter().flatten().last().map(|dt| format!("time.step={dt:?}")));
+    let scene = campaign.scene().with(&set)?;
+    let coarser_mesh = coarser_mesh?.map(|set| set.concat());
+    let trial = |label: &str, more: Option<String>| Trial::new(label, set.iter().cloned().chain(more).collect());
+    let fine = campaign.run(&trial("reference", None), 1, 1)?;
+    if !fine.finished() {
+        return Err(Error::computation(format!("the reference run {}", fine.end.in_words()))
+            .value(fine.end.reason())
+            .remedy(
+                "choose one that is stable with --reference: numerics.coupling=implicit, a smaller step, a finer mesh",
+            ));
+    }
+    let values = measured(&fine.series, quantities)?;
+    let mut found = Reference { own: vec![0.0; values.len()], values, ..Reference::default() };
+    found.words = format!(
+        "{}{}, dt = {:?}",
+        if set.is_empty() { "the scene as it is: " } else { "" },
+        set.join(" "),
+        scene.time.step
+    );
+    // The error that halving takes away is 2^p - 1 times the one that is left.
+    let step_order = scene.time.order as i32;
+    let twice = format!("time.step={:?}", 2.0 * scene.time.step);
+    let coarser = [("twice the step", Some(twice), step_order), ("half the cells", coarser_mesh, 2)];
+    for (words, change, order) in coarser {
+        let run = change.map(|c| campaign.run(&trial(&format!("reference, {words}"), Some(c)), 1, 1)).transpose();
+        // A step that does not divide the end is no reason to stop.
+        let run = run.or_else(|e| if e.kind() == Kind::Scene { Ok(None) } else { Err(e) })?;
+        match run.filter(Outcome::finished).map(|o| measured(&o.series, quantities)).transpose()? {
+            Some(coarse) => {
+                let parts = relative(&coarse, &found.values).into_iter().map(|e| e / (2f64.powi(order) - 1.0));
+                found.own.iter_mut().zip(parts).for_each(|(own, part)| *own += part);
+                found.notes.push(format!("with {words} (order {order})"));
+            }
+            None => found.notes.push(format!("not with {words}: there is no such run")),
+        }
+    }
+    Ok(found)
+}
+
+/// The quantities of a run that reached its end.
+fn measured(series: &Table, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
+    let times = series.column("time")?;
+    let value = |(column, t): &(String, f64)| {
+        let row = times.iter().position(|s| (s - t).abs() <= 1e-9 * t.abs().max(1.0));
+        let missing = || {
+            Error::scene(format!("the series has no row at t = {t:?}, where {column} is asked for"))
+                .at("--quantity")
+                .value(format!("{column}@{t:?}"))
+                .remedy(
+                    "choose a time that is a multiple of all steps and of output.every, or set --set output.every=...",
+                )
+        };
+        let values = series.column(column)?;
+        row.and_then(|i| values.get(i)).copied().ok_or_else(missing)
+    };
+    quantities.iter().map(value).collect()
+}
+
+/// Differences over the right values; as they are where a right value is zero.
+fn relative(values: &[f64], right: &[f64]) -> Vec<f64> {
+    let error = |(v, r): (&f64, &f64)| (v - r).abs() / if *r == 0.0 { 1.0 } else { r.abs() };
+    values.iter().zip(right).map(error).collect()
+}
+
+fn of_ours(
+    method: &str,
+    setting: &Setting,
+    outcome: &Outcome,
+    quantities: &[(String, f64)],
+    reference: &Reference,
+) -> Result<Point> {
+    let errors = match outcome.finished() {
+        true => relative(&measured(&outcome.series, quantities)?, &reference.values),
+        false => vec![f64::NAN; quantities.len()],
+    };
+    let number = |v: Option<u64>| v.map_or(f64::NAN, |v| v as f64);
+    Ok(Point {
+        method: method.into(),
+        setting: setting.words.clone(),
+        values: setting.values.clone(),
+        family: setting.family.clone(),
+        errors,
+        cpu: outcome.cpu_seconds(),
+        unknowns: outcome.unknowns() as f64,
+        memory: number(outcome.summary.memory),
+        end: outcome.end.in_words(),
+        ours: true,
+    })
+}
+
+/// The twin's first loop on the same mesh with the same step. A run that fails is a point, too.
+fn of_freefem(
+    campaign: &mut Campaign<'_>,
+    twin: &Twin,
+    setting: &Setting,
+    again: usize,
+    quantities: &[(String, f64)],
+    reference: &Reference,
+) -> Result<Point> {
+    let scene = campaign.scene().with(&[twin.settings(), &keep(campaign.scene(), setting)].concat())?;
+    let runs = campaign.folder().join("runs");
+    let work = twin.loops().first().cloned().unwrap_or_default();
+    let run = Case::new(twin, &scene).and_then(|c| c.run(&work, scene.time.end, again, &runs, campaign.stop()));
+    let mut point = Point {
+        method: "FreeFEM".into(),
+        setting: setting.words.clone(),
+        values: setting.values.clone(),
+        family: setting.family.clone(),
+        errors: vec![f64::NAN; quantities.len()],
+        cpu: f64::NAN,
+        unknowns: f64::NAN,
+        memory: f64::NAN,
+        end: "finished".into(),
+        ours: false,
+    };
+    match run {
+        Ok(Some(reading)) => {
+            point.errors = relative(&measured(&reading.table, quantities)?, &reference.values);
+            point.cpu = reading.about.cpu_seconds();
+            point.unknowns = reading.about.unknowns.unwrap_or(f64::NAN);
+        }
+        Ok(None) => {
+            return Err(Error::input("FreeFEM is not installed")
+                .at("--twin")
+                .value("FreeFem++")
+                .remedy(format!("{}, or leave --twin out", super::freefem::INSTALL)));
+        }
+        Err(e) if matches!(e.kind(), Kind::Computation | Kind::Scene) => point.end = "failed".into(),
+        Err(e) => return Err(e),
+    }
+    campaign.listener().note(&format!("FreeFEM, {}: {}", setting.words, point.end));
+    Ok(point)
+}
+
+/// What the twin's scene keeps of the study: all but the scheme, which is the twin's.
+fn keep(scene: &Scene, setting: &Setting) -> Vec<String> {
+    let grad_div = scene.numerics.grad_div.map_or("auto".to_string(), |v| format!("{v:?}"));
+    let mut set = vec![
+        format!("time.end={:?}", scene.time.end),
+        format!("time.step={:?}", scene.time.step),
+        format!("output.every={:?}", scene.output.every),
+        format!("numerics.grad_div={grad_div}"),
+    ];
+    set.extend(setting.set.iter().cloned());
+    set
+}
+
+/// Adds a point, or takes the lesser cost of two that are the same run.
+fn merge(points: &mut Vec<Point>, point: Point) {
+    match points.iter_mut().find(|p| p.method == point.method && p.setting == point.setting) {
+        Some(known) => known.cpu = known.cpu.min(point.cpu),
+        None => points.push(point),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_of_a_point_is_the_largest_and_nothing_if_one_failed() {
+        assert_eq!(
+            relative(&[1.1, 0.2], &[1.0, 0.0]).iter().map(|e| (e * 1e6).round()).collect::<Vec<_>>(),
+            [1e5, 2e5]
+        );
+        let point = |errors: &[f64]| Point { errors: errors.to_vec(), ..bare() };
+        assert_eq!(point(&[0.1, 0.3, 0.2]).error(), 0.3);
+        assert!(point(&[f64::NAN, 0.3]).error().is_nan() && point(&[0.3, f64::NAN]).error().is_nan());
+    }
+
+    #[test]
+    fn a_repetition_lowers_the_cost_only() {
+        let mut points = Vec::new();
+        for cpu in [2.0, 1.0, 3.0] {
+            merge(&mut points, Point { cpu, ..bare() });
+        }
+        assert_eq!((points.len(), points[0].cpu), (1, 1.0));
+    }
+
+    #[test]
+    fn methods_may_have_steps_of_their_own() {
+        let method = |text: &str| text.parse::<Method>().unwrap();
+        let told = Precision {
+            methods: vec![method("a: time.order=1 steps=0.1"), method("b: time.order=2")],
+            steps: vec![0.2, 0.1],
+            ..Precision::default()
+        };
+        let names = |dt: f64| {
+            let setting = Setting { step: Some(dt), ..Setting::default() };
+            methods(&told, &setting).iter().map(|m| m.name.clone()).collect::<Vec<_>>().concat()
+        };
+        assert_eq!((names(0.2), names(0.1)), ("b".to_string(), "ab".to_string()));
+    }
+
+    fn bare() -> Point {
+        let text = String::new;
+        Point {
+            method: text(),
+            setting: text(),
+            values: vec![],
+            family: text(),
+            errors: vec![0.1],
+            cpu: 1.0,
+            unknowns: 1.0,
+            memory: 1.0,
+            end: text(),
+            ours: true,
+        }
+    }
+}

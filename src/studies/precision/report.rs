@@ -1,0 +1,293 @@
+//! What a study of precision says.
+
+use super::{Point, Precision, Reference};
+use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
+use crate::scene::Scene;
+use crate::studies::findings::{Drawing, Findings};
+use crate::studies::front::{Offer, cheapest, front};
+
+/// The colour of what is not one of our methods: grey.
+const GREY: usize = 6;
+
+pub(super) fn findings(
+    scene: &Scene,
+    told: &Precision,
+    quantities: &[(String, f64)],
+    reference: &Reference,
+    points: &[Point],
+) -> Findings {
+    let names: Vec<String> = quantities.iter().map(|(c, t)| format!("{c} at t = {t:?}")).collect();
+    let what = match quantities.first() {
+        Some((_, t)) if quantities.iter().all(|q| q.1 == *t) => {
+            let columns: Vec<&str> = quantities.iter().map(|q| q.0.as_str()).collect();
+            format!("{} at t = {t:?}", columns.join(", "))
+        }
+        _ => names.join(", "),
+    };
+    let mut found = Findings {
+        title: format!("{}: error and cost", scene.title),
+        subtitle: format!("Error of {what}, against CPU seconds of the time steps"),
+        ..Findings::default()
+    };
+    found.grids.push(all(points, &names));
+    found.grids.push(best(points, &told.tolerances));
+    found.statements = told.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
+    found.notes = notes(scene, told, reference, points);
+    found.drawings = drawings(points, &what, reference);
+    found.headline = told.tolerances.iter().filter_map(|t| number(points, *t)).collect();
+    found
+}
+
+fn offers(points: &[Point]) -> Vec<Offer> {
+    points.iter().map(Point::offer).collect()
+}
+
+fn all(points: &[Point], names: &[String]) -> Grid {
+    let front = front(&offers(points));
+    let values = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or(Vec::new());
+    let fixed = ["error", "CPU s", "unknowns", "memory MB", "front", "end"];
+    let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
+    let mut grid = Grid::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat());
+    for (i, p) in points.iter().enumerate() {
+        let mut row = vec![Cell::text(&p.method)];
+        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::Number(v, 6))));
+        row.extend([
+            Cell::Number(p.error(), 3),
+            Cell::Number(p.cpu, 3),
+            Cell::Number(p.unknowns, 7),
+            Cell::Number(p.memory / 1e6, 3),
+            Cell::text(if front.contains(&i) { "yes" } else { "" }),
+            Cell::text(&p.end),
+        ]);
+        row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::Number(*e, 3)));
+        grid.rows.push(row);
+    }
+    grid.caption = "The error is relative, the largest of the quantities; `front` marks the runs that no other beats in both error and CPU time."
+        .into();
+    grid
+}
+
+fn best(points: &[Point], tolerances: &[f64]) -> Grid {
+    let mut grid =
+        Grid::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU s"]);
+    for &tolerance in tolerances {
+        let mut row = vec![Cell::text(percent(tolerance))];
+        match cheapest(&offers(points), tolerance) {
+            Some(Ok(i)) => {
+                let p = &points[i];
+                row.extend([
+                    Cell::text(&p.method),
+                    Cell::text(&p.setting),
+                    Cell::text(percent(p.error())),
+                    Cell::Number(p.cpu, 3),
+                ]);
+            }
+            _ => row.extend([Cell::text("none"), Cell::text(""), Cell::text("-"), Cell::Number(f64::NAN, 3)]),
+        }
+        grid.rows.push(row);
+    }
+    grid
+}
+
+/// What an error costs, in a sentence.
+fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference) -> String {
+    let told = |p: &Point| {
+        [p.setting.as_str(), &p.method, &format!("{} s", rounded(p.cpu, 2))]
+            .iter()
+            .filter(|w| !w.is_empty())
+            .fold(String::new(), |s, w| if s.is_empty() { w.to_string() } else { format!("{s}, {w}") })
+    };
+    let (ours, theirs): (Vec<Point>, Vec<Point>) = points.iter().cloned().partition(|p| p.ours);
+    let of = |points: &[Point]| match cheapest(&offers(points), tolerance) {
+        Some(Ok(i)) => format!("{} (error {})", told(&points[i]), percent(points[i].error())),
+        Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), percent(points[i].error())),
+        None => "no run finished".into(),
+    };
+    let mut text = format!("{} in {what}: {}", percent(tolerance), of(&ours));
+    if !theirs.is_empty() {
+        text += &format!("; FreeFEM: {}", of(&theirs).replace(", FreeFEM, ", ", "));
+    }
+    if tolerance < reference.error() {
+        text += &format!(". The reference itself is known to {} only", percent(reference.error()));
+    }
+    text + "."
+}
+
+fn number(points: &[Point], tolerance: f64) -> Option<Number> {
+    let Some(Ok(i)) = cheapest(&offers(points), tolerance) else { return None };
+    Some(Number {
+        label: format!("{} costs", percent(tolerance)),
+        value: format!("{} s", rounded(points[i].cpu, 2)),
+        note: format!("{}, {}", points[i].method, points[i].setting),
+    })
+}
+
+fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point]) -> Vec<String> {
+    let mut notes = vec![match &told.truth {
+        super::Truth::Exact(_) => "Errors are against exact values.".to_string(),
+        super::Truth::Reference(_) => format!(
+            "Errors are against a reference run ({}). Its own error is about {}, estimated {}; errors below it mean nothing.",
+            reference.words,
+            percent(reference.error()),
+            reference.notes.join(" and ")
+        ),
+    }];
+    if !scene.membranes.is_empty() && told.factors.iter().all(|f| f.name != "thickness") {
+        let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
+        notes.push(format!(
+            "The half-width eps{eps} of the band is the same in all runs: the error of thickness, of first order in eps and often the largest \
+             of all, is not in this chart."
+        ));
+    }
+    let failed: Vec<String> = points
+        .iter()
+        .filter(|p| p.error().is_nan())
+        .map(|p| format!("{}, {}: {}", p.method, p.setting, p.end))
+        .collect();
+    if !failed.is_empty() {
+        notes.push(format!("Runs that are drawn nowhere: {}.", failed.join("; ")));
+    }
+    notes
+}
+
+/// A method's points, with a gap between one mesh and the next.
+struct Row<'a> {
+    name: &'a str,
+    points: Vec<Option<&'a Point>>,
+    colour: usize,
+}
+
+fn rows(points: &[Point]) -> Vec<Row<'_>> {
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for p in points {
+        if rows.iter().all(|r| r.name != p.method) {
+            let ours = rows.iter().filter(|r| r.colour != GREY).count();
+            rows.push(Row { name: &p.method, points: vec![], colour: if p.ours { ours % GREY } else { GREY } });
+        }
+        let Some(row) = rows.iter_mut().find(|r| r.name == p.method) else { continue };
+        if row.points.last().copied().flatten().is_some_and(|last| last.family != p.family) {
+            row.points.push(None);
+        }
+        row.points.push(Some(p));
+    }
+    rows
+}
+
+fn drawings(points: &[Point], what: &str, reference: &Reference) -> Vec<Drawing> {
+    let known = match reference.error() {
+        e if e > 0.0 => format!(" The reference is known to {}.", percent(e)),
+        _ => String::new(),
+    };
+    let lines = "Each line is a method on one mesh, each mark a time step.";
+    let work = format!("{lines} The dashed line joins the runs that no other beats in both error and CPU time.{known}");
+    let against = format!("{lines}{known}");
+    let mut all = vec![drawing(
+        ["work", "Error against CPU time.", "CPU seconds of the time steps", what, &work],
+        points,
+        |p| p.cpu,
+        true,
+    )];
+    // On one mesh there is nothing to be seen in them.
+    if points.iter().any(|p| p.family != points[0].family) {
+        let words = ["unknowns", "Error against unknowns.", "unknowns", what, &against];
+        all.push(drawing(words, points, |p| p.unknowns, false));
+        let words = ["memory", "Error against memory.", "memory in MB", what, &against];
+        all.push(drawing(words, points, |p| p.memory / 1e6, false));
+    }
+    all
+}
+
+/// A chart of the errors; `words` are its name, title, horizontal axis, quantities and caption.
+fn drawing(words: [&str; 5], points: &[Point], cost: impl Fn(&Point) -> f64, with_front: bool) -> Drawing {
+    let [name, title, x_label, what, caption] = words;
+    let values = |row: &Row, f: &dyn Fn(&Point) -> f64| -> Vec<f64> {
+        row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
+    };
+    let rows = rows(points);
+    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &Point::error)]).collect();
+    let best: Vec<&Point> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
+    let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.error())).unzip();
+    let mut curves: Vec<Curve<'_>> = Vec::new();
+    if with_front && best.len() > 1 {
+        curves.push(Curve { name: "not beaten", x: &x, y: &y, stroke: Stroke::Dashed, colour: Some(GREY) });
+    }
+    curves.extend(rows.iter().zip(&columns).map(|(row, [x, y])| {
+        let stroke = Stroke::Marked;
+        Curve { name: row.name, x, y, stroke, colour: Some(row.colour) }
+    }));
+    // What an error is of stands in the subtitle of the page when it is long.
+    let y_label = if what.len() > 40 { "relative error" } else { what };
+    let y_label = if y_label == what { format!("error of {what}") } else { y_label.to_string() };
+    let chart = Chart { x_label, y_label: &y_label, log_x: true, log_y: true, curves, ..Chart::default() };
+    Drawing { name: name.into(), title: title.into(), svg: chart.svg(), caption: caption.into() }
+}
+
+/// A part of one in per cent.
+fn percent(v: f64) -> String {
+    format!("{} %", rounded(100.0 * v, 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(method: &str, setting: &str, error: f64, cpu: f64, ours: bool) -> Point {
+        let end = if error.is_nan() { "blew up at t = 0.1" } else { "finished" };
+        Point {
+            method: method.into(),
+            setting: setting.into(),
+            values: vec![],
+            family: setting.split(',').next().unwrap_or_default().into(),
+            errors: vec![error],
+            cpu,
+            unknowns: 100.0,
+            memory: 1e6,
+            end: end.into(),
+            ours,
+        }
+    }
+
+    fn points() -> Vec<Point> {
+        vec![
+            point("BDF1", "n = 30, dt = 0.02", 2e-2, 0.5, true),
+            point("BDF2", "n = 30, dt = 0.02", 3e-3, 0.6, true),
+            point("BDF1", "n = 60, dt = 0.02", 2e-2, 3.0, true),
+            point("BDF2", "n = 60, dt = 0.02", 8e-4, 3.1, true),
+            point("FreeFEM", "n = 60, dt = 0.001", 5e-3, 60.0, false),
+            point("BDF1", "n = 60, dt = 0.1", f64::NAN, 0.1, true),
+        ]
+    }
+
+    #[test]
+    fn the_cheapest_setting_is_a_sentence() {
+        let say = |tolerance| sentence(&points(), tolerance, "perimeter at t = 1.0", &Reference::default());
+        assert_eq!(
+            say(1e-3),
+            "0.1 % in perimeter at t = 1.0: n = 60, dt = 0.02, BDF2, 3.1 s (error 0.08 %); FreeFEM: not reached; closest came \
+             n = 60, dt = 0.001, 60 s with 0.5 %."
+        );
+        assert!(say(1e-5).contains(": not reached; closest came n = 60, dt = 0.02, BDF2, 3.1 s with 0.08 %"));
+        let vague = Reference { own: vec![2e-3], ..Reference::default() };
+        assert!(sentence(&points(), 1e-3, "a", &vague).ends_with("The reference itself is known to 0.2 % only."));
+    }
+
+    #[test]
+    fn the_table_marks_the_front_and_names_failures() {
+        let marked: Vec<String> = all(&points(), &["a".into()]).rows.iter().map(|r| r[5].shown()).collect();
+        assert_eq!(marked.concat(), "yesyesyes");
+        assert_eq!(marked[2], "", "BDF1 on the finer mesh costs more and errs as much");
+        let scene = "[mesh]\nrectangle = { min = [0, 0], max = [1, 1], cells = [2, 2] }\n[fluid]\nviscosity = 1\n[boundary.walls]\n\
+                     no_slip = true\n[time]\nend = 1\nstep = 1\n";
+        let scene = Scene::parse(scene, std::path::Path::new("a.toml")).unwrap();
+        let notes = notes(&scene, &Precision::default(), &Reference::default(), &points());
+        assert!(notes.iter().any(|n| n.contains("BDF1, n = 60, dt = 0.1: blew up at t = 0.1")), "{notes:?}");
+    }
+
+    #[test]
+    fn lines_do_not_join_meshes() {
+        let points = points();
+        let rows = rows(&points);
+        assert_eq!(rows.iter().map(|r| r.colour).collect::<Vec<_>>(), [0, 1, GREY]);
+        assert!(rows[0].points[1].is_none() && rows[0].points.len() == 4);
+    }
+}

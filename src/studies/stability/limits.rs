@@ -1,0 +1,254 @@
+//! The largest stable step of every combination, beside the formula (1.54).
+
+use super::chart::chart;
+use super::search::{Bracket, largest_stable_step, short};
+use super::verdict::Verdict;
+use super::{cells, check, columns, heading, per_cent, refusals, trial};
+use crate::base::{Kind, Result};
+use crate::output::{Cell, Grid, Number, rounded};
+use crate::scene::Model;
+use crate::sim::Coupling;
+use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
+use crate::studies::{Campaign, Findings, Trial};
+
+/// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
+/// the relaxing ellipse never rises); beyond the limit it grows by a factor in each step, so that a tolerance of 0.5 % and one of
+/// 10 % give the same limit to a few per cent; 2 % is what the recorded FreeFEM limits were taken with.
+pub const TOLERANCE: f64 = 0.02;
+/// The smallest and the largest step tried, over the formula, when none are given.
+const RANGE: [f64; 2] = [0.05, 20.0];
+/// The same over the step of the scene, where the formula says nothing.
+const RANGE_OF_STEP: [f64; 2] = [0.01, 100.0];
+
+/// Growth in a run of the largest stable step, over the tolerance, that is worth a word.
+const SLOW: f64 = 0.05;
+
+/// The search for the largest stable steps of a scene.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// What differs: coupling, order, cells, other values.
+    pub axes: Vec<Axis>,
+    /// Steps of a run.
+    pub steps: usize,
+    /// The smallest step tried; a twentieth of the formula without it.
+    pub least: Option<f64>,
+    /// The largest step tried; twenty times the formula without it.
+    pub most: Option<f64>,
+    /// Relative width of the bracket.
+    pub accuracy: f64,
+    /// The [`TOLERANCE`], or another one.
+    pub tolerance: f64,
+}
+
+/// What was found for a combination.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Limit {
+    pub combination: Vec<Choice>,
+    /// Shortest edge in the bands.
+    pub edge: Option<f64>,
+    /// (1.54) at the start.
+    pub formula: Option<f64>,
+    pub bracket: Bracket,
+    /// Of the largest stable step.
+    verdict: Verdict,
+    refused: Option<String>,
+}
+
+impl Limits {
+    /// Finds the limits and says what they are.
+    ///
+    /// # Errors
+    /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
+    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
+        check(campaign, &self.axes)?;
+        let all = combinations(&self.axes);
+        let mut probes = Grid::new("probes", "Runs", columns(&self.axes, &PROBES));
+        let mut limits = Vec::new();
+        for (k, combination) in all.iter().enumerate() {
+            limits.push(self.limit(campaign, combination, [k + 1, all.len()], &mut probes)?);
+        }
+        let title = &campaign.scene().title;
+        Ok(Findings {
+            title: format!("Stability: {title}"),
+            subtitle: format!("Largest stable steps of {} combinations, by bisection", all.len()),
+            statements: limits.iter().map(|l| statement(l, &limits)).collect(),
+            notes: self.notes(&limits),
+            headline: limits.iter().take(4).map(headline).collect(),
+            grids: vec![self.table(&limits)],
+            details: vec![probes],
+            drawings: (0..self.axes.len()).filter_map(|k| chart(&self.axes, k, &limits)).collect(),
+            ..Findings::default()
+        })
+    }
+
+    fn limit(
+        &self,
+        campaign: &mut Campaign<'_>,
+        combination: &[Choice],
+        [k, of]: [usize; 2],
+        probes: &mut Grid,
+    ) -> Result<Limit> {
+        let mut limit = Limit { combination: combination.to_vec(), ..Limit::default() };
+        let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
+        match Model::new(&scene) {
+            Ok(model) => (limit.edge, limit.formula) = (model.band_edges.map(|e| e[0]), model.explicit_limit),
+            Err(e) if e.kind() == Kind::Scene => {
+                campaign.listener().note(&format!("[{k}/{of}] {}: refused", in_words(combination)));
+                return Ok(Limit { refused: Some(e.to_string()), ..limit });
+            }
+            Err(e) => return Err(e),
+        }
+        let (unit, factors) = limit.formula.map_or((scene.time.step, RANGE_OF_STEP), |f| (f, RANGE));
+        let range = [self.least.unwrap_or(short(factors[0] * unit)), self.most.unwrap_or(short(factors[1] * unit))];
+        // What the formula does not bind may well be stable at the largest step.
+        let guess = if scene.numerics.coupling == Coupling::Explicit { unit } else { range[1] };
+        let (mut refused, mut best) = (None, (0.0, Verdict::default()));
+        limit.bracket = largest_stable_step(guess, range, self.accuracy, |dt| {
+            if refused.is_some() {
+                return Ok(false);
+            }
+            let verdict = Verdict::of(&campaign.run(&trial(combination, dt, self.steps), k, of)?, self.tolerance)?;
+            refused.clone_from(&verdict.refused);
+            probes.rows.push(probe(combination, dt, &verdict));
+            let stable = verdict.is_stable();
+            if stable && dt > best.0 {
+                best = (dt, verdict);
+            }
+            Ok(stable)
+        })?;
+        (limit.refused, limit.verdict) = (refused, best.1);
+        Ok(limit)
+    }
+
+    fn table(&self, limits: &[Limit]) -> Grid {
+        let header = ["edge", "stable", "unstable", "formula", "ratio", "growth", "rate", "remark"];
+        let mut grid = Grid::new("limits", "Largest stable steps", columns(&self.axes, &header));
+        for l in limits {
+            let number = |v: Option<f64>, digits| Cell::Number(v.unwrap_or(f64::NAN), digits);
+            let of_stable = |v: f64| l.bracket.stable.map(|_| v);
+            let mut row = cells(&l.combination);
+            row.extend([
+                number(l.edge, 4),
+                number(l.bracket.stable, 4),
+                number(l.bracket.unstable, 4),
+                number(l.formula, 4),
+                number(l.ratio(), 3),
+                number(of_stable(l.verdict.growth), 2),
+                number(of_stable(l.verdict.rate), 2),
+                Cell::text(l.remark()),
+            ]);
+            grid.rows.push(row);
+        }
+        grid.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
+                        the measured limit over it. Growth: of the energy beyond the balance at the largest stable step, the most in the \
+                        run. Rate: its change per time in the second half of that run, negative while energy is lost."
+            .into();
+        grid
+    }
+
+    fn notes(&self, limits: &[Limit]) -> Vec<String> {
+        let mut notes = vec![format!(
+            "A run of {} steps is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the \
+             work put in by more than {}. Steps are known to {}.",
+            self.steps,
+            per_cent(self.tolerance),
+            per_cent(self.accuracy)
+        )];
+        for l in limits {
+            let name = heading(&l.combination);
+            if let (Some(stable), false) = (l.bracket.stable, l.bracket.islands.is_empty()) {
+                let islands = l.bracket.islands.iter().map(|s| rounded(*s, 4)).collect::<Vec<_>>().join(", ");
+                notes.push(format!("{name}unstable at {islands} although stable at {}: no bound.", rounded(stable, 4)));
+            }
+            if l.bracket.stable.is_some_and(|dt| l.verdict.rate * dt * self.steps as f64 > SLOW * self.tolerance) {
+                notes.push(format!(
+                    "{name}at the largest stable step the energy grows by {} per time: with more --steps the limit may be lower.",
+                    per_cent(l.verdict.rate)
+                ));
+            }
+        }
+        notes.extend(refusals(limits.iter().filter_map(|l| Some((&l.combination[..], l.refused.as_deref()?)))));
+        notes
+    }
+}
+
+/// What follows the names of the axes in the table of all runs.
+const PROBES: [&str; 6] = ["step", "growth", "energy_from_nowhere", "rate", "area_change", "outcome"];
+
+fn probe(combination: &[Choice], dt: f64, v: &Verdict) -> Vec<Cell> {
+    let numbers = [dt, v.growth, v.from_nowhere, v.rate, v.area].map(|v| Cell::Number(v, 4));
+    [cells(combination), numbers.to_vec(), vec![Cell::text(v.in_words())]].concat()
+}
+
+impl Limit {
+    /// The measured limit over the formula.
+    fn ratio(&self) -> Option<f64> {
+        Some(self.limit()? / self.formula?)
+    }
+    /// The limit as far as it is known; none for a combination that is unstable at every step or was refused.
+    pub fn limit(&self) -> Option<f64> {
+        self.bracket.stable.and_then(|_| self.bracket.limit())
+    }
+    /// What kept the search from finding both ends.
+    fn remark(&self) -> &'static str {
+        match (&self.refused, self.bracket.stable, self.bracket.unstable) {
+            (Some(_), ..) => "refused",
+            (None, Some(_), None) => "stable at the largest step tried",
+            (None, None, _) => "unstable at the smallest step tried",
+            (None, Some(_), Some(_)) if !self.bracket.islands.is_empty() => "unstable at smaller steps too",
+            (None, Some(_), Some(_)) => "",
+        }
+    }
+    /// What the combination says apart from the scheme.
+    fn physics(&self) -> Vec<Choice> {
+        self.combination.iter().filter(|c| !is_scheme(&c.name)).cloned().collect()
+    }
+}
+
+pub(super) fn is_scheme(name: &str) -> bool {
+    ["coupling", "order"].contains(&name)
+}
+
+/// The limit of the explicit coupling where all but the scheme is the same, of the same order if it was asked for.
+fn explicit<'a>(limit: &Limit, all: &'a [Limit]) -> Option<&'a Limit> {
+    let has = |l: &Limit, of: &Limit, name: &str| {
+        l.combination.iter().find(|c| c.name == name) == of.combination.iter().find(|c| c.name == name)
+    };
+    let mut found: Vec<&Limit> = all
+        .iter()
+        .filter(|l| l.physics() == limit.physics() && l.bracket.stable.is_some())
+        .filter(|l| l.combination.iter().any(|c| c.name == "coupling" && c.value == "explicit"))
+        .collect();
+    found.sort_by_key(|l| !has(l, limit, "order"));
+    found.first().copied().filter(|l| l.combination != limit.combination)
+}
+
+fn statement(limit: &Limit, all: &[Limit]) -> String {
+    let number = |v: f64| rounded(v, 3);
+    let b = &limit.bracket;
+    let found = match (&limit.refused, b.stable, b.unstable) {
+        (Some(_), ..) => return format!("{}refused.", heading(&limit.combination)),
+        (None, Some(s), Some(u)) => format!("stable at {}, unstable at {}", number(s), number(u)),
+        (None, Some(s), None) => format!("stable at {}, the largest step tried", number(s)),
+        (None, None, u) => format!("unstable at {}, the smallest step tried", number(u.unwrap_or(f64::NAN))),
+    };
+    let mut text = format!("{}{found}", heading(&limit.combination));
+    if let (Some(s), Some(e)) = (b.stable, explicit(limit, all).and_then(|l| l.bracket.stable)) {
+        text += &format!(": {} times the explicit limit", number(s / e));
+    } else if let Some(formula) = limit.formula {
+        text += &format!("; formula (1.54) {}", number(formula));
+        text += &limit.ratio().map_or_else(String::new, |r| format!(" (ratio {r:.2})"));
+    }
+    text + "."
+}
+
+fn headline(limit: &Limit) -> Number {
+    let number = |v: f64| rounded(v, 3);
+    let value = match (limit.bracket.stable, limit.bracket.unstable) {
+        (Some(s), None) => format!("at least {}", number(s)),
+        (None, Some(u)) => format!("below {}", number(u)),
+        _ => limit.limit().map_or_else(|| "refused".into(), number),
+    };
+    let note = limit.formula.map_or_else(String::new, |f| format!("(1.54): {}", number(f)));
+    Number { label: in_words(&limit.combination), value, note }
+}

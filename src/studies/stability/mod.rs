@@ -1,0 +1,81 @@
+//! Stability: the largest stable step of a scene, and which other values of it are stable at its own step.
+//!
+//! A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put in by
+//! more than a tolerance ([`TOLERANCE`]): growth beyond the balance (3.23), long before numbers overflow.
+
+mod chart;
+mod limits;
+mod scan;
+mod search;
+mod verdict;
+
+pub use limits::{Limits, TOLERANCE};
+pub use scan::Scan;
+pub use search::{Bracket, largest_stable_step};
+pub use verdict::Verdict;
+
+use super::axis::{Axis, Choice, combinations, in_words, settings};
+use crate::base::Result;
+use crate::output::{Cell, rounded};
+use crate::studies::{Campaign, Trial};
+
+/// Refuses values that the scene does not take, before anything is computed.
+fn check(campaign: &Campaign<'_>, axes: &[Axis]) -> Result<()> {
+    combinations(axes).iter().try_for_each(|c| campaign.scene_of(&Trial::new("", settings(c))).map(drop))
+}
+
+/// The run of a combination with `steps` steps of length `dt`, each with its row in the series.
+fn trial(combination: &[Choice], dt: f64, steps: usize) -> Trial {
+    let mut set = settings(combination);
+    // The end must be a multiple of the step: both are set.
+    set.extend([format!("time.step={dt}"), format!("time.end={}", dt * steps as f64), format!("output.every={dt}")]);
+    let label = [in_words(combination), format!("dt = {dt}")];
+    Trial::new(label.iter().filter(|l| !l.is_empty()).cloned().collect::<Vec<_>>().join(", "), set)
+}
+
+/// The names of the axes and what follows them in a table.
+fn columns<'a>(axes: &'a [Axis], more: &'a [&str]) -> impl Iterator<Item = &'a str> {
+    axes.iter().map(|a| a.name.as_str()).chain(more.iter().copied())
+}
+
+/// A combination as the first cells of a row.
+fn cells(combination: &[Choice]) -> Vec<Cell> {
+    combination.iter().map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::Number(v, 6))).collect()
+}
+
+/// A combination as the beginning of a sentence.
+fn heading(combination: &[Choice]) -> String {
+    let words = in_words(combination);
+    let mut letters = words.chars();
+    match letters.next() {
+        // The name of a key is written as it is.
+        Some(first) if combination.first().is_some_and(|c| !c.label.contains('=')) => {
+            format!("{}{}: ", first.to_uppercase(), letters.as_str())
+        }
+        Some(_) => format!("{words}: "),
+        None => String::new(),
+    }
+}
+
+/// What was refused and why, a line a reason.
+fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<String> {
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for (combination, reason) in refused {
+        let reason = reason.lines().map(str::trim).collect::<Vec<_>>().join("; ");
+        match reasons.iter_mut().find(|r| r.0 == reason) {
+            Some(known) => known.1.push(in_words(combination)),
+            None => reasons.push((reason, vec![in_words(combination)])),
+        }
+    }
+    let line = |(reason, of): (String, Vec<String>)| match &of[..] {
+        [] => reason,
+        [only] => format!("refused ({only}): {reason}"),
+        [first, more @ ..] => format!("refused ({first} and {} more): {reason}", more.len()),
+    };
+    reasons.into_iter().map(line).collect()
+}
+
+/// A fraction in per cent.
+fn per_cent(v: f64) -> String {
+    format!("{} %", rounded(100.0 * v, 2))
+}
