@@ -63,7 +63,7 @@ impl Interface {
         let levels = (steepest / depth).log2().ceil().clamp(0.0, f64::from(MOST_LEVELS)) as u32;
         let nodal: Vec<f64> = lattice.nodal(space);
         let boundary = space.mesh().facets().iter().flat_map(|f| space.facet_nodes(f));
-        let reaches_boundary = boundary.map(|n| nodal[n as usize]).any(|v| !(v >= 0.0));
+        let reaches_boundary = boundary.map(|n| nodal[n as usize]).any(|v| v < 0.0 || v.is_nan());
         if levels == 0 || reaches_boundary {
             return Interface::of_nodes(space, nodal);
         }
@@ -166,7 +166,7 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
             let samples = self.samples(t);
             let reach = REACH * self.steepness(t);
             let negative = samples[0].value < 0.0;
-            samples.iter().any(|s| (s.value < 0.0) != negative || !(s.value.abs() > reach))
+            samples.iter().any(|s| (s.value < 0.0) != negative || s.value.abs() <= reach || s.value.is_nan())
         })
     }
     /// The values at the nodes of the mesh's own P2 space.

@@ -30,6 +30,9 @@ const SAMPLES: usize = 64;
 /// Degree of the quadrature rule when the scene does not say: FreeFEM's.
 const QUADRATURE: usize = 5;
 
+/// Level sets at time 0 as functions.
+type Functions = Vec<Arc<InitialFunction<2>>>;
+
 /// A scene brought to the point where it can run.
 pub struct Model {
     /// The simulation at time 0.
@@ -163,7 +166,7 @@ impl Draft<'_> {
     }
 
     /// Signed distances of all membranes at the nodes, and the level sets at time 0 as functions.
-    fn distances(&self) -> Result<(Vec<Vec<f64>>, Vec<Arc<InitialFunction<2>>>)> {
+    fn distances(&self) -> Result<(Vec<Vec<f64>>, Functions)> {
         let (mut all, mut functions) = (Vec::new(), Vec::new());
         for (k, m) in self.scene.membranes.iter().enumerate() {
             let Placed { nodal, function } = self.placed(&m.shape, &["membrane", &k.to_string(), "shape"])?;

@@ -4,6 +4,7 @@ mod budget;
 mod carrier;
 mod checkpoint;
 mod markers;
+mod materials;
 mod passive;
 mod setup;
 mod step;

@@ -1,20 +1,66 @@
 //! Level sets that act on nothing, in a flow or in a prescribed velocity, and how composed level sets are read.
 
-use super::carrier::{Initial, InitialFunction};
+use super::budget::{Budget, Energies};
+use super::carrier::{Carrier, Initial, InitialFunction};
 use super::markers;
-use super::setup::LevelSet;
+use super::setup::{LevelSet, Settings, State};
 use super::step::Simulation;
 use crate::base::{Error, Result};
-use crate::fem::{Basis, Projector, Rule};
-use crate::flow::StepReport;
+use crate::fem::{Basis, Element, Projector, Rule, Space, VelocityFunction, periodic_pairs};
+use crate::flow::{FlowState, StepReport};
 use crate::levelset::{Interface, Sample};
 use crate::linalg::SolveReport;
-use crate::transport::{CharacteristicMap, Method, Wind, path};
+use crate::mesh::Mesh;
+use crate::transport::{CharacteristicMap, Method, Tracer, Wind, path};
 use nalgebra::SVector;
 use std::borrow::Cow;
 use std::sync::Arc;
 
 impl<const D: usize> Simulation<D> {
+    /// A simulation without a flow: the velocity is given, level sets and markers are carried by it. Of `settings` the step, the
+    /// transport, the quadrature and the periodic sides matter; no matrix of a flow and no pressure is ever made.
+    ///
+    /// # Errors
+    /// Periodic sides that do not fit.
+    pub fn prescribed(
+        mesh: &Arc<Mesh<D>>,
+        settings: Settings<D>,
+        velocity: VelocityFunction<D>,
+        level_sets: Vec<LevelSet<D>>,
+    ) -> Result<Simulation<D>> {
+        let space = Arc::new(Space::new(mesh, Element::P2));
+        let translations = periodic_pairs(mesh, &settings.conditions)?;
+        let carrier = Carrier::new(Tracer::new(&space, &translations), None);
+        let u = space.interpolate(|x| velocity(x, 0.0));
+        let state = State {
+            steps: 0,
+            flow: FlowState { u, p: Vec::new() },
+            phi: Vec::new(),
+            earlier_u: Vec::new(),
+            map: None,
+            markers: Vec::new(),
+            energies: Energies::default(),
+            budget: Budget::default(),
+        };
+        let sim = Simulation {
+            settings,
+            space,
+            flow: None,
+            given: Some(velocity),
+            translations,
+            carrier,
+            predictors: Vec::new(),
+            fine: None,
+            structures: Vec::new(),
+            passive: Vec::new(),
+            state,
+            feet: Default::default(),
+            wants_reactions: false,
+            reactions: None,
+        };
+        sim.with_passive(level_sets)
+    }
+
     /// Adds level sets that are carried and act on nothing, at time 0.
     ///
     /// # Errors

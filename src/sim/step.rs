@@ -3,15 +3,12 @@
 use super::budget::{Budget, Energies};
 use super::carrier::Carrier;
 use super::markers;
-use super::setup::{Coupling, LevelSet, Materials, Settings, State, Structure};
+use super::setup::{Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, Result};
 use crate::elastic::Predictor;
-use crate::fem::{
-    At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate, periodic_pairs,
-};
+use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{Coefficient, FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
-use crate::levelset as band;
+use crate::flow::{FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, Wind};
 use nalgebra::SVector;
@@ -22,20 +19,20 @@ pub struct Simulation<const D: usize> {
     pub(super) settings: Settings<D>,
     pub(super) space: Arc<Space<D>>,
     /// `None` when the velocity is prescribed.
-    flow: Option<FlowSolver<D>>,
+    pub(super) flow: Option<FlowSolver<D>>,
     /// The velocity, when it is prescribed.
     pub(super) given: Option<VelocityFunction<D>>,
     pub(super) translations: Vec<Translation<D>>,
     pub(super) carrier: Carrier<D>,
     /// One a structure with the semi-implicit coupling, else none.
-    predictors: Vec<Predictor<D>>,
-    fine: Option<Basis<D>>,
-    structures: Vec<Structure<D>>,
+    pub(super) predictors: Vec<Predictor<D>>,
+    pub(super) fine: Option<Basis<D>>,
+    pub(super) structures: Vec<Structure<D>>,
     pub(super) passive: Vec<LevelSet<D>>,
     pub(super) state: State<D>,
-    feet: [Feet; 2],
-    wants_reactions: bool,
-    reactions: Option<Vec<SVector<f64, D>>>,
+    pub(super) feet: [Feet; 2],
+    pub(super) wants_reactions: bool,
+    pub(super) reactions: Option<Vec<SVector<f64, D>>>,
 }
 
 /// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
@@ -108,50 +105,6 @@ impl<const D: usize> Simulation<D> {
         sim.flow = Some(flow);
         sim.begin_map();
         Ok(sim)
-    }
-
-    /// A simulation without a flow: the velocity is given, level sets and markers are carried by it. Of `settings` the step, the
-    /// transport, the quadrature and the periodic sides matter; no matrix of a flow and no pressure is ever made.
-    ///
-    /// # Errors
-    /// Periodic sides that do not fit.
-    pub fn prescribed(
-        mesh: &Arc<Mesh<D>>,
-        settings: Settings<D>,
-        velocity: VelocityFunction<D>,
-        level_sets: Vec<LevelSet<D>>,
-    ) -> Result<Simulation<D>> {
-        let space = Arc::new(Space::new(mesh, Element::P2));
-        let translations = periodic_pairs(mesh, &settings.conditions)?;
-        let carrier = Carrier::new(Tracer::new(&space, &translations), None);
-        let u = space.interpolate(|x| velocity(x, 0.0));
-        let state = State {
-            steps: 0,
-            flow: FlowState { u, p: Vec::new() },
-            phi: Vec::new(),
-            earlier_u: Vec::new(),
-            map: None,
-            markers: Vec::new(),
-            energies: Energies::default(),
-            budget: Budget::default(),
-        };
-        let sim = Simulation {
-            settings,
-            space,
-            flow: None,
-            given: Some(velocity),
-            translations,
-            carrier,
-            predictors: Vec::new(),
-            fine: None,
-            structures: Vec::new(),
-            passive: Vec::new(),
-            state,
-            feet: Default::default(),
-            wants_reactions: false,
-            reactions: None,
-        };
-        sim.with_passive(level_sets)
     }
 
     /// One step: predict the interface, solve the flow with the force that it exerts, move the interface with the new velocity.
@@ -284,71 +237,6 @@ impl<const D: usize> Simulation<D> {
             predictor.predict(&s.membrane, dt, (|at: &At<D>| density.at(at), density.is_constant()), phi, carried)?;
         }
         Ok(Some(level_sets))
-    }
-
-    fn has_constant_materials(&self) -> bool {
-        let Materials { density, viscosity } = self.settings.materials;
-        let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
-        density.is_uniform() && viscosity.is_uniform() && !heavy
-    }
-
-    /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.
-    fn set_materials(&self, flow: &mut FlowSolver<D>, level_sets: &[Vec<f64>]) {
-        let Materials { density, viscosity } = self.settings.materials;
-        if self.has_constant_materials() {
-            let (density, viscosity) = (density.outside, viscosity.outside);
-            return flow.set_materials(Coefficient::Constant(density), Coefficient::Constant(viscosity));
-        }
-        let basis = flow.velocity();
-        let points = basis.rule().len();
-        let count = self.space.mesh().cell_count();
-        let pointwise = |value: &(dyn Fn(&At<D>) -> f64 + Sync)| {
-            let mut values = vec![0.0; count * points];
-            crate::base::parallel::fill(&mut values, points, |first, part| {
-                for (i, values) in part.chunks_exact_mut(points).enumerate() {
-                    for (q, v) in values.iter_mut().enumerate() {
-                        *v = value(&basis.at(first + i, q));
-                    }
-                }
-            });
-            Coefficient::Pointwise { points, values }
-        };
-        let at_point = |at: &At<D>, k: usize| basis.value(at, &level_sets[k]);
-        let rho = pointwise(&|at| self.density_of(|k| at_point(at, k)));
-        let mu = if viscosity.is_uniform() {
-            Coefficient::Constant(viscosity.outside)
-        } else {
-            pointwise(&|at| self.viscosity_of(|k| at_point(at, k)))
-        };
-        flow.set_materials(rho, mu);
-    }
-
-    /// Density by (3.19) where level set `k` has the value `phi(k)`.
-    fn density_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
-        let rho = self.settings.materials.density;
-        let eps = |s: &Structure<D>| s.membrane.thickness();
-        let bulk = match self.structures.first() {
-            Some(s) if !rho.is_uniform() => band::density(phi(0), eps(s), rho.inside, rho.outside, 0.0),
-            _ => rho.outside,
-        };
-        let heavy = self.structures.iter().enumerate().filter(|(_, s)| s.surface_mass > 0.0);
-        heavy.fold(bulk, |rho, (k, s)| rho + band::density(phi(k), eps(s), 0.0, 0.0, s.surface_mass))
-    }
-    /// Viscosity by (3.19) where level set `k` has the value `phi(k)`.
-    fn viscosity_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
-        let mu = self.settings.materials.viscosity;
-        match self.structures.first() {
-            Some(s) if !mu.is_uniform() => band::viscosity(phi(0), s.membrane.thickness(), mu.inside, mu.outside),
-            _ => mu.outside,
-        }
-    }
-    /// Density in a cell at barycentric coordinates, for the current level sets.
-    pub fn density_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
-        self.density_of(|k| self.space.value(&self.state.phi[k], cell, l))
-    }
-    /// Viscosity in a cell at barycentric coordinates, for the current level sets.
-    pub fn viscosity_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
-        self.viscosity_of(|k| self.space.value(&self.state.phi[k], cell, l))
     }
 
     /// Energies and rates of the current state.
