@@ -8,6 +8,7 @@ mod exact;
 mod membrane;
 mod tools;
 
+mod body;
 mod energy;
 mod explicit_limit;
 mod failures;
@@ -19,3 +20,4 @@ mod study;
 mod time_order;
 mod transport;
 mod virtual_work;
+mod vortex;

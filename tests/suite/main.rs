@@ -13,6 +13,7 @@ mod flow;
 mod fluid;
 mod layers;
 mod meshes;
+mod passive;
 mod precision;
 mod program;
 mod render;
