@@ -102,7 +102,9 @@ impl Axis {
 /// All combinations of a value of each axis; the last axis changes first.
 pub fn combinations(axes: &[Axis]) -> Vec<Vec<Choice>> {
     axes.iter().fold(vec![Vec::new()], |all, axis| {
-        all.iter().flat_map(|start| axis.choices.iter().map(move |c| [&start[..], &[c.clone()]].concat())).collect()
+        all.iter()
+            .flat_map(|start| axis.choices.iter().map(move |c| [start, std::slice::from_ref(c)].concat()))
+            .collect()
     })
 }
 

@@ -60,6 +60,8 @@ struct Point {
     method: String,
     /// Mesh, step and other values, in words.
     setting: String,
+    /// The same by name.
+    values: Vec<(String, String)>,
     /// Points of the same family are joined by a line: the number of their mesh and their factors.
     family: String,
     /// Relative error of each quantity; NaN if the run failed.
@@ -104,6 +106,8 @@ impl Reference {
 #[derive(Clone, Debug, Default)]
 struct Setting {
     words: String,
+    /// The same by name.
+    values: Vec<(String, String)>,
     /// The same without the step.
     family: String,
     set: Vec<String>,
@@ -209,6 +213,7 @@ fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
         let family = if step.is_some() { choices.len() - 1 } else { choices.len() };
         Setting {
             words: axis::in_words(choices),
+            values: choices.iter().map(|c| (c.name.clone(), c.value.clone())).collect(),
             family: axis::in_words(&choices[..family]),
             set: axis::settings(choices),
             cells: number("n").map(|n| n as usize),
@@ -335,6 +340,7 @@ fn of_ours(
     Ok(Point {
         method: method.into(),
         setting: setting.words.clone(),
+        values: setting.values.clone(),
         family: setting.family.clone(),
         errors,
         cpu: outcome.cpu_seconds(),
@@ -361,6 +367,7 @@ fn of_freefem(
     let mut point = Point {
         method: "FreeFEM".into(),
         setting: setting.words.clone(),
+        values: setting.values.clone(),
         family: setting.family.clone(),
         errors: vec![f64::NAN; quantities.len()],
         cpu: f64::NAN,
@@ -453,6 +460,7 @@ mod tests {
         Point {
             method: text(),
             setting: text(),
+            values: vec![],
             family: text(),
             errors: vec![0.1],
             cpu: 1.0,

@@ -37,6 +37,7 @@ fn relative(found: &Value, quantity: &str) -> f64 {
 /// Tolerance and source: FreeFEM computes the same scheme on the same mesh; what is left are the quadrature of the energy and the
 /// tracing of characteristics.
 #[test]
+#[allow(clippy::print_stdout, reason = "says what was tried, and the numbers")]
 fn the_listing_agrees_with_freefem_live_or_recorded() {
     let out = TempDir::new().unwrap();
     let scene = example("listing").join("scene.toml");
@@ -173,6 +174,7 @@ fn a_wrong_command_line_is_told() {
 
 /// The mesh that FreeFEM reads is the one that was written: sizes, area, and the length of every boundary by its label.
 #[test]
+#[allow(clippy::print_stdout, reason = "says what was tried, and the numbers")]
 fn a_mesh_goes_to_freefem_and_back() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/cylinder.msh");
     let (mesh, _) = gmsh::read::<2>(&file).unwrap();

@@ -44,20 +44,21 @@ fn offers(points: &[Point]) -> Vec<Offer> {
 
 fn all(points: &[Point], names: &[String]) -> Grid {
     let front = front(&offers(points));
-    let fixed = ["method", "setting", "error", "CPU s", "unknowns", "memory MB", "front", "end"];
+    let values = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or(Vec::new());
+    let fixed = ["error", "CPU s", "unknowns", "memory MB", "front", "end"];
     let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
-    let mut grid = Grid::new("points", "All runs", fixed.into_iter().chain(single.iter().copied()));
+    let mut grid = Grid::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat());
     for (i, p) in points.iter().enumerate() {
-        let mut row = vec![
-            Cell::text(&p.method),
-            Cell::text(&p.setting),
+        let mut row = vec![Cell::text(&p.method)];
+        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::Number(v, 6))));
+        row.extend([
             Cell::Number(p.error(), 3),
             Cell::Number(p.cpu, 3),
             Cell::Number(p.unknowns, 7),
             Cell::Number(p.memory / 1e6, 3),
             Cell::text(if front.contains(&i) { "yes" } else { "" }),
             Cell::text(&p.end),
-        ];
+        ]);
         row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::Number(*e, 3)));
         grid.rows.push(row);
     }
@@ -235,6 +236,7 @@ mod tests {
         Point {
             method: method.into(),
             setting: setting.into(),
+            values: vec![],
             family: setting.split(',').next().unwrap_or_default().into(),
             errors: vec![error],
             cpu,
@@ -271,7 +273,7 @@ mod tests {
 
     #[test]
     fn the_table_marks_the_front_and_names_failures() {
-        let marked: Vec<String> = all(&points(), &["a".into()]).rows.iter().map(|r| r[6].shown()).collect();
+        let marked: Vec<String> = all(&points(), &["a".into()]).rows.iter().map(|r| r[5].shown()).collect();
         assert_eq!(marked.concat(), "yesyesyes");
         assert_eq!(marked[2], "", "BDF1 on the finer mesh costs more and errs as much");
         let scene = "[mesh]\nrectangle = { min = [0, 0], max = [1, 1], cells = [2, 2] }\n[fluid]\nviscosity = 1\n[boundary.walls]\n\

@@ -1,14 +1,15 @@
 //! The largest stable step of every combination, beside the formula (1.54).
 
+use super::chart::chart;
 use super::search::{Bracket, largest_stable_step, short};
 use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Kind, Result};
-use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
+use crate::output::{Cell, Grid, Number, rounded};
 use crate::scene::Model;
 use crate::sim::Coupling;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
-use crate::studies::{Campaign, Drawing, Findings, Trial};
+use crate::studies::{Campaign, Findings, Trial};
 
 /// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
 /// the relaxing ellipse never rises); beyond the limit it grows by a factor in each step, so that a tolerance of 0.5 % and one of
@@ -41,13 +42,13 @@ pub struct Limits {
 
 /// What was found for a combination.
 #[derive(Clone, Debug, Default)]
-struct Limit {
-    combination: Vec<Choice>,
+pub(super) struct Limit {
+    pub combination: Vec<Choice>,
     /// Shortest edge in the bands.
-    edge: Option<f64>,
+    pub edge: Option<f64>,
     /// (1.54) at the start.
-    formula: Option<f64>,
-    bracket: Bracket,
+    pub formula: Option<f64>,
+    pub bracket: Bracket,
     /// Of the largest stable step.
     verdict: Verdict,
     refused: Option<String>,
@@ -185,7 +186,7 @@ impl Limit {
         Some(self.limit()? / self.formula?)
     }
     /// The limit as far as it is known; none for a combination that is unstable at every step or was refused.
-    fn limit(&self) -> Option<f64> {
+    pub fn limit(&self) -> Option<f64> {
         self.bracket.stable.and_then(|_| self.bracket.limit())
     }
     /// What kept the search from finding both ends.
@@ -204,7 +205,7 @@ impl Limit {
     }
 }
 
-fn is_scheme(name: &str) -> bool {
+pub(super) fn is_scheme(name: &str) -> bool {
     ["coupling", "order"].contains(&name)
 }
 
@@ -250,98 +251,4 @@ fn headline(limit: &Limit) -> Number {
     };
     let note = limit.formula.map_or_else(String::new, |f| format!("(1.54): {}", number(f)));
     Number { label: in_words(&limit.combination), value, note }
-}
-
-/// The limits over axis number `k`, if it has two numbers or more: over the edge of the mesh for the number of cells.
-fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing> {
-    let name = &axes.get(k)?.name;
-    let abscissa = |l: &Limit| if name == "n" { l.edge } else { l.combination.get(k).and_then(Choice::number) };
-    let others = |l: &Limit, without_scheme: bool| -> Vec<Choice> {
-        let kept = |c: &&Choice| c.name != *name && !(without_scheme && is_scheme(&c.name));
-        l.combination.iter().filter(kept).cloned().collect()
-    };
-    let numbers = axes.get(k)?.choices.iter().filter(|c| c.number().is_some()).count();
-    if numbers < 2 || is_scheme(name) {
-        return None;
-    }
-    let mut rows: Vec<Row> = Vec::new();
-    let mut add = |key: Vec<Choice>, stroke: Stroke, colour: usize, x: Option<f64>, y: Option<f64>, open: bool| {
-        let at = rows.iter().position(|r| r.key == key && r.stroke == stroke).unwrap_or(rows.len());
-        if at == rows.len() {
-            rows.push(Row { key, stroke, colour, points: Vec::new(), open: true });
-        }
-        if let (Some(row), Some(x), Some(y)) = (rows.get_mut(at), x, y) {
-            row.points.push([x, y]);
-            row.open &= open;
-        }
-    };
-    let mut schemes: Vec<Vec<Choice>> = Vec::new();
-    for l in limits {
-        let key = others(l, false);
-        let colour = schemes.iter().position(|s| *s == key).unwrap_or(schemes.len());
-        if colour == schemes.len() {
-            schemes.push(key.clone());
-        }
-        add(key, Stroke::Marked, colour, abscissa(l), l.limit(), l.bracket.unstable.is_none());
-    }
-    for l in limits {
-        // The formula knows no scheme: it has the colour of the first one.
-        let colour = schemes.iter().position(|s| s.iter().filter(|c| !is_scheme(&c.name)).eq(others(l, true).iter()));
-        let known = limits.iter().take_while(|m| !std::ptr::eq(*m, l)).any(|m| m.physics() == l.physics());
-        if !known {
-            add(others(l, true), Stroke::Dashed, colour.unwrap_or(0), abscissa(l), l.formula, false);
-        }
-    }
-    let drawn: Vec<(String, Vec<f64>, Vec<f64>)> = rows.iter_mut().map(Row::drawn).collect();
-    let curves = drawn.iter().zip(&rows).map(|((name, x, y), row)| Curve {
-        name,
-        x,
-        y,
-        stroke: row.stroke,
-        colour: Some(row.colour),
-    });
-    let title = format!("Largest stable step over {}", if name == "n" { "the edge of the mesh" } else { name });
-    let x_label = if name == "n" { "shortest edge in the band" } else { name };
-    let chart = Chart {
-        title: &title,
-        x_label,
-        y_label: "time step",
-        log_x: true,
-        log_y: true,
-        curves: curves.collect(),
-        ..Chart::default()
-    };
-    Some(Drawing {
-        name: format!("limit-over-{}", name.replace('.', "-")),
-        svg: chart.svg(),
-        caption:
-            "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at the largest step tried."
-                .into(),
-        title,
-    })
-}
-
-/// A curve in the making.
-struct Row {
-    key: Vec<Choice>,
-    stroke: Stroke,
-    colour: usize,
-    points: Vec<[f64; 2]>,
-    /// Whether no step was found unstable at any of its points.
-    open: bool,
-}
-
-impl Row {
-    /// Its name and its points from left to right.
-    fn drawn(&mut self) -> (String, Vec<f64>, Vec<f64>) {
-        self.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let words = in_words(&self.key);
-        let name = match (self.stroke, self.open) {
-            (Stroke::Dashed, _) if words.is_empty() => "(1.54)".into(),
-            (Stroke::Dashed, _) => format!("(1.54), {words}"),
-            (_, true) => format!("{words}: up to"),
-            (_, false) => words,
-        };
-        (name, self.points.iter().map(|p| p[0]).collect(), self.points.iter().map(|p| p[1]).collect())
-    }
 }

@@ -3,6 +3,7 @@
 //! A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put in by
 //! more than a tolerance ([`TOLERANCE`]): growth beyond the balance (3.23), long before numbers overflow.
 
+mod chart;
 mod limits;
 mod scan;
 mod search;

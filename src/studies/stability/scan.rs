@@ -163,7 +163,7 @@ impl Scan {
         }
         let second = combinations(others.get(..1).unwrap_or_default());
         let panels = combinations(others.get(1..).unwrap_or_default());
-        let values: [(&str, &str, fn(&Verdict) -> f64); 2] = [
+        let values: [(&str, &str, Value); 2] = [
             ("energy", "Energy from nowhere", |v| v.from_nowhere),
             ("area", "Change of the enclosed area", |v| v.area),
         ];
@@ -185,6 +185,8 @@ impl Scan {
     }
 }
 
+/// What a chart shows of a run.
+type Value = fn(&Verdict) -> f64;
 /// A name and the abscissas and ordinates of a curve.
 type Line = (String, Vec<f64>, Vec<f64>);
 
