@@ -92,6 +92,14 @@ fn every_link_and_include_of_the_book_leads_somewhere() {
 }
 
 #[test]
+fn every_example_is_a_page_of_the_book() {
+    let pages: Vec<PathBuf> = pages().into_iter().map(|p| p.path).collect();
+    for folder in fs::read_dir(source().join("examples")).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_dir()) {
+        assert!(pages.contains(&folder.join("README.md")), "{} is not in SUMMARY.md", folder.display());
+    }
+}
+
+#[test]
 fn the_page_about_the_scene_is_the_reference() {
     let page = fs::read_to_string(source().join("reference/scene.md")).unwrap();
     assert!(
@@ -136,7 +144,7 @@ fn run_folders(text: &str) -> Vec<String> {
         let after = |word: &str| words.iter().position(|w| *w == word).and_then(|i| words.get(i + 1));
         let out = after("--out");
         let study = after("study").or(words.contains(&"compare").then_some(&"compare"));
-        let scene = words.iter().find(|w| w.ends_with(".toml")).map(|s| Path::new(s));
+        let scene = words.iter().find(|w| w.ends_with(".toml")).map(Path::new);
         let name = scene.and_then(|s| if s.ends_with("scene.toml") { s.parent()?.file_name() } else { s.file_stem() });
         match (out, name) {
             (Some(out), _) => folders.push(out.to_string()),

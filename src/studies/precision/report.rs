@@ -45,7 +45,7 @@ fn offers(points: &[Point]) -> Vec<Offer> {
 
 fn all(points: &[Point], names: &[String]) -> Grid {
     let front = front(&offers(points));
-    let values = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or(Vec::new());
+    let values: Vec<&str> = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
     let fixed = ["error", "CPU s", "unknowns", "memory MB", "front", "end"];
     let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
     let mut grid = Grid::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat());
