@@ -144,7 +144,7 @@ fn run_folders(text: &str) -> Vec<String> {
         let after = |word: &str| words.iter().position(|w| *w == word).and_then(|i| words.get(i + 1));
         let out = after("--out");
         let study = after("study").or(words.contains(&"compare").then_some(&"compare"));
-        let scene = words.iter().find(|w| w.ends_with(".toml")).map(|s| Path::new(s));
+        let scene = words.iter().find(|w| w.ends_with(".toml")).map(Path::new);
         let name = scene.and_then(|s| if s.ends_with("scene.toml") { s.parent()?.file_name() } else { s.file_stem() });
         match (out, name) {
             (Some(out), _) => folders.push(out.to_string()),
