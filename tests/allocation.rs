@@ -112,7 +112,7 @@ fn what_a_scene_does_not_need_is_not_allocated() {
     let factors = |more: &str| {
         let mut model = cavity(n, "", more);
         model.simulation.step().unwrap();
-        model.simulation.factor_bytes() - model.simulation.flow().factor().unwrap().bytes()
+        model.simulation.factor_bytes() - model.simulation.flow().unwrap().factor().unwrap().bytes()
     };
     assert_eq!(factors(MEMBRANE), 0);
     let mass = factors(&projection);

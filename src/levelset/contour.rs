@@ -108,6 +108,10 @@ impl Contour {
         let (segments, lines) = chain(pieces);
         Ok(Contour { segments, lines, walls: negative_walls(space, phi) })
     }
+    /// The same contour as a curve that no part of the boundary closes: for a mesh that covers no more than its surroundings.
+    pub(super) fn without_walls(self) -> Contour {
+        Contour { walls: Vec::new(), ..self }
+    }
     /// The segments, line by line.
     pub fn segments(&self) -> &[Segment] {
         &self.segments

@@ -244,7 +244,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 /// Determinant of a 2 x 2 or 3 x 3 matrix (nalgebra's needs bounds that do not go through a generic dimension).
-fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
+pub(crate) fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
     match D {
         2 => m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)],
         _ => {

@@ -48,16 +48,17 @@ pub fn refine(mesh: &Mesh<2>, onto: impl Fn(&str, &Point<2>) -> Option<Point<2>>
             *point = moved;
         }
     }
-    let mut fine = Mesh::new(points, cells)?;
-    if let Some(&cell) = fine.reoriented().first() {
-        let at: Vec<_> =
-            fine.cell(cell as usize).iter().map(|&v| fine.points()[v as usize].as_slice().to_vec()).collect();
+    // Before the mesh is made, which would turn them round.
+    let area = |v: &[Point<2>; 3]| (v[1] - v[0]).perp(&(v[2] - v[0]));
+    let corners = |cell: &[u32]| [0, 1, 2].map(|k| points[cell[k] as usize]);
+    if let Some(at) = cells.chunks_exact(3).map(corners).find(|v| area(v) <= 0.0) {
         return Err(Error::input(
-            "a triangle is turned over when the boundary of the refined mesh is moved onto its geometry",
+            "a triangle is turned over when the boundary of the refined mesh is moved onto its curve",
         )
-        .at(format!("the triangle with vertices {at:?}"))
+        .at(format!("the triangle with vertices {:?}", at.map(|p| [p[0], p[1]])))
         .remedy("make the mesh finer where the boundary is curved, or correct mesh.geometry"));
     }
+    let mut fine = Mesh::new(points, cells)?;
     let parent: Vec<Option<u32>> = fine
         .facets()
         .iter()

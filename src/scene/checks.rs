@@ -3,12 +3,15 @@
 use super::Scene;
 use super::schema::{Boundary, Condition};
 use crate::base::{Error, Result, Warning};
-use crate::transport::Method;
 
 /// Refuses a flow without inertia whose velocity nothing holds: every side periodic or open, or slipping.
 pub(super) fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
     let held = |b: &Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
-    if scene.fluid.has_inertia() || scene.membranes.iter().any(|m| m.mass > 0.0) || scene.boundaries.iter().any(held) {
+    if scene.fluid.is_prescribed()
+        || scene.fluid.has_inertia()
+        || scene.membranes.iter().any(|m| m.mass > 0.0)
+        || scene.boundaries.iter().any(held)
+    {
         return Ok(());
     }
     let e = Error::scene(
@@ -17,24 +20,6 @@ pub(super) fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
     .value("density 0, and no boundary with a velocity or no_slip")
     .remedy("give a boundary a velocity or no_slip = true, or the fluid a density");
     Err(scene.blame(&["boundary"], e))
-}
-
-/// A warning when projected transport meets sides that fluid may enter through: the projection amplifies there what the
-/// characteristics bring in from the boundary.
-pub(super) fn projection_at_inflow(scene: &Scene) -> Option<Warning> {
-    let lets_in = |c: &Condition| match c {
-        Condition::Open => true,
-        Condition::Velocity(v) => v.iter().any(|e| e.is_constant() != Some(0.0)),
-        _ => false,
-    };
-    let side = scene.boundaries.iter().find(|b| lets_in(&b.condition))?;
-    let used = scene.numerics.transport == Method::Projected && !scene.membranes.is_empty();
-    used.then(|| {
-        Warning::new(
-            format!("projected transport is unstable where fluid comes in, as it may through boundary `{}`", side.name),
-            "use transport = \"nodal\" unless that side only moves along itself",
-        )
-    })
 }
 
 /// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.

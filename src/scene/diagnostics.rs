@@ -6,9 +6,10 @@ use super::model::Model;
 use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
 use crate::flow::{Load, flux, traction};
-use crate::levelset::Contour;
+use crate::levelset::Interface;
 use crate::mesh::{Location, Locator, Point};
 use crate::sim::Simulation;
+use crate::transport::Method;
 
 /// The columns that each membrane has, after its name and a dot.
 const MEASURES: [&str; 9] =
@@ -25,6 +26,13 @@ const COMMON: [&str; 9] = [
     "cfl",
     "step_over_limit",
 ];
+
+/// The columns that a run with a prescribed velocity has.
+const PASSIVE: [&str; 3] = ["velocity_max", "divergence", "cfl"];
+/// The columns that composed transport adds.
+const COMPOSED: [&str; 2] = ["submaps", "map_error"];
+/// The columns that markers add to a level set.
+const MARKERS: [&str; 2] = ["markers_length", "markers_area"];
 
 /// Measures a simulation in the way that a scene asks for.
 pub struct Diagnostics<'a> {
@@ -70,7 +78,15 @@ impl<'a> Diagnostics<'a> {
             names.extend(MEASURES.iter().map(|c| format!("{}.{c}", m.name)));
             names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name)));
         }
-        names.extend(COMMON.iter().map(ToString::to_string));
+        for s in &self.scene.level_sets {
+            let markers: &[&str] = if s.markers > 0 { &MARKERS } else { &[] };
+            names.extend(MEASURES.iter().chain(markers).map(|c| format!("{}.{c}", s.name)));
+        }
+        let common: &[&str] = if self.scene.fluid.is_prescribed() { &PASSIVE } else { &COMMON };
+        names.extend(common.iter().map(ToString::to_string));
+        if self.has_map() {
+            names.extend(COMPOSED.iter().map(ToString::to_string));
+        }
         for p in &self.scene.output.probes {
             names.extend(suffixes(p.of).iter().map(|c| format!("{}{c}", p.name)));
         }
@@ -90,40 +106,44 @@ impl<'a> Diagnostics<'a> {
         let sim = &model.simulation;
         let (state, space) = (sim.state(), sim.space());
         let mut row = Vec::new();
-        for (m, phi) in self.scene.membranes.iter().zip(&state.phi) {
-            let contour = Contour::new(space, phi)?;
-            let periodic = !sim.flow().numbering().translations().is_empty();
-            // In parts on the two sides of the mesh a membrane has an area and a length, but no place and no form.
-            let parted = periodic && contour.lines().iter().any(|l| !l.closed);
-            row.extend(contour.measures().map_or([f64::NAN; MEASURES.len()], |k| {
-                let whole = |v: f64| if parted { f64::NAN } else { v };
-                let form = [k.centroid[0], k.centroid[1], k.axis_1, k.axis_2, k.angle, k.extent_x, k.extent_y];
-                let [x, y, a, b, angle, width, height] = form.map(whole);
-                [k.area, k.perimeter, x, y, a, b, angle, width, height]
-            }));
+        for (k, m) in self.scene.membranes.iter().enumerate() {
+            let interface = sim.interface(k)?;
+            row.extend(measures(sim, &interface));
+            let Interface { space, phi, contour } = &interface;
             for c in &m.chords {
                 let half = contour.half_chord(space, phi, &point(&c.through), &point(&c.direction));
                 row.push(half.unwrap_or(f64::NAN));
             }
         }
-        let e = state.energies;
-        let over_limit = model.step_limit().map_or(0.0, |limit| sim.settings().dt / limit);
-        row.extend([
-            e.kinetic,
-            e.elastic,
-            e.dissipation,
-            state.budget.residual(&e),
-            state.budget.work,
-            sim.largest_speed(),
-            e.divergence,
-            sim.courant(),
-            over_limit,
-        ]);
+        for k in 0..self.scene.level_sets.len() {
+            row.extend(measures(sim, &sim.interface(self.scene.membranes.len() + k)?));
+            row.extend(sim.marker_polygon(k).into_iter().flatten());
+        }
+        if sim.is_prescribed() {
+            row.extend([sim.largest_speed(), sim.divergence(), sim.courant()]);
+        } else {
+            let e = state.energies;
+            let over_limit = model.step_limit().map_or(0.0, |limit| sim.settings().dt / limit);
+            row.extend([
+                e.kinetic,
+                e.elastic,
+                e.dissipation,
+                state.budget.residual(&e),
+                state.budget.work,
+                sim.largest_speed(),
+                e.divergence,
+                sim.courant(),
+                over_limit,
+            ]);
+        }
+        if let Some((submaps, error)) = sim.map_error() {
+            row.extend([submaps as f64, error]);
+        }
         for (p, at) in self.scene.output.probes.iter().zip(&self.probes) {
             row.extend(values(sim, at, p.of));
         }
-        let pressure = sim.flow().pressure().space();
         for f in &self.scene.output.forces {
+            let Some(pressure) = sim.flow().map(|flow| flow.pressure().space()) else { continue };
             let about = f.about.as_deref().map_or(Point::<2>::zeros(), point);
             let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
             let viscosity = |cell: usize, l: &[f64; 4]| sim.viscosity_at(cell, l);
@@ -140,6 +160,11 @@ impl<'a> Diagnostics<'a> {
         Ok(row)
     }
 
+    /// Whether there is a backward map to report on.
+    fn has_map(&self) -> bool {
+        self.scene.numerics.transport == Method::Composed && self.scene.interfaces().next().is_some()
+    }
+
     /// Values along profile number `k`, point by point: one list for each component, with the end of its column's name.
     pub fn profile(&self, sim: &Simulation<2>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
         let of = self.scene.output.profiles[k].of;
@@ -152,6 +177,19 @@ impl<'a> Diagnostics<'a> {
     pub fn profile_points(&self, k: usize) -> impl Iterator<Item = &Point<2>> {
         self.profiles[k].iter().map(|(x, _)| x)
     }
+}
+
+/// [`MEASURES`] of an interface.
+fn measures(sim: &Simulation<2>, interface: &Interface) -> [f64; MEASURES.len()] {
+    let contour = &interface.contour;
+    // In parts on the two sides of the mesh a membrane has an area and a length, but no place and no form.
+    let parted = !sim.translations().is_empty() && contour.lines().iter().any(|l| !l.closed);
+    contour.measures().map_or([f64::NAN; MEASURES.len()], |k| {
+        let whole = |v: f64| if parted { f64::NAN } else { v };
+        let form = [k.centroid[0], k.centroid[1], k.axis_1, k.axis_2, k.angle, k.extent_x, k.extent_y];
+        let [x, y, a, b, angle, width, height] = form.map(whole);
+        [k.area, k.perimeter, x, y, a, b, angle, width, height]
+    })
 }
 
 /// Boundary names that the output uses: table, entry, boundary.
@@ -182,9 +220,12 @@ fn suffixes(of: Quantity) -> &'static [&'static str] {
 fn values(sim: &Simulation<2>, at: &Location, of: Quantity) -> Vec<f64> {
     let (state, space, cell) = (sim.state(), sim.space(), at.cell as usize);
     let velocity = || space.value(&state.flow.u, cell, &at.barycentric);
-    let phi = |f: &dyn Fn(&Vec<f64>) -> f64| vec![state.phi.first().map_or(f64::NAN, f)];
+    // A scene asks for a level set only when there is exactly one.
+    let phi = |f: &dyn Fn(&[f64]) -> f64| vec![f(&sim.level_set(0))];
     match of {
-        Quantity::Pressure => vec![sim.flow().pressure().space().value(&state.flow.p, cell, &at.barycentric)],
+        Quantity::Pressure => vec![
+            sim.flow().map_or(f64::NAN, |flow| flow.pressure().space().value(&state.flow.p, cell, &at.barycentric)),
+        ],
         Quantity::Velocity => velocity().iter().copied().collect(),
         Quantity::Speed => vec![velocity().norm()],
         Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),

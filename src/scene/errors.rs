@@ -36,11 +36,11 @@ pub(super) fn row(exact: &Exact, sim: &Simulation<2>) -> Vec<f64> {
         });
         row.extend([errors.l2, errors.h1]);
     }
-    if let Some(pressure) = &exact.pressure {
-        let space = sim.flow().pressure().space();
+    if let Some((pressure, flow)) = exact.pressure.as_ref().zip(sim.flow()) {
+        let space = flow.pressure().space();
         let at = |x: &Point<2>| pressure.eval([x[0], x[1], 0.0], t);
         let mut shift = 0.0;
-        if !sim.flow().numbering().is_open() {
+        if !flow.numbering().is_open() {
             let basis = Basis::new(space, &Arc::new(Rule::simplex(2, DEGREE)));
             let [sum, area] = integrate(&basis, Cells::All, |q| [basis.value(q, &state.flow.p) - at(&q.x), 1.0]);
             shift = sum / area;

@@ -135,6 +135,11 @@ impl<'a> Item<'a> {
         matches!(self.node.value, Value::Boolean(false))
     }
 
+    /// Whether this is the number 0.
+    pub fn is_zero(&self) -> bool {
+        matches!(self.node.value, Value::Integer(0))
+    }
+
     /// Whether this is a table.
     pub fn is_table(&self) -> bool {
         matches!(self.node.value, Value::Table(_))

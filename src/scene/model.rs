@@ -1,8 +1,9 @@
 //! From a scene to a simulation: the mesh, the smallest model that answers the scene, and every value that the scene left open.
 
 use super::Scene;
-use super::checks::{check_motion_is_fixed, projection_at_inflow, unreached_profiles};
+use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::expression::Expression;
+use super::passive::{Placed, check_inflow, prescribed};
 use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
@@ -10,10 +11,9 @@ use crate::elastic::{self, AreaLaw, Band, Membrane};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{
     Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
-    check_inside, signed_distance,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
-use crate::sim::{self, Materials, Simulation, Structure};
+use crate::sim::{self, InitialFunction, Materials, Simulation, Structure};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -29,6 +29,9 @@ const GRAD_DIV_STOKES: f64 = 10.0;
 const SAMPLES: usize = 64;
 /// Degree of the quadrature rule when the scene does not say: FreeFEM's.
 const QUADRATURE: usize = 5;
+
+/// Level sets at time 0 as functions.
+type Functions = Vec<Arc<InitialFunction<2>>>;
 
 /// A scene brought to the point where it can run.
 pub struct Model {
@@ -47,7 +50,7 @@ pub struct Model {
     /// What was found about the mesh.
     pub quality: mesh::Quality<2>,
     /// Nodes on the boundary, periodic sides left aside.
-    wall_nodes: Vec<u32>,
+    pub(super) wall_nodes: Vec<u32>,
 }
 
 impl Model {
@@ -83,11 +86,14 @@ impl Model {
         warnings.extend(unreached_profiles(scene));
         let conditions = conditions(scene, &mesh)?;
         check_motion_is_fixed(scene)?;
-        warnings.extend(projection_at_inflow(scene));
         let space = Space::new(&mesh, Element::P2);
         let pairs = fem::periodic_pairs(&mesh, &conditions).map_err(|e| scene.blame(&["boundary"], e))?;
+        warnings.extend(check_inflow(scene, &mesh, &pairs)?);
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
-        let distances = model.distances()?;
+        if scene.fluid.is_prescribed() {
+            return prescribed(scene, model, conditions, quality);
+        }
+        let (distances, functions) = model.distances()?;
         let thickness = model.thickness(&distances)?;
         let structures = model.structures(distances, thickness)?;
         let edges = structures.iter().filter_map(|s| band_edges(&space, &s.phi, s.membrane.thickness()));
@@ -96,13 +102,16 @@ impl Model {
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
         settings.check_coupling(&structures).map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
+        let level_sets = model.level_sets()?;
         model.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         model.check_finite("force", &scene.fluid.force)?;
         let wall_nodes = model.wall_nodes();
         let warnings = model.warnings;
         let initial = vector(&scene.fluid.initial_velocity);
-        let simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
-            .map_err(|e| if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e })?;
+        let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
+            .map_err(|e| if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e })?
+            .with_passive(level_sets)?;
+        simulation.compose(functions, scene.numerics.remap);
         let mut model = Model {
             simulation,
             warnings,
@@ -141,13 +150,13 @@ impl Model {
 }
 
 /// What the steps of [`Model::new`] share.
-struct Draft<'a> {
-    scene: &'a Scene,
-    mesh: &'a Arc<Mesh<2>>,
-    space: &'a Space<2>,
+pub(super) struct Draft<'a> {
+    pub scene: &'a Scene,
+    pub mesh: &'a Arc<Mesh<2>>,
+    pub space: &'a Space<2>,
     /// Pairs of facets on periodic sides.
-    pairs: Vec<fem::Translation<2>>,
-    warnings: Vec<Warning>,
+    pub pairs: Vec<fem::Translation<2>>,
+    pub warnings: Vec<Warning>,
 }
 
 impl Draft<'_> {
@@ -156,28 +165,25 @@ impl Draft<'_> {
         0.5 * (hi - lo).min()
     }
 
-    /// Signed distances of all membranes at the nodes.
-    fn distances(&self) -> Result<Vec<Vec<f64>>> {
-        let domain = self.mesh.bounding_box();
-        let mut all = Vec::new();
+    /// Signed distances of all membranes at the nodes, and the level sets at time 0 as functions.
+    fn distances(&self) -> Result<(Vec<Vec<f64>>, Functions)> {
+        let (mut all, mut functions) = (Vec::new(), Vec::new());
         for (k, m) in self.scene.membranes.iter().enumerate() {
-            let place = |e| self.scene.blame(&["membrane", &k.to_string(), "shape"], e);
-            let shape = shape(&m.shape, domain).map_err(place)?;
-            check_inside(shape.bounds(), domain, 0.0).map_err(place)?;
-            all.push(self.nearest_image(signed_distance(self.space, shape.as_ref()), shape.as_ref()));
+            let Placed { nodal, function } = self.placed(&m.shape, &["membrane", &k.to_string(), "shape"])?;
+            let stretch = m.stretch;
+            all.push(nodal);
+            functions.push(Arc::new(move |x: &Point<2>| stretch * function(x)) as Arc<InitialFunction<2>>);
         }
-        Ok(all)
+        Ok((all, functions))
     }
 
     /// The distance to the nearest of the images that periodic sides make of a shape, so that the level set is periodic too.
-    fn nearest_image(&self, mut distance: Vec<f64>, shape: &dyn Distance<2>) -> Vec<f64> {
-        let mut shifts = vec![Point::<2>::zeros()];
-        for pair in &self.pairs {
-            let near = |s: &Point<2>| (s - pair.shift).norm() < 1e-6 * pair.shift.norm();
-            if !shifts.iter().any(near) {
-                shifts = shifts.iter().flat_map(|s| [*s, s + pair.shift, s - pair.shift]).collect();
-            }
-        }
+    pub(super) fn nearest_image(
+        &self,
+        mut distance: Vec<f64>,
+        shape: &dyn Distance<2>,
+        shifts: &[Point<2>],
+    ) -> Vec<f64> {
         for shift in shifts.iter().skip(1) {
             for (d, x) in distance.iter_mut().zip(self.space.nodes()) {
                 *d = d.min(shape.distance(&(x + shift)));
@@ -208,7 +214,7 @@ impl Draft<'_> {
     }
 
     /// Nodes on the boundary, periodic sides left aside.
-    fn wall_nodes(&self) -> Vec<u32> {
+    pub(super) fn wall_nodes(&self) -> Vec<u32> {
         let mut wall = vec![true; self.mesh.facets().len()];
         self.pairs.iter().for_each(|p| wall[p.facet as usize] = false);
         let facets = self.mesh.facets().iter().zip(wall).filter(|(_, wall)| *wall);
@@ -232,7 +238,7 @@ impl Draft<'_> {
     }
 
     /// Refuses an expression of `[fluid]` that has no finite value at some node at time 0.
-    fn check_finite(&self, key: &str, v: &[Expression]) -> Result<()> {
+    pub(super) fn check_finite(&self, key: &str, v: &[Expression]) -> Result<()> {
         let f = vector(v);
         let bad = self.space.nodes().iter().find(|x| !f(x, 0.0).iter().all(|c| c.is_finite()));
         let Some(x) = bad else { return Ok(()) };
@@ -317,7 +323,7 @@ impl Draft<'_> {
         (weight * density * speed * self.size()).max(viscosity)
     }
 
-    fn settings(&self, conditions: Conditions<2>, grad_div: f64) -> sim::Settings<2> {
+    pub(super) fn settings(&self, conditions: Conditions<2>, grad_div: f64) -> sim::Settings<2> {
         let (fluid, numerics) = (&self.scene.fluid, &self.scene.numerics);
         let body_force = fluid.has_force().then(|| {
             let f = vector(&fluid.force);
@@ -392,7 +398,7 @@ pub(super) fn band_of(scene: &Scene, membrane: &schema::Membrane) -> Band {
 }
 
 /// Two expressions as a vector function.
-fn vector(v: &[Expression]) -> impl Fn(&Point<2>, f64) -> SVector<f64, 2> + Send + Sync + 'static {
+pub(super) fn vector(v: &[Expression]) -> impl Fn(&Point<2>, f64) -> SVector<f64, 2> + Send + Sync + 'static {
     let v = v.to_vec();
     move |x, t| SVector::<f64, 2>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval([x[0], x[1], 0.0], t)))
 }

@@ -56,6 +56,9 @@ fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
 
 fn solved(model: &Model, scene: &Scene) -> Vec<String> {
     let sim = &model.simulation;
+    if let Some(velocity) = &scene.fluid.prescribed_velocity {
+        return passive(scene, velocity);
+    }
     let mut lines = Vec::new();
     lines.push(match (sim.is_stokes(), sim.settings().convection) {
         (true, _) => "Stokes flow (density 0): -div(2 mu D(u)) + grad p = F, div u = 0".to_string(),
@@ -77,6 +80,7 @@ fn solved(model: &Model, scene: &Scene) -> Vec<String> {
             m.name, m.stretch
         ));
     }
+    lines.extend(level_sets(scene));
     for b in &scene.boundaries {
         let condition = match &b.condition {
             Condition::Velocity(v) => {
@@ -90,7 +94,7 @@ fn solved(model: &Model, scene: &Scene) -> Vec<String> {
         };
         lines.push(format!("boundary {}: {condition}", b.name));
     }
-    if !sim.flow().numbering().is_open() {
+    if sim.flow().is_some_and(|flow| !flow.numbering().is_open()) {
         lines.push("no boundary is open: the pressure has zero mean".into());
     }
     lines
@@ -98,13 +102,21 @@ fn solved(model: &Model, scene: &Scene) -> Vec<String> {
 
 fn unknowns(model: &Model) -> Vec<String> {
     let sim = &model.simulation;
-    let (flow, numbering) = (sim.flow(), sim.flow().numbering());
+    let mut lines = Vec::new();
+    let level_sets = sim.structures().len() + sim.passive().len();
+    let level_sets = (level_sets > 0).then(|| format!("level sets {level_sets} x {} (P2)", sim.space().len()));
+    let Some(flow) = sim.flow() else {
+        lines.extend(level_sets);
+        lines.extend(map_memory(model));
+        lines.push(format!("no matrix of a flow; memory about {:.0} MB", sim.bytes() as f64 / 1e6));
+        return lines;
+    };
+    let numbering = flow.numbering();
     let velocity = numbering.first_pressure();
     let pressure = numbering.order() - velocity;
-    let mut lines = vec![format!("velocity {velocity} (P2), pressure {pressure} (P1)")];
-    if !sim.structures().is_empty() {
-        lines.push(format!("level sets {} x {} (P2)", sim.structures().len(), sim.space().len()));
-    }
+    lines.push(format!("velocity {velocity} (P2), pressure {pressure} (P1)"));
+    lines.extend(level_sets);
+    lines.extend(map_memory(model));
     let implicit = sim.settings().coupling == Coupling::Implicit && !sim.structures().is_empty();
     let constant = flow.density().is_constant() && flow.viscosity().is_constant();
     let (kind, why) = match (constant, implicit) {
@@ -125,8 +137,60 @@ fn unknowns(model: &Model) -> Vec<String> {
     lines
 }
 
+/// What is carried by a prescribed velocity.
+fn passive(scene: &Scene, velocity: &[super::Expression]) -> Vec<String> {
+    let v: Vec<&str> = velocity.iter().map(super::Expression::text).collect();
+    let mut lines = vec![format!("no flow: the velocity is prescribed as ({})", v.join(", "))];
+    lines.extend(level_sets(scene));
+    for b in &scene.boundaries {
+        if let Condition::Periodic(other) = &b.condition {
+            lines.push(format!("boundary {}: periodic with {other}", b.name));
+        }
+    }
+    lines
+}
+
+fn level_sets(scene: &Scene) -> impl Iterator<Item = String> + '_ {
+    scene.level_sets.iter().map(|s| {
+        let markers = if s.markers > 0 { format!("; {} markers follow it", s.markers) } else { String::new() };
+        format!("level set `{}`: carried by (1.2), acts on nothing{markers}", s.name)
+    })
+}
+
+/// What the chain of submaps takes: it grows, by one vector field a restart.
+fn map_memory(model: &Model) -> Option<String> {
+    let sim = &model.simulation;
+    let submap = sim.state().map.as_ref()?.bytes();
+    Some(format!(
+        "backward map: {:.2} MB a submap (P2); their number grows with the time and is the column `submaps`",
+        submap as f64 / 1e6
+    ))
+}
+
+fn transport(model: &Model, scene: &Scene) -> String {
+    let sim = &model.simulation;
+    match sim.settings().transport {
+        Method::Nodal => "level set carried to the nodes (nodal)".into(),
+        Method::Projected => "level set projected at the quadrature points (projected)".into(),
+        Method::Composed => format!(
+            "level set composed with the backward map (composed): a new submap when the gradient of its displacement exceeds {}{}",
+            sim.remap(),
+            if scene.numerics.remap.is_some() { "" } else { " (measured default)" }
+        ),
+    }
+}
+
 fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
+    if model.simulation.is_prescribed() {
+        return vec![
+            format!(
+                "step {}, characteristics by the Runge-Kutta rule of order 4 through the prescribed velocity",
+                s.dt
+            ),
+            transport(model, scene),
+        ];
+    }
     let derived = |given: bool| if given { "" } else { " (derived)" };
     let mut lines = vec![match (model.simulation.is_stokes(), s.convection) {
         (true, _) => format!("no time derivative in the flow, step {} of order {}", s.dt, s.order),
@@ -161,15 +225,12 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
                 ),
             });
         }
-        lines.push(match s.transport {
-            Method::Nodal => "level set carried to the nodes (nodal)".into(),
-            Method::Projected => "level set projected at the quadrature points (projected)".into(),
-        });
+        lines.push(transport(model, scene));
         lines.push(match s.coupling {
             Coupling::Explicit => "membrane force explicit".into(),
             Coupling::SemiImplicit => format!(
                 "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored {}",
-                if is_stiff(scene) || !model.simulation.flow().density().is_constant() { "in each step" } else { "once" }
+                if is_stiff(scene) || !model.simulation.flow().is_some_and(|flow| flow.density().is_constant()) { "in each step" } else { "once" }
             ),
             Coupling::Implicit => "membrane force implicit in the velocity".into(),
         });
@@ -181,6 +242,12 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
 fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
     let sim = &model.simulation;
     let mut lines = Vec::new();
+    if sim.is_prescribed() {
+        lines.push("flow, pressure, boundary conditions and every matrix of them: the velocity is prescribed");
+        lines.push("redistancing: the slope of the level set is the stretch of the interface");
+        lines.push("the third dimension: the mesh is plane");
+        return lines.into_iter().map(String::from).collect();
+    }
     if sim.is_stokes() {
         lines.push("inertia and convection: the density is 0");
     }

@@ -240,8 +240,12 @@ impl<'a> Run<'a> {
         }
         for (name, change) in &self.record.area_change {
             if change.abs() > AREA_ALARM {
+                let remedy = match self.scene.fluid.is_prescribed() {
+                    true => "numerics.transport = \"composed\" or a finer mesh",
+                    false => "a larger numerics.grad_div or a finer mesh",
+                };
                 alarms.push(format!(
-                    "Enclosed area: that of `{name}` changed by {:+.2} %. Take a larger numerics.grad_div or a finer mesh.",
+                    "Enclosed area: that of `{name}` changed by {:+.2} %. Take {remedy}.",
                     100.0 * change
                 ));
             }

@@ -4,36 +4,34 @@ use super::budget::{Budget, Energies};
 use super::setup::State;
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
+use crate::transport::CharacteristicMap;
 use nalgebra::SVector;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x01";
+const MAGIC: &[u8; 8] = b"immersa\x02";
 
 impl<const D: usize> State<D> {
-    /// The state as bytes, marked with `tag`, which tells the scene apart.
+    /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each list after its length.
     pub fn to_bytes(&self, tag: u64) -> Vec<u8> {
-        let mut out = MAGIC.to_vec();
-        let mut integer = |v: u64| out.extend(v.to_le_bytes());
-        integer(tag);
-        integer(self.steps);
-        for n in [self.flow.u.len(), self.flow.p.len(), self.phi.len()] {
-            integer(n as u64);
-        }
-        let vectors = self.flow.u.iter().chain(&self.earlier_u).flat_map(|v| v.iter());
-        let numbers = vectors.chain(&self.flow.p).chain(self.phi.iter().flatten());
-        for v in numbers {
-            out.extend(v.to_le_bytes());
-        }
+        let mut out = Writer(MAGIC.to_vec());
+        out.integer(tag);
+        out.integer(self.steps);
+        out.vectors(&self.flow.u);
+        out.vectors(&self.earlier_u);
+        out.numbers(&self.flow.p);
+        out.integer(self.phi.len() as u64);
+        self.phi.iter().for_each(|phi| out.numbers(phi));
+        let submaps = self.map.iter().flat_map(CharacteristicMap::submaps);
+        out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
+        submaps.for_each(|s| out.vectors(s));
+        out.integer(self.markers.len() as u64);
+        self.markers.iter().for_each(|m| out.vectors(m));
         let (e, b) = (self.energies, self.budget);
-        for v in [e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence] {
-            out.extend(v.to_le_bytes());
-        }
-        for v in [b.initial, b.dissipated, b.work, b.exchanged] {
-            out.extend(v.to_le_bytes());
-        }
-        let check = fnv1a(&out);
-        out.extend(check.to_le_bytes());
-        out
+        out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
+        out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged]);
+        let check = fnv1a(&out.0);
+        out.integer(check);
+        out.0
     }
 
     /// The state from bytes that [`to_bytes`](Self::to_bytes) made with the same `tag`.
@@ -51,34 +49,72 @@ impl<const D: usize> State<D> {
         if !content.starts_with(MAGIC) || check != fnv1a(content).to_le_bytes() {
             return Err(damaged());
         }
-        let mut words = content[MAGIC.len()..].as_chunks::<8>().0.iter();
-        let mut integer = || words.next().map(|w| u64::from_le_bytes(*w)).ok_or_else(damaged);
-        if integer()? != tag {
+        let mut reader = Reader(&content[MAGIC.len()..]);
+        if reader.integer().ok_or_else(damaged)? != tag {
             return Err(Error::input("the checkpoint belongs to another scene")
                 .remedy("resume with the scene and the settings that the run was started with, or start afresh in another folder with --out"));
         }
-        let steps = integer()?;
-        let (nodes, pressures, structures) = (integer()? as usize, integer()? as usize, integer()? as usize);
-        let wanted = 2 * D as u128 * nodes as u128 + pressures as u128 + structures as u128 * nodes as u128 + 10;
-        if words.len() as u128 != wanted {
-            return Err(damaged());
-        }
-        let mut numbers = words.map(|w| f64::from_le_bytes(*w));
-        let mut next = || numbers.next().unwrap_or(f64::NAN);
-        let mut vectors = || (0..nodes).map(|_| SVector::<f64, D>::from_fn(|_, _| next())).collect::<Vec<_>>();
-        let (u, earlier_u) = (vectors(), vectors());
-        let p = (0..pressures).map(|_| next()).collect();
-        let phi = (0..structures).map(|_| (0..nodes).map(|_| next()).collect()).collect();
-        let energies = Energies {
-            kinetic: next(),
-            elastic: next(),
-            dissipation: next(),
-            grad_div: next(),
-            power: next(),
-            divergence: next(),
-        };
-        let budget = Budget { initial: next(), dissipated: next(), work: next(), exchanged: next() };
-        Ok(State { steps, flow: FlowState { u, p }, phi, earlier_u, energies, budget })
+        State::read(&mut reader).filter(|_| reader.0.is_empty()).ok_or_else(damaged)
+    }
+
+    fn read(from: &mut Reader<'_>) -> Option<State<D>> {
+        let steps = from.integer()?;
+        let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
+        let phi = from.list(Reader::numbers)?;
+        let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
+        let markers = from.list(Reader::vectors)?;
+        let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
+        let [initial, dissipated, work, exchanged] = from.numbers()?.try_into().ok()?;
+        let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
+        let budget = Budget { initial, dissipated, work, exchanged };
+        Some(State { steps, flow: FlowState { u, p }, phi, earlier_u, map, markers, energies, budget })
+    }
+}
+
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn integer(&mut self, v: u64) {
+        self.0.extend(v.to_le_bytes());
+    }
+    fn numbers(&mut self, list: &[f64]) {
+        self.integer(list.len() as u64);
+        list.iter().for_each(|v| self.0.extend(v.to_le_bytes()));
+    }
+    fn vectors<const D: usize>(&mut self, list: &[SVector<f64, D>]) {
+        self.integer(list.len() as u64);
+        list.iter().flat_map(|v| v.iter()).for_each(|v| self.0.extend(v.to_le_bytes()));
+    }
+}
+
+/// Reads from the front; `None` when the bytes are at an end.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn integer(&mut self) -> Option<u64> {
+        let (word, rest) = self.0.split_first_chunk::<8>()?;
+        self.0 = rest;
+        Some(u64::from_le_bytes(*word))
+    }
+    fn number(&mut self) -> Option<f64> {
+        self.integer().map(f64::from_bits)
+    }
+    fn list<T>(&mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+        let count =
+            usize::try_from(self.integer()?).ok().filter(|n| n.checked_mul(8).is_some_and(|b| b <= self.0.len()))?;
+        (0..count).map(|_| read(self)).collect()
+    }
+    fn numbers(&mut self) -> Option<Vec<f64>> {
+        self.list(Reader::number)
+    }
+    fn vectors<const D: usize>(&mut self) -> Option<Vec<SVector<f64, D>>> {
+        self.list(|from| {
+            let mut v = SVector::<f64, D>::zeros();
+            for c in v.iter_mut() {
+                *c = from.number()?;
+            }
+            Some(v)
+        })
     }
 }
 
@@ -92,6 +128,8 @@ mod tests {
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
+            map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
+            markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],
             energies: Energies { kinetic: 1.5, ..Energies::default() },
             budget: Budget { work: 0.25, ..Budget::default() },
         }

@@ -1,11 +1,13 @@
 //! What a simulation is told, and what changes in it.
 
 use super::budget::{Budget, Energies};
+use super::carrier::InitialFunction;
 use crate::base::{Error, Result};
 use crate::elastic::Membrane;
 use crate::fem::Conditions;
 use crate::flow::{BodyForce, FlowState};
-use crate::transport::Method;
+use crate::mesh::Point;
+use crate::transport::{CharacteristicMap, Method};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -113,6 +115,18 @@ pub struct Structure<const D: usize> {
     pub surface_mass: f64,
 }
 
+/// A level set that is carried and acts on nothing.
+pub struct LevelSet<const D: usize> {
+    /// Name in the scene.
+    pub name: String,
+    /// Its values at the nodes, negative inside.
+    pub phi: Vec<f64>,
+    /// The function whose values these are, where it is known between the nodes: composed transport evaluates it.
+    pub function: Option<Arc<InitialFunction<D>>>,
+    /// Particles on the interface, in the order of a closed polygon; may be none.
+    pub markers: Vec<Point<D>>,
+}
+
 /// All that changes in time; a checkpoint holds it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<const D: usize> {
@@ -120,10 +134,15 @@ pub struct State<const D: usize> {
     pub steps: u64,
     /// Velocity and pressure.
     pub flow: FlowState<D>,
-    /// Level sets, one a structure.
+    /// Level sets, one a structure, then the passive ones, which composed transport leaves empty:
+    /// [`Simulation::level_set`](super::Simulation::level_set) evaluates them.
     pub phi: Vec<Vec<f64>>,
-    /// Velocity one step earlier.
+    /// Velocity one step earlier; empty when the velocity is prescribed.
     pub earlier_u: Vec<SVector<f64, D>>,
+    /// The backward map, with composed transport.
+    pub map: Option<CharacteristicMap<D>>,
+    /// Markers, one list a passive level set.
+    pub markers: Vec<Vec<Point<D>>>,
     /// Energies now.
     pub energies: Energies,
     /// The energy budget.

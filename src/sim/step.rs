@@ -1,33 +1,38 @@
 //! The time step.
 
 use super::budget::{Budget, Energies};
-use super::setup::{Coupling, Materials, Settings, State, Structure};
+use super::carrier::Carrier;
+use super::markers;
+use super::setup::{Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, Result};
 use crate::elastic::Predictor;
-use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, integrate};
+use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{Coefficient, FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
-use crate::levelset as band;
+use crate::flow::{FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
 use crate::mesh::{Mesh, Point};
-use crate::transport::{Feet, Method, Tracer, carry_nodal, carry_projected};
+use crate::transport::{Feet, Method, Tracer, Wind};
 use nalgebra::SVector;
 use std::sync::Arc;
 
 /// A simulation in progress.
 pub struct Simulation<const D: usize> {
-    settings: Settings<D>,
-    space: Arc<Space<D>>,
-    flow: FlowSolver<D>,
-    tracer: Tracer<D>,
-    projector: Option<Projector<D>>,
+    pub(super) settings: Settings<D>,
+    pub(super) space: Arc<Space<D>>,
+    /// `None` when the velocity is prescribed.
+    pub(super) flow: Option<FlowSolver<D>>,
+    /// The velocity, when it is prescribed.
+    pub(super) given: Option<VelocityFunction<D>>,
+    pub(super) translations: Vec<Translation<D>>,
+    pub(super) carrier: Carrier<D>,
     /// One a structure with the semi-implicit coupling, else none.
-    predictors: Vec<Predictor<D>>,
-    fine: Option<Basis<D>>,
-    structures: Vec<Structure<D>>,
-    state: State<D>,
-    feet: [Feet; 2],
-    wants_reactions: bool,
-    reactions: Option<Vec<SVector<f64, D>>>,
+    pub(super) predictors: Vec<Predictor<D>>,
+    pub(super) fine: Option<Basis<D>>,
+    pub(super) structures: Vec<Structure<D>>,
+    pub(super) passive: Vec<LevelSet<D>>,
+    pub(super) state: State<D>,
+    pub(super) feet: [Feet; 2],
+    pub(super) wants_reactions: bool,
+    pub(super) reactions: Option<Vec<SVector<f64, D>>>,
 }
 
 /// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
@@ -51,15 +56,15 @@ impl<const D: usize> Simulation<D> {
         let space = Arc::new(Space::new(mesh, Element::P2));
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
-        let flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
-        let translations = flow.numbering().translations();
-        let tracer = Tracer::new(&space, translations);
+        let mut flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
+        let translations = flow.numbering().translations().to_vec();
         let projected = settings.transport == Method::Projected && !structures.is_empty();
-        let projector = if projected { Some(Projector::new(flow.velocity().clone(), translations)?) } else { None };
+        let projector = if projected { Some(Projector::new(flow.velocity().clone(), &translations)?) } else { None };
+        let carrier = Carrier::new(Tracer::new(&space, &translations), projector);
         let semi = settings.coupling == Coupling::SemiImplicit;
         let predictors = structures.iter().filter(|_| semi);
         let predictors =
-            predictors.map(|_| Predictor::new(flow.velocity().clone(), translations)).collect::<Result<_>>()?;
+            predictors.map(|_| Predictor::new(flow.velocity().clone(), &translations)).collect::<Result<_>>()?;
         let fine = (!structures.is_empty())
             .then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, ENERGY_DEGREE.max(settings.quadrature)))));
         let mut state_flow = flow.at_rest();
@@ -70,30 +75,35 @@ impl<const D: usize> Simulation<D> {
             earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
+            map: None,
+            markers: Vec::new(),
             energies: Energies::default(),
             budget: Budget::default(),
         };
         let mut sim = Simulation {
             settings,
             space,
-            flow,
-            tracer,
-            projector,
+            flow: None,
+            given: None,
+            translations,
+            carrier,
             predictors,
             fine,
             structures,
+            passive: Vec::new(),
             state,
             feet: Default::default(),
             wants_reactions: false,
             reactions: None,
         };
-        let level_sets = sim.state.phi.clone();
-        sim.set_materials(&level_sets);
+        sim.set_materials(&mut flow, &sim.state.phi);
         for (s, phi) in sim.structures.iter_mut().zip(&sim.state.phi) {
-            s.membrane.prepare(sim.flow.velocity(), phi, None);
+            s.membrane.prepare(flow.velocity(), phi, None);
         }
-        sim.state.energies = sim.measure(0.0);
+        sim.state.energies = sim.measure(&flow, 0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
+        sim.flow = Some(flow);
+        sim.begin_map();
         Ok(sim)
     }
 
@@ -108,6 +118,13 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
     pub fn step(&mut self) -> Result<StepReport> {
+        let Some(mut flow) = self.flow.take() else { return self.drift() };
+        let result = self.flow_step(&mut flow);
+        self.flow = Some(flow);
+        result
+    }
+
+    fn flow_step(&mut self, solver: &mut FlowSolver<D>) -> Result<StepReport> {
         let second = self.settings.order == 2 && self.state.steps > 0;
         let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
         let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
@@ -115,23 +132,23 @@ impl<const D: usize> Simulation<D> {
         let current = self.state.flow.u.clone();
 
         // Where the interface will be.
-        let predicted = if second && structures { self.carried(&current)? } else { self.state.phi.clone() };
-        let diffused = self.diffused(&current)?;
+        let predicted = if second && structures { self.predicted(&current)? } else { self.state.phi.clone() };
+        let diffused = self.diffused(solver, &current)?;
 
         // Where the fluid comes from.
         if convection && second {
             let halfway = combine(1.5, &current, -0.5, &self.state.earlier_u);
-            self.tracer.from_quadrature(&halfway, dt, self.flow.velocity(), &mut self.feet[0]);
-            self.tracer.from_quadrature(&current, 2.0 * dt, self.flow.velocity(), &mut self.feet[1]);
+            self.carrier.tracer.from_quadrature(&halfway, dt, solver.velocity(), &mut self.feet[0]);
+            self.carrier.tracer.from_quadrature(&current, 2.0 * dt, solver.velocity(), &mut self.feet[1]);
         } else if convection {
-            self.tracer.from_quadrature(&current, dt, self.flow.velocity(), &mut self.feet[0]);
+            self.carrier.tracer.from_quadrature(&current, dt, solver.velocity(), &mut self.feet[0]);
         }
 
         // Forces and materials there.
-        self.set_materials(&predicted);
+        self.set_materials(solver, &predicted);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
         for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(&predicted)) {
-            s.membrane.prepare(self.flow.velocity(), phi, implicit);
+            s.membrane.prepare(solver.velocity(), phi, implicit);
         }
 
         // The coupled system of velocity and pressure.
@@ -157,55 +174,64 @@ impl<const D: usize> Simulation<D> {
             gravity: self.settings.gravity,
         };
         let mut flow = self.state.flow.clone();
-        let report = self.flow.step(&step, &mut flow)?;
-        let wall_power = self.flow.wall_power(&step, &flow);
-        self.reactions = self.wants_reactions.then(|| self.flow.reaction(&step, &flow, Cells::All));
+        let report = solver.step(&step, &mut flow)?;
+        let wall_power = solver.wall_power(&step, &flow);
+        self.reactions = self.wants_reactions.then(|| solver.reaction(&step, &flow, Cells::All));
         self.check_speed(&flow.u, time)?;
 
         // The interface follows, and the fluids with it.
-        if structures {
+        if structures || !self.passive.is_empty() {
             let mean = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
-            self.state.phi = self.carried(&mean)?;
+            self.carry(&Wind::Nodal(&mean))?;
+            let steps = (self.carrier.tracer.courant(&mean, dt).ceil() as usize).clamp(1, 100);
+            for list in &mut self.state.markers {
+                markers::follow(list, &self.carrier.tracer, [&current, &flow.u], dt, steps);
+            }
         }
         self.state.flow = flow;
         self.state.earlier_u = current;
         self.state.steps += 1;
         if !self.has_constant_materials() {
-            let level_sets = self.state.phi.clone();
-            self.set_materials(&level_sets);
+            self.set_materials(solver, &self.state.phi);
         }
-        let now = self.measure(wall_power);
+        let now = self.measure(solver, wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
         self.state.energies = now;
         Ok(report)
     }
 
-    /// The level sets carried over one step with velocity `w`.
-    fn carried(&mut self, w: &[SVector<f64, D>]) -> Result<Vec<Vec<f64>>> {
-        let (feet, dt) = (&mut self.feet[0], self.settings.dt);
-        match &self.projector {
-            Some(projector) => self.tracer.from_quadrature(w, dt, projector.basis(), feet),
-            None => self.tracer.from_nodes(w, dt, feet),
+    /// The level sets of the structures carried over one step with the velocity `w`, without any change of the state.
+    fn predicted(&mut self, w: &[SVector<f64, D>]) -> Result<Vec<Vec<f64>>> {
+        let (wind, dt, count) = (Wind::Nodal(w), self.settings.dt, self.structures.len());
+        let Some(mut ahead) = self.state.map.clone() else {
+            return self.carrier.moved(&self.state.phi[..count], &wind, dt);
+        };
+        self.carrier.advance(&mut ahead, &wind, dt);
+        Ok((0..count).map(|k| self.carrier.composed(&ahead, k)).collect())
+    }
+
+    /// Carries all level sets over one step.
+    pub(super) fn carry(&mut self, wind: &Wind<'_, D>) -> Result<()> {
+        let dt = self.settings.dt;
+        let Some(map) = &mut self.state.map else {
+            self.state.phi = self.carrier.moved(&self.state.phi, wind, dt)?;
+            return Ok(());
+        };
+        self.carrier.advance(map, wind, dt);
+        map.restart_beyond(&self.space, self.carrier.remap);
+        for (k, phi) in self.state.phi.iter_mut().take(self.structures.len()).enumerate() {
+            *phi = self.carrier.composed(map, k);
         }
-        let mut moved = Vec::with_capacity(self.structures.len());
-        for phi in &self.state.phi {
-            let mut out = vec![0.0; phi.len()];
-            match &mut self.projector {
-                Some(projector) => carry_projected(projector, phi, feet, &mut out)?,
-                None => carry_nodal(&self.space, phi, feet, &mut out),
-            }
-            moved.push(out);
-        }
-        Ok(moved)
+        Ok(())
     }
 
     /// The level sets whose force the semi-implicit coupling takes, from the velocity `u` of the current state; `None` with any other coupling.
-    fn diffused(&mut self, u: &[SVector<f64, D>]) -> Result<Option<Vec<Vec<f64>>>> {
+    fn diffused(&mut self, flow: &FlowSolver<D>, u: &[SVector<f64, D>]) -> Result<Option<Vec<Vec<f64>>>> {
         if self.predictors.is_empty() {
             return Ok(None);
         }
-        let mut level_sets = self.carried(u)?;
-        let (dt, density) = (self.settings.dt, self.flow.density());
+        let mut level_sets = self.predicted(u)?;
+        let (dt, density) = (self.settings.dt, flow.density());
         let parts = self.predictors.iter_mut().zip(&self.structures).zip(&self.state.phi).zip(&mut level_sets);
         for (((predictor, s), phi), carried) in parts {
             predictor.predict(&s.membrane, dt, (|at: &At<D>| density.at(at), density.is_constant()), phi, carried)?;
@@ -213,74 +239,9 @@ impl<const D: usize> Simulation<D> {
         Ok(Some(level_sets))
     }
 
-    fn has_constant_materials(&self) -> bool {
-        let Materials { density, viscosity } = self.settings.materials;
-        let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
-        density.is_uniform() && viscosity.is_uniform() && !heavy
-    }
-
-    /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.
-    fn set_materials(&mut self, level_sets: &[Vec<f64>]) {
-        let Materials { density, viscosity } = self.settings.materials;
-        if self.has_constant_materials() {
-            let (density, viscosity) = (density.outside, viscosity.outside);
-            return self.flow.set_materials(Coefficient::Constant(density), Coefficient::Constant(viscosity));
-        }
-        let basis = self.flow.velocity();
-        let points = basis.rule().len();
-        let count = self.space.mesh().cell_count();
-        let pointwise = |value: &(dyn Fn(&At<D>) -> f64 + Sync)| {
-            let mut values = vec![0.0; count * points];
-            crate::base::parallel::fill(&mut values, points, |first, part| {
-                for (i, values) in part.chunks_exact_mut(points).enumerate() {
-                    for (q, v) in values.iter_mut().enumerate() {
-                        *v = value(&basis.at(first + i, q));
-                    }
-                }
-            });
-            Coefficient::Pointwise { points, values }
-        };
-        let at_point = |at: &At<D>, k: usize| basis.value(at, &level_sets[k]);
-        let rho = pointwise(&|at| self.density_of(|k| at_point(at, k)));
-        let mu = if viscosity.is_uniform() {
-            Coefficient::Constant(viscosity.outside)
-        } else {
-            pointwise(&|at| self.viscosity_of(|k| at_point(at, k)))
-        };
-        self.flow.set_materials(rho, mu);
-    }
-
-    /// Density by (3.19) where level set `k` has the value `phi(k)`.
-    fn density_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
-        let rho = self.settings.materials.density;
-        let eps = |s: &Structure<D>| s.membrane.thickness();
-        let bulk = match self.structures.first() {
-            Some(s) if !rho.is_uniform() => band::density(phi(0), eps(s), rho.inside, rho.outside, 0.0),
-            _ => rho.outside,
-        };
-        let heavy = self.structures.iter().enumerate().filter(|(_, s)| s.surface_mass > 0.0);
-        heavy.fold(bulk, |rho, (k, s)| rho + band::density(phi(k), eps(s), 0.0, 0.0, s.surface_mass))
-    }
-    /// Viscosity by (3.19) where level set `k` has the value `phi(k)`.
-    fn viscosity_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
-        let mu = self.settings.materials.viscosity;
-        match self.structures.first() {
-            Some(s) if !mu.is_uniform() => band::viscosity(phi(0), s.membrane.thickness(), mu.inside, mu.outside),
-            _ => mu.outside,
-        }
-    }
-    /// Density in a cell at barycentric coordinates, for the current level sets.
-    pub fn density_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
-        self.density_of(|k| self.space.value(&self.state.phi[k], cell, l))
-    }
-    /// Viscosity in a cell at barycentric coordinates, for the current level sets.
-    pub fn viscosity_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
-        self.viscosity_of(|k| self.space.value(&self.state.phi[k], cell, l))
-    }
-
     /// Energies and rates of the current state.
-    fn measure(&self, wall_power: f64) -> Energies {
-        let [kinetic, dissipation, grad_div, div2] = self.flow.energies(&self.state.flow);
+    fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
+        let [kinetic, dissipation, grad_div, div2] = flow.energies(&self.state.flow);
         let elastic = match &self.fine {
             Some(fine) => self.structures.iter().zip(&self.state.phi).map(|(s, p)| s.membrane.energy(fine, p)).sum(),
             None => 0.0,
@@ -290,7 +251,7 @@ impl<const D: usize> Simulation<D> {
             elastic,
             dissipation,
             grad_div,
-            power: wall_power + self.body_power() - self.carried_out(),
+            power: wall_power + self.body_power(flow) - self.carried_out(),
             divergence: div2.sqrt(),
         }
     }
@@ -304,20 +265,20 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Power of gravity and body force.
-    fn body_power(&self) -> f64 {
+    fn body_power(&self, flow: &FlowSolver<D>) -> f64 {
         let gravity = self.settings.gravity;
         if gravity.norm() == 0.0 && self.settings.body_force.is_none() {
             return 0.0;
         }
-        let (basis, time) = (self.flow.velocity(), self.time());
+        let (basis, time) = (flow.velocity(), self.time());
         let [power] = integrate(basis, Cells::All, |at| {
             let force = self.settings.body_force.as_ref().map_or(SVector::zeros(), |f| f(&at.x, time));
-            [(gravity * self.flow.density().at(at) + force).dot(&basis.value(at, &self.state.flow.u))]
+            [(gravity * flow.density().at(at) + force).dot(&basis.value(at, &self.state.flow.u))]
         });
         power
     }
 
-    fn check_speed(&self, u: &[SVector<f64, D>], time: f64) -> Result<()> {
+    pub(super) fn check_speed(&self, u: &[SVector<f64, D>], time: f64) -> Result<()> {
         let (lo, hi) = self.space.mesh().bounding_box();
         let size = (hi - lo).norm();
         let speed = largest(u);
@@ -334,7 +295,10 @@ impl<const D: usize> Simulation<D> {
     pub fn analyse(&mut self) -> Result<()> {
         // The first step is one of backward Euler in either order.
         let weight = if self.is_stokes() { 0.0 } else { 1.0 };
-        self.flow.analyse(weight / self.settings.dt)
+        match &mut self.flow {
+            Some(flow) => flow.analyse(weight / self.settings.dt),
+            None => Ok(()),
+        }
     }
     /// Force of the fluid on a named boundary by the residual of the momentum equation in the last step, and its moment about a
     /// point; `None` before the first. A node that the boundary shares with another one counts in full.
@@ -373,9 +337,13 @@ impl<const D: usize> Simulation<D> {
     pub fn space(&self) -> &Arc<Space<D>> {
         &self.space
     }
-    /// The flow solver.
-    pub fn flow(&self) -> &FlowSolver<D> {
-        &self.flow
+    /// The flow solver; `None` when the velocity is prescribed.
+    pub fn flow(&self) -> Option<&FlowSolver<D>> {
+        self.flow.as_ref()
+    }
+    /// The pairs of facets on periodic sides.
+    pub fn translations(&self) -> &[Translation<D>] {
+        &self.translations
     }
     /// The structures; their current level sets are in [`State::phi`].
     pub fn structures(&self) -> &[Structure<D>] {
@@ -392,7 +360,10 @@ impl<const D: usize> Simulation<D> {
     pub fn restore(&mut self, state: State<D>) -> Result<()> {
         let sizes = |s: &State<D>| {
             let level_sets = s.phi.iter().map(Vec::len);
-            (s.flow.u.len(), s.flow.p.len(), s.earlier_u.len(), level_sets.collect::<Vec<_>>())
+            let markers = s.markers.iter().map(Vec::len);
+            let maps = s.map.iter().map(|m| m.submaps().all(|d| d.len() == s.flow.u.len()));
+            let flow = [s.flow.u.len(), s.flow.p.len(), s.earlier_u.len()];
+            (flow, level_sets.collect::<Vec<_>>(), markers.collect::<Vec<_>>(), maps.collect::<Vec<_>>())
         };
         if sizes(&state) != sizes(&self.state) {
             return Err(Error::input("the checkpoint does not belong to this scene")
@@ -401,7 +372,10 @@ impl<const D: usize> Simulation<D> {
                     "resume with the scene that the run was started with, or start afresh in another folder with --out",
                 ));
         }
-        self.set_materials(&state.phi);
+        if let Some(mut flow) = self.flow.take() {
+            self.set_materials(&mut flow, &state.phi);
+            self.flow = Some(flow);
+        }
         self.state = state;
         Ok(())
     }
@@ -411,26 +385,28 @@ impl<const D: usize> Simulation<D> {
     }
     /// Courant number `max |u| dt / h`.
     pub fn courant(&self) -> f64 {
-        self.tracer.courant(&self.state.flow.u, self.settings.dt)
+        self.carrier.tracer.courant(&self.state.flow.u, self.settings.dt)
     }
     /// Bytes of all that grows with the mesh: factors, matrices, feet, fields and the mesh itself. An estimate from the sizes.
     pub fn bytes(&self) -> usize {
         let word = size_of::<f64>();
         let (cells, nodes) = (self.space.mesh().cell_count(), self.space.len());
-        let points = self.flow.velocity().rule().len();
+        let points = self.flow.as_ref().map_or(0, |flow| flow.velocity().rule().len());
         // The matrix and its constant part, an index and a value each; the projector's mass matrix is small beside them.
-        let matrices = 2 * 2 * word * self.flow.matrix_nonzeros();
-        let feet = if self.is_stokes() && self.projector.is_none() { 0 } else { 2 * 5 * word * cells * points };
+        let matrices = 2 * 2 * word * self.flow.as_ref().map_or(0, FlowSolver::matrix_nonzeros);
+        let feet = if self.is_stokes() && self.carrier.projector.is_none() { 0 } else { 2 * 5 * word * cells * points };
         let local = self.space.local_count();
-        let fields = word * nodes * (10 * D + 3 * self.structures.len()) + word * cells * local * D;
+        let vectors = if self.flow.is_some() { 10 } else { 1 };
+        let level_sets = self.structures.len() + self.passive.len();
+        let fields = word * nodes * (vectors * D + 3 * level_sets) + word * cells * local * D;
         let mesh = cells * (2 * word + word * (D * D + D + 1) + 4 * local);
         self.factor_bytes() + matrices + feet + fields + mesh
     }
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {
-        self.flow.factor().map_or(0, |f| f.bytes())
-            + self.projector.as_ref().map_or(0, Projector::bytes)
-            + self.predictors.iter().map(Predictor::bytes).sum::<usize>()
+        let flow = self.flow.as_ref().and_then(FlowSolver::factor).map_or(0, |f| f.bytes());
+        let predictors = self.predictors.iter().map(Predictor::bytes).sum::<usize>();
+        flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes) + predictors
     }
 }
 
@@ -440,7 +416,7 @@ fn combine<const D: usize>(a: f64, x: &[SVector<f64, D>], b: f64, y: &[SVector<f
 }
 
 /// Largest norm; NaN if any is NaN.
-fn largest<const D: usize>(u: &[SVector<f64, D>]) -> f64 {
+pub(super) fn largest<const D: usize>(u: &[SVector<f64, D>]) -> f64 {
     let square = u.iter().map(|v| v.norm_squared()).fold(0.0, |m: f64, v| if v.is_nan() { v } else { m.max(v) });
     if u.iter().any(|v| v.iter().any(|c| c.is_nan())) { f64::NAN } else { square.sqrt() }
 }

@@ -79,8 +79,12 @@ impl Point {
     fn error(&self) -> f64 {
         self.errors.iter().fold(0.0, |m: f64, e| if e.is_nan() { f64::NAN } else { m.max(*e) })
     }
+    /// The error if anything of the result is right: NaN from 100 % on, which is how a run may end that was unstable without overflow.
+    fn usable(&self) -> f64 {
+        Some(self.error()).filter(|e| *e < 1.0).unwrap_or(f64::NAN)
+    }
     fn offer(&self) -> Offer {
-        Offer { cost: self.cpu, error: self.error() }
+        Offer { cost: self.cpu, error: self.usable() }
     }
 }
 
@@ -428,6 +432,7 @@ mod tests {
         );
         let point = |errors: &[f64]| Point { errors: errors.to_vec(), ..bare() };
         assert_eq!(point(&[0.1, 0.3, 0.2]).error(), 0.3);
+        assert!(point(&[1.0, 0.3]).usable().is_nan() && point(&[0.3]).usable() == 0.3);
         assert!(point(&[f64::NAN, 0.3]).error().is_nan() && point(&[0.3, f64::NAN]).error().is_nan());
     }
 

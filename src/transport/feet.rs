@@ -1,16 +1,31 @@
 //! Feet of characteristics.
 
 use crate::base::parallel;
-use crate::fem::{Basis, Space, Translation};
-use crate::mesh::{Location, NONE, Point};
+use crate::fem::{Basis, Space, Translation, VelocityFunction};
+use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+/// Periodic sides that one displacement passes at most.
+const MOST_DOORS: usize = 64;
 
 /// The feet of many characteristics, in the order of the points that they arrive at.
 #[derive(Clone, Debug, Default)]
 pub struct Feet(Vec<Location>);
 
 impl Feet {
+    /// Feet that were found elsewhere.
+    pub fn new(feet: Vec<Location>) -> Feet {
+        Feet(feet)
+    }
+    /// Number of feet.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
     /// Foot number `i`.
     #[inline]
     pub fn get(&self, i: usize) -> &Location {
@@ -18,10 +33,26 @@ impl Feet {
     }
 }
 
-/// Traces characteristics of a P2 velocity back in time.
+/// The velocity that carries.
+pub enum Wind<'a, const D: usize> {
+    /// A P2 function, one vector a node, that is frozen over the step: followed by steps of the midpoint rule, as many as keep
+    /// the Courant number of one below 1, a hundred at most.
+    Nodal(&'a [SVector<f64, D>]),
+    /// A function of position and time: followed by steps of the classical Runge-Kutta rule of order 4, as many as keep
+    /// the Courant number of one below 2, a hundred at most.
+    Given {
+        /// The velocity.
+        velocity: &'a VelocityFunction<D>,
+        /// The time at which the characteristics arrive.
+        arrival: f64,
+        /// The largest Courant number of the step.
+        courant: f64,
+    },
+}
+
+/// Traces characteristics back in time.
 ///
-/// Each is followed by steps of the midpoint rule, as many as keep the Courant number of one below 1, through a
-/// velocity that is frozen in time, a hundred steps at most. A characteristic that would leave the domain ends on its
+/// A characteristic that would leave the domain ends on its
 /// boundary, with the value of the old time there; through a periodic side it goes on at the other one.
 ///
 /// Limits: what comes in through an inflow is of first order in time when it changes; on a curved wall that moves along
@@ -33,6 +64,10 @@ pub struct Tracer<const D: usize> {
     home: Vec<Location>,
     /// For every slot (cell, opposite vertex) on a periodic side: where it leads. Sorted by slot.
     doors: Vec<(u32, u32, SVector<f64, D>)>,
+    /// The different shifts of the doors.
+    shifts: Vec<SVector<f64, D>>,
+    /// Finds cells where the straight way is barred; made when it is first needed.
+    locator: OnceLock<Locator<D>>,
 }
 
 impl<const D: usize> Tracer<D> {
@@ -56,7 +91,24 @@ impl<const D: usize> Tracer<D> {
             .collect();
         doors.sort_by_key(|d| d.0);
         doors.dedup_by_key(|d| d.0);
-        Tracer { space: Arc::clone(space), home, doors }
+        let mut shifts: Vec<SVector<f64, D>> = Vec::new();
+        for (_, _, shift) in &doors {
+            if shifts.iter().all(|s| (s - shift).norm() > 1e-6 * shift.norm()) {
+                shifts.push(*shift);
+            }
+        }
+        Tracer { space: Arc::clone(space), home, doors, shifts, locator: OnceLock::new() }
+    }
+    /// The space of the velocities.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.space
+    }
+    /// A cell of node `n` and the place of the node in it; of a node that no cell uses any place.
+    pub fn home(&self, n: usize) -> Location {
+        match self.home[n] {
+            Location { cell: NONE, .. } => Location { cell: 0, barycentric: [1.0, 0.0, 0.0, 0.0] },
+            home => home,
+        }
     }
     /// Largest `|u| dt / h` over the nodes of all cells, with `h` the longest edge of the cell.
     pub fn courant(&self, u: &[SVector<f64, D>], dt: f64) -> f64 {
@@ -70,37 +122,58 @@ impl<const D: usize> Tracer<D> {
     }
     /// Feet, a time `dt` earlier, of the characteristics through the quadrature points of `basis`: point `q` of cell `c` is number `c * points + q`.
     pub fn from_quadrature(&self, u: &[SVector<f64, D>], dt: f64, basis: &Basis<D>, feet: &mut Feet) {
+        self.feet_of_quadrature(&Wind::Nodal(u), dt, basis, feet);
+    }
+    /// Feet, a time `dt` earlier, of the characteristics through the nodes of the space.
+    pub fn from_nodes(&self, u: &[SVector<f64, D>], dt: f64, feet: &mut Feet) {
+        self.feet_of_nodes(&Wind::Nodal(u), dt, feet);
+    }
+    /// [`from_quadrature`](Self::from_quadrature) with any velocity.
+    pub fn feet_of_quadrature(&self, wind: &Wind<'_, D>, dt: f64, basis: &Basis<D>, feet: &mut Feet) {
         let points = basis.rule().len();
         let count = self.space.mesh().cell_count() * points;
         feet.0.resize(count, Location { cell: NONE, barycentric: [0.0; 4] });
-        let steps = self.steps(u, dt);
+        let steps = self.steps(wind, dt);
         parallel::fill(&mut feet.0, points, |first, part| {
             for (i, feet) in part.chunks_exact_mut(points).enumerate() {
                 for (q, foot) in feet.iter_mut().enumerate() {
                     let start = Location { cell: (first + i) as u32, barycentric: basis.rule().points[q] };
-                    *foot = self.foot(u, dt, steps, start);
+                    *foot = self.foot(wind, dt, steps, start);
                 }
             }
         });
     }
-    /// Feet, a time `dt` earlier, of the characteristics through the nodes of the space.
-    pub fn from_nodes(&self, u: &[SVector<f64, D>], dt: f64, feet: &mut Feet) {
+    /// [`from_nodes`](Self::from_nodes) with any velocity.
+    pub fn feet_of_nodes(&self, wind: &Wind<'_, D>, dt: f64, feet: &mut Feet) {
         feet.0.resize(self.space.len(), Location { cell: NONE, barycentric: [0.0; 4] });
-        let steps = self.steps(u, dt);
+        let steps = self.steps(wind, dt);
         parallel::fill(&mut feet.0, 1, |first, part| {
             for (i, foot) in part.iter_mut().enumerate() {
                 let start = self.home[first + i];
                 // A point that no cell uses carries nothing; any location will do.
-                let unused = Location { cell: 0, barycentric: [1.0, 0.0, 0.0, 0.0] };
-                *foot = if start.cell == NONE { unused } else { self.foot(u, dt, steps, start) };
+                *foot = if start.cell == NONE { self.home(first + i) } else { self.foot(wind, dt, steps, start) };
             }
         });
     }
-    /// Steps of the midpoint rule in one time step. The cap keeps a blown-up velocity from taking for ever.
-    fn steps(&self, u: &[SVector<f64, D>], dt: f64) -> usize {
-        (self.courant(u, dt).ceil() as usize).clamp(1, 100)
+    /// Steps of the rule in one time step. The cap keeps a blown-up velocity from taking for ever.
+    fn steps(&self, wind: &Wind<'_, D>, dt: f64) -> usize {
+        let courant = match wind {
+            Wind::Nodal(u) => self.courant(u, dt),
+            Wind::Given { courant, .. } => 0.5 * courant,
+        };
+        (courant.ceil() as usize).clamp(1, 100)
     }
-    fn foot(&self, u: &[SVector<f64, D>], dt: f64, steps: usize, start: Location) -> Location {
+    fn foot(&self, wind: &Wind<'_, D>, dt: f64, steps: usize, start: Location) -> Location {
+        match wind {
+            Wind::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
+            Wind::Given { velocity, arrival, .. } => {
+                let from = self.space.mesh().point_at(&start);
+                let x = path(velocity, from, *arrival, -dt, steps);
+                self.displaced(start, x - from)
+            }
+        }
+    }
+    fn foot_of_nodal(&self, u: &[SVector<f64, D>], dt: f64, steps: usize, start: Location) -> Location {
         let tau = dt / steps as f64;
         let mut here = start;
         for _ in 0..steps {
@@ -114,6 +187,30 @@ impl<const D: usize> Tracer<D> {
             }
         }
         here
+    }
+    /// Where a straight step ends that may be long: a target in the domain is found even if the way to it is not (around
+    /// an obstacle); one outside is replaced by the point where the way leaves the domain.
+    pub fn displaced(&self, from: Location, step: SVector<f64, D>) -> Location {
+        let (end, inside) = self.travel(from, step);
+        if inside || !self.doors.is_empty() {
+            return end;
+        }
+        let target = self.space.mesh().point_at(&from) + step;
+        self.locate(&target).unwrap_or(end)
+    }
+    /// The location of a point, or `None` outside of the mesh.
+    pub fn locate(&self, x: &Point<D>) -> Option<Location> {
+        let mesh = self.space.mesh();
+        self.locator.get_or_init(|| Locator::new(mesh)).locate(mesh, x)
+    }
+    /// The nearest of the images that periodic sides make of a displacement that is shorter than half a period.
+    pub(super) fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
+        // One pair of sides after the other; a corner needs one of each.
+        for _ in 0..D {
+            let images = self.shifts.iter().map(|shift| step - shift);
+            step = images.fold(step, |best, s| if s.norm_squared() < best.norm_squared() { s } else { best });
+        }
+        step
     }
     #[inline]
     fn velocity(&self, u: &[SVector<f64, D>], at: &Location) -> SVector<f64, D> {
@@ -129,8 +226,8 @@ impl<const D: usize> Tracer<D> {
         let mesh = self.space.mesh();
         let (mut cell, mut x) = (from.cell, mesh.point_at(&from));
         let mut target: Point<D> = x + step;
-        // At most as many doors as a particle can cross in one step of Courant number 1.
-        for _ in 0..2 * D {
+        // More doors than a particle can cross in a step, or in the time of a submap.
+        for _ in 0..MOST_DOORS {
             let (end, inside) = mesh.walk(cell, &x, &target);
             if inside || self.doors.is_empty() {
                 return (end, inside);
@@ -148,6 +245,26 @@ impl<const D: usize> Tracer<D> {
         }
         mesh.walk(cell, &x, &target)
     }
+}
+
+/// Where a particle that is at `x` at time `t` is a time `dt` later (earlier if negative), by `steps` steps of the classical Runge-Kutta rule.
+pub fn path<const D: usize>(
+    velocity: &VelocityFunction<D>,
+    mut x: Point<D>,
+    t: f64,
+    dt: f64,
+    steps: usize,
+) -> Point<D> {
+    let tau = dt / steps as f64;
+    for k in 0..steps {
+        let t = t + k as f64 * tau;
+        let a = velocity(&x, t);
+        let b = velocity(&(x + a * (0.5 * tau)), t + 0.5 * tau);
+        let c = velocity(&(x + b * (0.5 * tau)), t + 0.5 * tau);
+        let d = velocity(&(x + c * tau), t + tau);
+        x += (a + b * 2.0 + c * 2.0 + d) * (tau / 6.0);
+    }
+    x
 }
 
 #[cfg(test)]

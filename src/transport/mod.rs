@@ -4,8 +4,10 @@
 //! characteristic that arrives at `x` at `t + dt` (book, section 2.1.1; FreeFEM's `convect`).
 
 mod feet;
+mod map;
 
-pub use feet::{Feet, Tracer};
+pub use feet::{Feet, Tracer, Wind, path};
+pub use map::CharacteristicMap;
 
 use crate::base::Result;
 use crate::fem::{Projector, Space};
@@ -17,6 +19,9 @@ pub enum Method {
     Nodal,
     /// L2 projection of the values at the feet of the quadrature points (Lagrange-Galerkin; Douglas and Russell 1982).
     Projected,
+    /// The initial function at the foot of the whole way back to time 0, by a chain of short P2 maps
+    /// ([`CharacteristicMap`]): the field itself is never interpolated.
+    Composed,
 }
 
 /// Values of `f` at the feet of the nodes.

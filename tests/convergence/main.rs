@@ -8,6 +8,7 @@ mod exact;
 mod membrane;
 mod tools;
 
+mod body;
 mod energy;
 mod explicit_limit;
 mod failures;
@@ -15,6 +16,8 @@ mod freefem;
 mod relaxation;
 mod semi_implicit;
 mod space_order;
+mod study;
 mod time_order;
 mod transport;
 mod virtual_work;
+mod vortex;

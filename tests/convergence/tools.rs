@@ -1,8 +1,6 @@
 //! Slopes, and meshes that the tests share.
 
-use immersa::fem::{Element, Space};
 use immersa::mesh::{Mesh, Point};
-use std::sync::Arc;
 
 /// Errors on three or more meshes (or steps), the sizes in the same order.
 pub struct Study<'a> {
@@ -31,16 +29,6 @@ impl Study<'_> {
         assert!((slope - order).abs() <= 0.1, "{}: order {slope}, expected {order}; {errors:?}", self.what);
         assert!(last <= bound, "{}: error {last:e} above {bound:e}", self.what);
     }
-}
-
-/// The mesh with every triangle cut into four; all of its boundary is called `walls`.
-pub fn refine(mesh: &Mesh<2>) -> Mesh<2> {
-    let quadratic = Space::new(&Arc::new(mesh.clone()), Element::P2);
-    let cells = (0..mesh.cell_count()).flat_map(|c| {
-        let [a, b, c, ab, bc, ca] = quadratic.cell_nodes(c).try_into().unwrap();
-        [a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca]
-    });
-    with_walls(Mesh::new(quadratic.nodes().to_vec(), cells.collect::<Vec<u32>>()).unwrap())
 }
 
 /// The mesh with all of its boundary called `walls`.

@@ -42,6 +42,7 @@ impl Carried {
                     self.tracer.from_quadrature(&u, dt, self.projector.basis(), &mut feet);
                     carry_projected(&mut self.projector, &self.phi, &feet, &mut moved).unwrap();
                 }
+                Method::Composed => panic!("composed transport is measured in vortex.rs"),
             }
             std::mem::swap(&mut self.phi, &mut moved);
         }

@@ -65,7 +65,7 @@ impl Case {
     /// Largest error of the pressure at a node.
     pub fn pressure_error(&self, exact: impl Fn(&Point<2>) -> f64) -> f64 {
         let sim = &self.model.simulation;
-        let nodes = sim.flow().pressure().space().nodes();
+        let nodes = sim.flow().unwrap().pressure().space().nodes();
         nodes.iter().zip(&sim.state().flow.p).map(|(x, p)| (p - exact(x)).abs()).fold(0.0, f64::max)
     }
 }

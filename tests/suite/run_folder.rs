@@ -123,7 +123,7 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
     let limit = explicit_step_limit(0.01, THICKNESS, sim.structures()[0].membrane.largest_tension(), 0.1);
     let at = Locator::new(space.mesh()).locate(space.mesh(), &centre).unwrap();
     let u = space.value(&state.flow.u, at.cell as usize, &at.barycentric);
-    let p = sim.flow().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
+    let p = sim.flow().unwrap().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
     let mut row = vec![m.area, m.perimeter, m.centroid[0], m.centroid[1], m.axis_1, m.axis_2, m.angle];
     row.extend([m.extent_x, m.extent_y, chord(1.0, 0.0), chord(0.0, 1.0)]);
     row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.budget.residual(&e), state.budget.work]);
@@ -133,7 +133,7 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
 
 /// The pressure along `y = 1`.
 fn profile(sim: &Simulation<2>) -> Vec<f64> {
-    let space = sim.flow().pressure().space();
+    let space = sim.flow().unwrap().pressure().space();
     let locator = Locator::new(space.mesh());
     let value = |x: f64| {
         let at = locator.locate(space.mesh(), &Point::<2>::new(x, 1.0)).unwrap();

@@ -29,14 +29,14 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         run.summary.balance.largest_rise.map(per_cent),
         "0 or less when nothing drives the flow",
     );
-    for m in &run.scene.membranes {
-        let area = run.column_of(&m.name, "area");
+    for (name, _) in run.scene.interfaces() {
+        let area = run.column_of(name, "area");
         let changes: Option<Vec<f64>> = area.map(|a| a.iter().map(|v| v / a[0] - 1.0).collect());
         row(
-            format!("change of the area in {}", m.name),
-            area_change(run, &m.name).map(per_cent),
+            format!("change of the area in {name}"),
+            area_change(run, name).map(per_cent),
             changes.as_deref().and_then(relative),
-            "0: no fluid crosses a membrane",
+            "0: no fluid crosses an interface",
         );
     }
     let end = |name: &str| run.last(name).map(|v| rounded(v, 3));
@@ -44,6 +44,11 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
     for (column, what, says) in [
         ("divergence", "‖div u‖ in L2", "0; small against the gradient of u, and smaller on a finer mesh"),
         ("cfl", "Courant number", "about 1 or less, for accuracy"),
+        (
+            "map_error",
+            "rms(det grad Y - 1) of the backward map",
+            "0; smaller with a smaller numerics.remap and on a finer mesh",
+        ),
         ("step_over_limit", "step over the explicit limit (1.54)", "at most 1 when the coupling is explicit"),
     ] {
         if column != "step_over_limit" || !run.scene.membranes.is_empty() {

@@ -49,7 +49,8 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
             charts.extend(axes(run, m, sheet()));
             charts.extend(chords(run, m, sheet()));
         }
-        let common = [stretch, area, energies, balance, speed, steps, fluxes];
+        charts.extend(run.scene.level_sets.iter().filter_map(|s| length(run, &s.name, sheet())));
+        let common = [stretch, area, map, energies, balance, speed, steps, fluxes];
         charts.extend(common.iter().filter_map(|chart| chart(run, sheet())));
         charts.extend(run.scene.output.probes.iter().filter_map(|p| probe(run, p, sheet())));
         charts.extend(run.scene.output.forces.iter().filter_map(|f| force(run, &f.name, sheet())));
@@ -102,6 +103,7 @@ fn chords(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
 /// Perimeters over the length at rest, which is the perimeter at the start over the stretch there.
 fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     let alone = run.scene.membranes.len() == 1;
+    // Of a passive level set the length itself is drawn.
     for m in &run.scene.membranes {
         let Some(perimeter) = run.column_of(&m.name, "perimeter") else { continue };
         let rest = perimeter.first().map_or(f64::NAN, |p| p / m.stretch);
@@ -120,15 +122,36 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
+/// The length of a passive interface, and that of the polygon of its markers.
+fn length(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
+    sheet.line("interface", run.column_of(name, "perimeter"));
+    sheet.add("markers", run.column_of(name, "markers_length").map(<[f64]>::to_vec), Stroke::Dashed);
+    let title = format!("Length of {name}");
+    let caption = "The length of the interface, and (dashed) that of the closed polygon of markers that are carried with it, if there are any: \
+                   the truth, as long as neighbours are near each other. Where the interface is shorter, thin parts of it have been lost.";
+    sheet.draw(format!("length-{name}"), [&title, "length"], caption)
+}
+
+/// The error of the backward map, by its determinant.
+fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    sheet.line("rms(det grad Y - 1)", run.column("map_error"));
+    sheet.draw(
+        "map",
+        ["Error of the backward map", "rms(det grad Y - 1)"],
+        "How far the composed backward map is from keeping areas, which the flow does: an estimate of its error. It grows with \
+         time; a smaller numerics.remap or a finer mesh lessens it.",
+    )
+}
+
 fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
-    for m in &run.scene.membranes {
+    for (name, _) in run.scene.interfaces() {
         let change = |a: &[f64]| a.iter().map(|v| 100.0 * (v / a[0] - 1.0)).collect();
-        sheet.add(m.name.as_str(), run.column_of(&m.name, "area").map(change), Stroke::Line);
+        sheet.add(name, run.column_of(name, "area").map(change), Stroke::Line);
     }
     sheet.draw(
         "area",
         ["Change of the enclosed area", "change (%)"],
-        "No fluid crosses a membrane, so the truth is zero. A few hundredths of a per cent are the error of the mesh and \
+        "No fluid crosses an interface, so the truth is zero. A few hundredths of a per cent are the error of the mesh and \
          shrink with it; a steady drift to a per cent or more would mean that the mesh is too coarse or grad_div too small.",
     )
 }

@@ -44,7 +44,9 @@ fn subtitle(run: &RunFolder) -> String {
     let mut parts = Vec::new();
     parts.extend(run.summary.cells.map(|n| format!("{} cells", grouped(n))));
     parts.extend(run.summary.steps.map(|n| format!("{} steps of {}", grouped(n), rounded(time.step, 6))));
-    parts.push(format!("order {} in time", time.order));
+    if !run.scene.fluid.is_prescribed() {
+        parts.push(format!("order {} in time", time.order));
+    }
     if !run.scene.units.is_empty() {
         parts.push(format!("units: {}", run.scene.units));
     }
@@ -71,18 +73,22 @@ fn ending(run: &RunFolder) -> Option<String> {
 fn headline(run: &RunFolder) -> Vec<Number> {
     let number = |label: &str, value: String, note: String| Number { label: label.into(), value, note };
     let mut numbers = Vec::new();
-    let several = run.scene.membranes.len() > 1;
-    for m in run.scene.membranes.iter().take(MOST_MEMBRANES) {
-        let of = if several { format!(" of {}", m.name) } else { String::new() };
-        let last = |quantity: &str| run.last(&format!("{}.{quantity}", m.name));
-        if let Some((a, b)) = last("axis_1").zip(last("axis_2")) {
+    let several = run.scene.interfaces().count() > 1;
+    for (k, (name, _)) in run.scene.interfaces().take(MOST_MEMBRANES).enumerate() {
+        let of = if several { format!(" of {name}") } else { String::new() };
+        let last = |quantity: &str| run.last(&format!("{name}.{quantity}"));
+        let elastic = k < run.scene.membranes.len();
+        if let Some(length) = last("perimeter").filter(|_| !elastic) {
+            let note = last("markers_length").map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
+            numbers.push(number(&format!("Length{of}"), rounded(length, 4), note));
+        } else if let Some((a, b)) = last("axis_1").zip(last("axis_2")) {
             let circle = last("area").map(|a| (a / std::f64::consts::PI).sqrt());
             let note = circle.map_or_else(String::new, |r| format!("circle of the same area: {}", rounded(r, 4)));
             numbers.push(number(&format!("Semi-axes{of}"), pair(a, b), note));
         }
         if let Some(area) = last("area") {
             let note =
-                area_change(run, &m.name).map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
+                area_change(run, name).map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
             numbers.push(number(&format!("Area inside{of}"), rounded(area, 5), note));
         }
     }
@@ -147,11 +153,12 @@ fn grouped(n: u64) -> String {
 
 /// The files of the folder, and how to open them.
 fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
-    let fields = match run.scene.membranes.first() {
-        Some(m) => format!(
-            "velocity, pressure and level sets for ParaView: File > Open, Apply, then colour by `velocity` or `pressure`. The \
-             interface: Filters > Contour by `{}.level_set` at 0. In Python: meshio.read of a .vtu",
-            m.name
+    let pressure = if run.scene.fluid.is_prescribed() { ["", ""] } else { [", pressure", " or `pressure`"] };
+    let fields = match run.scene.interfaces().next() {
+        Some((name, _)) => format!(
+            "velocity{} and level sets for ParaView: File > Open, Apply, then colour by `velocity`{}. The \
+             interface: Filters > Contour by `{name}.level_set` at 0. In Python: meshio.read of a .vtu",
+            pressure[0], pressure[1]
         ),
         None => "velocity and pressure for ParaView: File > Open, Apply, then colour by `velocity` or `pressure`. In Python: \
                  meshio.read of a .vtu"

@@ -99,7 +99,7 @@ struct Painter {
     quantity: Quantity,
     mesh: bool,
     size: usize,
-    membranes: Vec<String>,
+    interfaces: Vec<String>,
     scale: Scale,
     /// The greatest speed, if arrows are drawn.
     fastest: Option<f64>,
@@ -113,7 +113,7 @@ impl Painter {
             quantity: picture.field,
             mesh: picture.mesh,
             size: picture.size,
-            membranes: run.scene.membranes.iter().map(|m| m.name.clone()).collect(),
+            interfaces: run.scene.interfaces().map(|(name, _)| name.to_string()).collect(),
             scale: Scale::of::<2>(FieldData::Scalar(&[])),
             fastest: None,
         };
@@ -149,16 +149,16 @@ impl Painter {
         })
     }
 
-    /// The level set of the membrane; a scene asks for it only when there is exactly one.
+    /// The level set of the interface; a scene asks for it only when there is exactly one.
     fn level_set<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<&'a [f64]> {
-        level_set(snapshot, self.membranes.first().map_or("", |name| name))
+        level_set(snapshot, self.interfaces.first().map_or("", |name| name))
     }
 
     fn paint(&self, frame: &Frame) -> Result<Image> {
         let snapshot = read_vtu::<2>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
-        let interfaces = self.membranes.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
+        let interfaces = self.interfaces.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
         let arrows = match self.fastest {
             Some(fastest) => Some(Arrows { velocity: snapshot.vector("velocity").map_err(place)?, fastest }),
             None => None,
@@ -197,7 +197,7 @@ impl Painter {
             rounded(first, 6),
             rounded(last, 6)
         );
-        if !self.membranes.is_empty() {
+        if !self.interfaces.is_empty() {
             caption += "; the black line is the interface";
         }
         if self.fastest.is_some() {

@@ -114,10 +114,14 @@ impl Folder {
     /// Writes velocity, pressure and level sets of the current state.
     pub(super) fn write_fields(&self, sim: &Simulation<2>, step: usize) -> Result<()> {
         let state = sim.state();
-        let names: Vec<String> = sim.structures().iter().map(|s| format!("{}.level_set", s.name)).collect();
-        let mut fields =
-            vec![("velocity", FieldData::Vector(&state.flow.u)), ("pressure", FieldData::Scalar(&state.flow.p))];
-        for (name, phi) in names.iter().zip(&state.phi) {
+        let names = sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name));
+        let names: Vec<String> = names.map(|name| format!("{name}.level_set")).collect();
+        let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
+        let mut fields = vec![("velocity", FieldData::Vector(&state.flow.u))];
+        if !sim.is_prescribed() {
+            fields.push(("pressure", FieldData::Scalar(&state.flow.p)));
+        }
+        for (name, phi) in names.iter().zip(&level_sets) {
             fields.push((name, FieldData::Scalar(phi)));
         }
         write_vtu(&self.0.join(field_file(step)), sim.space(), sim.time(), &fields)
@@ -148,7 +152,9 @@ impl Folder {
         plan: &str,
     ) -> Result<()> {
         let sim = &model.simulation;
-        let numbering = sim.flow().numbering();
+        let numbering = sim.flow().map(|flow| flow.numbering());
+        let velocity = numbering.map_or(0, |n| n.first_pressure());
+        let level_sets = sim.structures().len() + sim.passive().len();
         let status = match result {
             Ok(()) => "finished",
             Err(e) if e.kind() == Kind::Interrupted => "interrupted",
@@ -165,20 +171,20 @@ impl Folder {
             "edge": model.quality.greatest_diameter.value,
             "memory": sim.bytes(),
             "unknowns": {
-                "velocity": numbering.first_pressure(),
-                "pressure": numbering.order() - numbering.first_pressure(),
-                "level_set": sim.space().len() * sim.structures().len(),
+                "velocity": velocity,
+                "pressure": numbering.map_or(0, |n| n.order()) - velocity,
+                "level_set": sim.space().len() * level_sets,
             },
-            "factor_entries": sim.flow().factor().map(|f| f.nonzeros()),
+            "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
             "alarms": alarms,
             "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
             "balance": {
-                "energy": sim.state().budget.residual(&sim.state().energies),
-                "largest_energy": record.worst_balance,
-                "largest_rise": record.largest_rise,
+                "energy": (!sim.is_prescribed()).then(|| sim.state().budget.residual(&sim.state().energies)),
+                "largest_energy": (!sim.is_prescribed()).then_some(record.worst_balance),
+                "largest_rise": (!sim.is_prescribed()).then_some(record.largest_rise),
                 "area": record.area_change,
             },
             "final": record.last,

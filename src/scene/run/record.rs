@@ -72,12 +72,12 @@ impl Record {
     pub(super) fn note_row(&mut self, scene: &Scene, columns: &[String], row: &[f64]) {
         // JSON knows no NaN: what could not be measured is left out.
         self.last = columns.iter().cloned().zip(row.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
-        for m in &scene.membranes {
+        for (name, _) in scene.interfaces() {
             // An interface that is gone has no area.
-            let area = self.last.get(&format!("{}.area", m.name)).copied().unwrap_or(0.0);
-            let first = *self.area.entry(m.name.clone()).or_insert(area);
+            let area = self.last.get(&format!("{name}.area")).copied().unwrap_or(0.0);
+            let first = *self.area.entry(name.to_string()).or_insert(area);
             let change = area / first - 1.0;
-            let worst = self.area_change.entry(m.name.clone()).or_insert(0.0);
+            let worst = self.area_change.entry(name.to_string()).or_insert(0.0);
             if change.abs() > worst.abs() {
                 *worst = change;
             }

@@ -51,15 +51,23 @@ pub(super) static KEYS: Keys = Keys {
     ],
 };
 
-/// All entries, in the order of the scene; without any, no slip on the whole boundary.
-pub(super) fn read(item: Option<Item>, context: &Context) -> Result<Vec<Boundary>> {
+/// All entries, in the order of the scene; without any, no slip on the whole boundary, or nothing where the velocity is `prescribed`.
+pub(super) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
     let Some(item) = item else {
+        if prescribed {
+            return Ok(Vec::new());
+        }
         return Ok(vec![Boundary { name: WALLS.to_string(), condition: Condition::NoSlip }]);
     };
     let entries: Vec<(&str, Item)> = item.open_table()?.items().collect();
     let mut boundaries = Vec::new();
     for (name, item) in &entries {
         let condition = Condition::read(item, context)?;
+        if prescribed && !matches!(condition, Condition::Periodic(_)) {
+            return Err(item
+                .key_error("a condition on a boundary means nothing where the velocity is prescribed")
+                .remedy("leave it out; only periodic sides matter then"));
+        }
         boundaries.push(Boundary { name: name.to_string(), condition });
     }
     if boundaries.is_empty() {

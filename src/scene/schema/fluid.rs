@@ -1,6 +1,6 @@
 //! `[fluid]`: what flows, and what drives it.
 
-use super::keys::{Absent::Default, Absent::Required, Keys, Kind::Either, Kind::Value, row};
+use super::keys::{Absent::Default, Absent::OneOf, Absent::Required, Keys, Kind::Either, Kind::Value, row};
 use super::write::{Writer, expressions, number, vector};
 use crate::base::Result;
 use crate::scene::expression::Expression;
@@ -20,7 +20,12 @@ pub struct Fluid {
     pub force: Vec<Expression>,
     /// Velocity at time 0; does not depend on time.
     pub initial_velocity: Vec<Expression>,
+    /// The velocity at all times, in place of a flow that is solved; then nothing else of the fluid has a meaning.
+    pub prescribed_velocity: Option<Vec<Expression>>,
 }
+
+/// All keys but `prescribed_velocity`.
+const SOLVED: [&str; 5] = ["density", "viscosity", "gravity", "force", "initial_velocity"];
 
 pub(super) static KEYS: Keys = Keys {
     about: "What flows, and what drives it.",
@@ -32,7 +37,7 @@ pub(super) static KEYS: Keys = Keys {
             Default("1.0"),
             "Mass per volume; 0 means no inertia: the Stokes equations.",
         ),
-        row("viscosity", Either("number > 0", &CONTRAST), "Pa s", Required, "Dynamic viscosity."),
+        row("viscosity", Either("number > 0", &CONTRAST), "Pa s", OneOf, "Dynamic viscosity."),
         row("gravity", Value("vector of numbers"), "m/s2", Default("[0.0, 0.0]"), "Acceleration; acts on the density."),
         row("force", Value("vector of numbers or expressions"), "N/m3", Default("[0.0, 0.0]"), "Force per volume."),
         row(
@@ -41,6 +46,14 @@ pub(super) static KEYS: Keys = Keys {
             "m/s",
             Default("[0.0, 0.0]"),
             "Velocity at time 0; must not depend on `t`.",
+        ),
+        row(
+            "prescribed_velocity",
+            Value("vector of numbers or expressions"),
+            "m/s",
+            OneOf,
+            "The velocity at all times, in place of a flow that is solved: then nothing else of the fluid, no membrane and no \
+             condition on a boundary but periodic sides has a meaning, and level sets are carried by it.",
         ),
     ],
 };
@@ -57,6 +70,22 @@ impl Fluid {
     pub(super) fn read(item: &Item, structures: usize, context: &Context) -> Result<Fluid> {
         let table = item.table(&KEYS)?;
         let zero = vec![Expression::constant(0.0); context.dimension];
+        if let Some(velocity) = table.optional("prescribed_velocity", |i| i.components(context))? {
+            if let Some((key, item)) = SOLVED.iter().find_map(|key| Some((key, table.get(key)?))) {
+                return Err(item
+                    .key_error(format!("`{key}` means nothing beside `prescribed_velocity`: no flow is solved"))
+                    .remedy("keep one of the two"));
+            }
+            let none = Contrast::uniform(0.0);
+            return Ok(Fluid {
+                density: none,
+                viscosity: none,
+                gravity: vec![0.0; context.dimension],
+                force: zero.clone(),
+                initial_velocity: zero,
+                prescribed_velocity: Some(velocity),
+            });
+        }
         let density = |i: &Item| read_contrast(i, structures, Item::non_negative);
         let viscosity = |i: &Item| read_contrast(i, structures, Item::positive);
         Ok(Fluid {
@@ -65,7 +94,13 @@ impl Fluid {
             gravity: table.optional("gravity", |i| i.point(context))?.unwrap_or(vec![0.0; context.dimension]),
             force: table.optional("force", |i| i.components(context))?.unwrap_or(zero.clone()),
             initial_velocity: table.optional("initial_velocity", |i| initial(i, context))?.unwrap_or(zero),
+            prescribed_velocity: None,
         })
+    }
+
+    /// Whether the velocity is prescribed, so that no flow is solved.
+    pub fn is_prescribed(&self) -> bool {
+        self.prescribed_velocity.is_some()
     }
 
     /// Whether the fluid has mass; without it the Stokes equations are solved.
@@ -80,6 +115,9 @@ impl Fluid {
 
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[fluid]");
+        if let Some(velocity) = &self.prescribed_velocity {
+            return out.entry("prescribed_velocity", expressions(velocity));
+        }
         out.entry("density", write_contrast(self.density));
         out.entry("viscosity", write_contrast(self.viscosity));
         out.entry("gravity", vector(&self.gravity));

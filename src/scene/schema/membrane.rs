@@ -187,7 +187,7 @@ pub(super) fn named<T>(item: &Item, read: impl Fn(String, &Item) -> Result<T>) -
 
 const IDENTIFIER: &str = "use letters, digits, `_` and `-`, and begin with a letter";
 
-fn identifier(item: &Item) -> Result<String> {
+pub(super) fn identifier(item: &Item) -> Result<String> {
     let name = item.text()?;
     if is_identifier(name) {
         return Ok(name.to_string());

@@ -4,6 +4,7 @@ mod boundary;
 mod exact;
 mod fluid;
 mod keys;
+mod level_set;
 mod membrane;
 mod mesh;
 mod numerics;
@@ -17,6 +18,7 @@ pub use boundary::{Boundary, Condition, WALLS};
 pub use exact::Exact;
 pub use fluid::Fluid;
 pub use keys::{Absent, Key, Keys, Kind};
+pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
@@ -25,7 +27,7 @@ pub use shape::Shape;
 pub use time::Time;
 
 use super::expression::is_reserved;
-use super::item::{Context, Item};
+use super::item::{self, Context, Item};
 use crate::base::Result;
 use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
@@ -45,10 +47,12 @@ pub struct Settings {
     pub mesh: MeshSource,
     /// What flows.
     pub fluid: Fluid,
-    /// Conditions on the boundary, in the order of the scene; never empty.
+    /// Conditions on the boundary, in the order of the scene; empty only when the velocity is prescribed.
     pub boundaries: Vec<Boundary>,
     /// Elastic interfaces, in the order of the scene.
     pub membranes: Vec<Membrane>,
+    /// Interfaces that are carried and act on nothing, in the order of the scene.
+    pub level_sets: Vec<LevelSet>,
     /// The time grid.
     pub time: Time,
     /// How the equations are solved.
@@ -83,6 +87,7 @@ pub static KEYS: Keys = Keys {
             "What happens on the named parts of the boundary.",
         ),
         row("membrane", List(&membrane::KEYS), "", Optional, "Elastic interfaces."),
+        row("level_set", List(&level_set::KEYS), "", Optional, "Interfaces that are carried and act on nothing."),
         row("time", Table(&time::KEYS), "", Required, "How long, in which steps."),
         row("numerics", Table(&numerics::KEYS), "", Optional, "How the equations are solved."),
         row("output", Table(&output::KEYS), "", Optional, "What is written, and when."),
@@ -105,23 +110,36 @@ impl Settings {
         let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
+        let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
+        let level_sets = level_set::read(scene.get("level_set"), &taken, &context)?;
         let fluid = |i: &Item| Fluid::read(i, membranes.len(), &context);
         let fluid = scene.required("fluid", "write [fluid] with viscosity = 0.01", fluid)?;
+        if fluid.is_prescribed() {
+            check_passive(&scene, level_sets.is_empty())?;
+        }
+        let interfaces: Vec<&str> = taken.into_iter().chain(level_sets.iter().map(|s| s.name.as_str())).collect();
         let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
         let text = |i: &Item| i.text().map(str::to_string);
         Ok(Settings {
             title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
             units: scene.optional("units", text)?.unwrap_or_default(),
-            boundaries: boundary::read(scene.get("boundary"), &context)?,
+            boundaries: boundary::read(scene.get("boundary"), fluid.is_prescribed(), &context)?,
             numerics: Numerics::read(scene.get("numerics"))?,
-            output: Output::read(scene.get("output"), &time, &membranes, &context)?,
+            output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), &context)?,
             exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,
             fluid,
             membranes,
+            level_sets,
             time,
         })
+    }
+
+    /// The names of all interfaces, those of membranes first, each with the slope of its level set at the start.
+    pub fn interfaces(&self) -> impl Iterator<Item = (&str, f64)> {
+        let passive = self.level_sets.iter().map(|s| (s.name.as_str(), 1.0));
+        self.membranes.iter().map(|m| (m.name.as_str(), m.stretch)).chain(passive)
     }
 
     /// The scene as TOML with every default written out; reads as the same settings.
@@ -139,11 +157,32 @@ impl Settings {
         self.fluid.write(&mut out);
         boundary::write(&self.boundaries, &mut out);
         membrane::write(&self.membranes, &mut out);
+        level_set::write(&self.level_sets, &mut out);
         self.time.write(&mut out);
         self.numerics.write(&mut out);
         self.output.write(&mut out);
         self.exact.write(&mut out);
         out.text
+    }
+}
+
+/// A prescribed velocity carries level sets and nothing else.
+fn check_passive(scene: &item::Table<'_>, without_level_set: bool) -> Result<()> {
+    if let Some(item) = scene.get("membrane") {
+        return Err(item
+            .key_error("a membrane acts on the flow, but the velocity is prescribed")
+            .remedy("carry its shape as a [[level_set]], or give a viscosity in place of prescribed_velocity"));
+    }
+    if let Some(item) = scene.get("exact").map(|e| e.open_table()).transpose()?.and_then(|e| e.get("pressure")) {
+        return Err(item
+            .key_error("there is no pressure to compare: the velocity is prescribed and no flow is solved")
+            .remedy("leave exact.pressure out"));
+    }
+    match scene.get("fluid") {
+        Some(item) if without_level_set => Err(item
+            .key_error("the velocity is prescribed and carries nothing")
+            .remedy("add [[level_set]] with shape.circle = { centre = [0.5, 0.75], radius = 0.15 }")),
+        _ => Ok(()),
     }
 }
 

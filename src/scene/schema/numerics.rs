@@ -19,6 +19,8 @@ pub struct Numerics {
     pub grad_div: Option<f64>,
     /// How level sets are carried.
     pub transport: Method,
+    /// With composed transport, the steepness `|grad d|` of a short map `x + d(x)` beyond which the next one begins.
+    pub remap: Option<f64>,
     /// How the force of a membrane enters a step.
     pub coupling: Coupling,
     /// Whether velocity carries itself.
@@ -28,7 +30,8 @@ pub struct Numerics {
 }
 
 const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
-const TRANSPORTS: [(&str, Method); 2] = [("nodal", Method::Nodal), ("projected", Method::Projected)];
+const TRANSPORTS: [(&str, Method); 3] =
+    [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
 const COUPLINGS: [(&str, Coupling); 3] =
     [("explicit", Coupling::Explicit), ("semi-implicit", Coupling::SemiImplicit), ("implicit", Coupling::Implicit)];
 const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
@@ -61,7 +64,21 @@ pub(super) static KEYS: Keys = Keys {
             Auto,
             "Weight of the grad-div term, which keeps the divergence small.",
         ),
-        row("transport", Choice(&TRANSPORT_WORDS), "", Default("\"nodal\""), "How level sets are carried."),
+        row(
+            "transport",
+            Choice(&TRANSPORT_WORDS),
+            "",
+            Default("\"nodal\""),
+            "How level sets are carried: by values at the nodes, projected, or composed with a chain of short backward maps, which never \
+             interpolates them but needs a domain that nothing flows into.",
+        ),
+        row(
+            "remap",
+            Value("number > 0"),
+            "",
+            Auto,
+            "With composed transport, the gradient of the displacement of a short map beyond which the next one begins.",
+        ),
         row(
             "coupling",
             Choice(&COUPLING_WORDS),
@@ -94,6 +111,7 @@ impl Numerics {
             band: None,
             grad_div: None,
             transport: Method::Nodal,
+            remap: None,
             coupling: Coupling::Implicit,
             convection: None,
             quadrature: None,
@@ -105,6 +123,7 @@ impl Numerics {
         numerics.band = table.optional("band", |i| i.unless_auto(|i| i.choice(&BANDS)))?.flatten();
         numerics.grad_div = table.optional("grad_div", |i| i.unless_auto(Item::non_negative))?.flatten();
         numerics.transport = table.optional("transport", |i| i.choice(&TRANSPORTS))?.unwrap_or(numerics.transport);
+        numerics.remap = table.optional("remap", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.coupling = table.optional("coupling", |i| i.choice(&COUPLINGS))?.unwrap_or(numerics.coupling);
         numerics.convection = table.optional("convection", |i| i.unless_auto(Item::boolean))?.flatten();
         numerics.quadrature = table.optional("quadrature", |i| i.unless_auto(degree))?.flatten();
@@ -117,6 +136,7 @@ impl Numerics {
         out.entry("band", or_auto(self.band, |b| name(b, &BANDS).to_string()));
         out.entry("grad_div", or_auto(self.grad_div, number));
         out.entry("transport", name(self.transport, &TRANSPORTS));
+        out.entry("remap", or_auto(self.remap, number));
         out.entry("coupling", name(self.coupling, &COUPLINGS));
         out.entry("convection", or_auto(self.convection, |c| c.to_string()));
         out.entry("quadrature", or_auto(self.quadrature, |d| d.to_string()));

@@ -1,7 +1,7 @@
 //! `[output]`: what is written, and when.
 
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::membrane::{Membrane, named};
+use super::membrane::named;
 use super::time::Time;
 use super::write::{Writer, key, name, number, text, vector};
 use crate::base::Result;
@@ -44,9 +44,9 @@ pub enum Quantity {
     Velocity,
     /// The magnitude of the velocity.
     Speed,
-    /// The level set of the one membrane.
+    /// The level set of the one interface.
     LevelSet,
-    /// The stretch of the one membrane.
+    /// The stretch of the one interface.
     Stretch,
 }
 
@@ -233,9 +233,16 @@ const PICTURES: f64 = 50.0;
 const CHECKPOINT: f64 = 30.0;
 
 impl Output {
-    pub(super) fn read(item: Option<Item>, time: &Time, membranes: &[Membrane], context: &Context) -> Result<Output> {
+    /// `interfaces` are the names of membranes and level sets.
+    pub(super) fn read(
+        item: Option<Item>,
+        time: &Time,
+        interfaces: &[&str],
+        prescribed: bool,
+        context: &Context,
+    ) -> Result<Output> {
         let table = item.as_ref().map(|i| i.table(&KEYS)).transpose()?;
-        let source = Source { table, time, membranes, context };
+        let source = Source { table, time, interfaces, prescribed, context };
         let fields = source.interval_or_none("fields", FIELD_FILES)?;
         let pictures = source.interval_or_none("pictures", PICTURES)?;
         let film = source.optional("film", |i| match (i.boolean()?, pictures) {
@@ -256,7 +263,7 @@ impl Output {
             profiles: source.named("profiles", |name, i| source.profile(name, i))?,
             forces: source.named("forces", |name, i| source.force(name, i))?,
             fluxes: source.named("fluxes", flux)?,
-            picture: source.optional("picture", |i| source.picture(i))?.unwrap_or(Picture::DEFAULT),
+            picture: source.optional("picture", |i| source.picture(i))?.unwrap_or(source.default_picture()),
         };
         source.check_names()?;
         Ok(output)
@@ -304,7 +311,9 @@ impl Picture {
 struct Source<'a> {
     table: Option<Table<'a>>,
     time: &'a Time,
-    membranes: &'a [Membrane],
+    interfaces: &'a [&'a str],
+    /// Whether the velocity is prescribed.
+    prescribed: bool,
     context: &'a Context,
 }
 
@@ -325,10 +334,15 @@ impl<'a> Source<'a> {
 
     fn quantity(&self, item: &Item) -> Result<Quantity> {
         let quantity = item.choice(&QUANTITIES)?;
-        let n = self.membranes.len();
+        let n = self.interfaces.len();
+        if quantity == Quantity::Pressure && self.prescribed {
+            return Err(item
+                .error("there is no pressure: the velocity is prescribed and no flow is solved")
+                .remedy("ask for velocity, speed, level_set or stretch"));
+        }
         if matches!(quantity, Quantity::LevelSet | Quantity::Stretch) && n != 1 {
             return Err(item
-                .error(format!("`{}` belongs to one membrane, but the scene has {n}", item.text()?))
+                .error(format!("`{}` belongs to one interface, but the scene has {n}", item.text()?))
                 .remedy("ask for pressure, velocity or speed"));
         }
         Ok(quantity)
@@ -375,12 +389,27 @@ impl<'a> Source<'a> {
     }
 
     fn force(&self, name: String, item: &Item) -> Result<Force> {
+        if self.prescribed {
+            return Err(item
+                .key_error("there are no forces: the velocity is prescribed and no flow is solved")
+                .remedy("leave output.forces out"));
+        }
         let table = item.table(&FORCE)?;
         Ok(Force {
             name,
             boundary: table.required("boundary", "name a boundary: boundary = \"cylinder\"", boundary)?,
             about: table.optional("about", |i| i.point(self.context))?,
         })
+    }
+
+    /// The pressure where there is one.
+    fn default_picture(&self) -> Picture {
+        let field = match (self.prescribed, self.interfaces.len()) {
+            (false, _) => Picture::DEFAULT.field,
+            (true, 1) => Quantity::LevelSet,
+            (true, _) => Quantity::Speed,
+        };
+        Picture { field, ..Picture::DEFAULT }
     }
 
     fn picture(&self, item: &Item) -> Result<Picture> {
@@ -392,7 +421,7 @@ impl<'a> Source<'a> {
             field => Ok(field),
         };
         Ok(Picture {
-            field: table.optional("field", field)?.unwrap_or(Picture::DEFAULT.field),
+            field: table.optional("field", field)?.unwrap_or(self.default_picture().field),
             mesh: table.optional("mesh", Item::boolean)?.unwrap_or(Picture::DEFAULT.mesh),
             size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
         })
@@ -400,14 +429,14 @@ impl<'a> Source<'a> {
 
     /// Columns of the series begin with the name of what they measure: no two may share it.
     fn check_names(&self) -> Result<()> {
-        let mut taken: Vec<&str> = self.membranes.iter().map(|m| m.name.as_str()).collect();
+        let mut taken: Vec<&str> = self.interfaces.to_vec();
         for key in ["probes", "forces", "fluxes"] {
             let Some(item) = self.table.as_ref().and_then(|t| t.get(key)) else { continue };
             for (name, item) in item.open_table()?.items() {
                 if taken.contains(&name) {
                     return Err(item
-                        .key_error(format!("the name `{name}` is taken by another output or a membrane"))
-                        .remedy("give every membrane, probe, force and flux a name of its own"));
+                        .key_error(format!("the name `{name}` is taken by another output or an interface"))
+                        .remedy("give every membrane, level set, probe, force and flux a name of its own"));
                 }
                 taken.push(name);
             }

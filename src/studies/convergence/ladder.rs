@@ -44,7 +44,7 @@ impl Ladder {
         let levels = (0..count).map(|k| rung.trial(settings.halved, k, common)).collect::<Result<_>>()?;
         let mut checks = Vec::new();
         for (wanted, name, more) in [
-            (!settings.halved.time, STEP, Halved { time: true, ..Halved::default() }),
+            (settings.halved.thickness || !settings.halved.time, STEP, Halved { time: true, ..Halved::default() }),
             (settings.halved.thickness || !settings.halved.space, MESH, Halved { space: true, ..Halved::default() }),
         ] {
             if wanted && settings.checks {
@@ -102,7 +102,7 @@ impl Rung<'_> {
             let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
             return Ok((format!("mesh.file={}", quoted(&path)), name));
         }
-        let finer = |n: usize| n.checked_mul(1 << k.min(30)).unwrap_or(usize::MAX);
+        let finer = |n: usize| n.saturating_mul(1 << k.min(30));
         Ok(match &self.scene.mesh {
             MeshSource::Rectangle { cells: [nx, ny], .. } => {
                 let [nx, ny] = [finer(*nx), finer(*ny)];

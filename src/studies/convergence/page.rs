@@ -40,6 +40,7 @@ pub(super) fn findings(study: &Study<'_>) -> Findings {
         notes: study.notes(),
         headline: study.headline(),
         grids,
+        details: vec![study.by_time()],
         drawings,
         ..Findings::default()
     }
@@ -141,13 +142,35 @@ impl Study<'_> {
             grid.rows.push(cells);
         }
         grid.caption = "Extrapolated from the two finest levels with a whole order, the bar is the distance from the same \
-                        extrapolation a level earlier; with an observed order that is no whole one, it is all that the extrapolation \
+                        extrapolation a level earlier, or with the order as seen; with an observed order that is no whole one, it is all that the extrapolation \
                         adds; where no order is seen but the values settle, the finest value stands, and the spread of the last three."
             .into();
         if !self.ladder.checks.is_empty() {
             grid.caption += " The last columns: by how much halving what is not refined moves the coarsest level.";
         }
         (!grid.rows.is_empty()).then_some(grid)
+    }
+
+    /// Limits, bars, orders and finest values as numbers alone, a row a time.
+    fn by_time(&self) -> Grid {
+        let times = self.times();
+        let mut grid = Grid::new("by_time", "Findings by time", ["time"]);
+        grid.rows = times.iter().map(|t| vec![Cell::Number(*t, DIGITS)]).collect();
+        for row in self.rows {
+            let limit = row.limit.map_or([f64::NAN; 2], |l| [l.value, l.bar]);
+            let columns = [("limit", limit[0]), ("bar", limit[1]), ("order", row.order()), ("finest", row.finest())];
+            let skipped = if row.quantity.meaning == Meaning::Value { 0 } else { 2 };
+            for (end, value) in columns.into_iter().skip(skipped) {
+                let name = format!("{}.{end}", row.quantity.name);
+                if !grid.header.contains(&name) {
+                    grid.header.push(name);
+                }
+                if let Some(k) = times.iter().position(|t| *t == row.time) {
+                    grid.rows[k].push(Cell::Number(value, DIGITS));
+                }
+            }
+        }
+        grid
     }
 
     fn statements(&self) -> Vec<String> {
@@ -207,40 +230,41 @@ impl Study<'_> {
         if self.levels().iter().filter(|o| o.finished()).count() < 3 {
             notes.push("values show an order on three levels that finished, not on fewer".into());
         }
-        notes.extend(self.rows.iter().flat_map(|r| self.doubts(r)));
+        notes.extend(self.ladder.checks.iter().enumerate().filter_map(|(k, c)| self.outweighed(k, c.0)));
+        notes.extend(self.rows.iter().filter_map(|r| self.flattening(r)));
         notes
     }
 
-    /// What may limit the study of a quantity.
-    fn doubts(&self, row: &Row) -> Vec<String> {
-        let mut doubts = Vec::new();
-        let (name, time) = (&row.quantity.name, row.time);
-        let believed = match row.quantity.meaning {
-            Meaning::Error => row.finest(),
-            _ => row.limit.map_or(f64::NAN, |l| l.bar),
-        };
-        for ((check, _), &moved) in self.ladder.checks.iter().zip(&row.checks) {
-            if moved.abs() > believed {
-                let than = if row.quantity.meaning == Meaning::Error {
-                    "its error on the finest level"
-                } else {
-                    "its error bar"
-                };
-                doubts.push(format!(
-                    "{name} at t = {time}: with the {check} the coarsest level moves by {}, more than {than}: that error is not refined away here",
-                    rounded(moved, 2)
-                ));
+    /// What a check moves by more than what is said of it allows.
+    fn outweighed(&self, check: usize, name: &str) -> Option<String> {
+        let mut moved = Vec::new();
+        for row in self.rows {
+            let by = row.checks.get(check).copied().unwrap_or(f64::NAN);
+            let believed =
+                if row.quantity.meaning == Meaning::Error { Some(row.finest()) } else { row.limit.map(|l| l.bar) };
+            if believed.is_some_and(|b| by.abs() > b) {
+                moved.push(format!("{} at t = {} (by {})", row.quantity.name, row.time, rounded(by, 2)));
             }
         }
+        (!moved.is_empty()).then(|| {
+            format!(
+                "with the {name}, the coarsest level moves by more than the error bar, or the error on the finest level, in {}: \
+                 there, that error is larger than the one that is studied",
+                moved.join(", ")
+            )
+        })
+    }
+
+    /// That the order of an error falls on the finest level.
+    fn flattening(&self, row: &Row) -> Option<String> {
         let orders: Vec<f64> = row.orders.iter().copied().filter(|p| p.is_finite()).collect();
-        if let (Meaning::Error, [.., before, after]) = (row.quantity.meaning, &orders[..]) {
-            if before - after > FALL {
-                doubts.push(format!(
-                    "{name} at t = {time}: its order falls from {before:.1} to {after:.1} on the finest level, where another error begins to show"
-                ));
-            }
-        }
-        doubts
+        let (Meaning::Error, [.., before, after]) = (row.quantity.meaning, &orders[..]) else { return None };
+        (before - after > FALL).then(|| {
+            format!(
+                "{} at t = {}: its order falls from {before:.1} to {after:.1} on the finest level, where another error begins to show",
+                row.quantity.name, row.time
+            )
+        })
     }
 
     /// A chart a time: what tends to zero, over the size.
@@ -302,19 +326,31 @@ impl Study<'_> {
     fn over_thickness(&self, name: &str) -> Drawing {
         let of: Vec<&Row> = self.rows.iter().filter(|r| r.quantity.name == name).take(MOST_CURVES / 2).collect();
         let names: Vec<String> = of.iter().map(|r| format!("t = {}", r.time)).collect();
-        let ends: Vec<[f64; 2]> =
-            of.iter().filter_map(|r| r.limit).map(|l| [l.value - l.bar, l.value + l.bar]).collect();
+        // The limit and its bar, and the line from the finest level that leads there.
+        let limits: Vec<(usize, [f64; 2], [f64; 2], Limit)> = of
+            .iter()
+            .enumerate()
+            .filter_map(|(k, r)| {
+                let limit = r.limit?;
+                let finest = r.sequence.values.iter().rposition(|v| v.is_finite())?;
+                Some((k, [0.0, self.sizes[finest]], [limit.value, r.sequence.values[finest]], limit))
+            })
+            .collect();
+        let bars: Vec<[f64; 2]> = limits.iter().map(|l| [l.3.value - l.3.bar, l.3.value + l.3.bar]).collect();
         let mut curves: Vec<Curve<'_>> = Vec::new();
         for (k, (row, name)) in of.iter().zip(&names).enumerate() {
             let (x, y) = (self.sizes, row.sequence.values.as_slice());
             curves.push(Curve { name, x, y, stroke: Stroke::Marked, colour: Some(k) });
         }
-        for (k, y) in ends.iter().enumerate() {
-            curves.push(Curve { name: "", x: &[0.0, 0.0], y, stroke: Stroke::Line, colour: Some(k) });
+        for ((k, x, y, _), bar) in limits.iter().zip(&bars) {
+            let part = |x, y, stroke| Curve { name: "", x, y, stroke, colour: Some(*k) };
+            curves.push(part(x, y, Stroke::Dashed));
+            curves.push(part(&x[..1], &y[..1], Stroke::Points));
+            curves.push(part(&[0.0, 0.0], bar, Stroke::Line));
         }
         let title = format!("{name} over the thickness");
         let svg = Chart { title: &title, x_label: "eps", y_label: name, curves, ..Chart::default() }.svg();
-        let caption = "The upright bars at eps = 0 are the sharp-interface limits with their error bars.".into();
+        let caption = "At eps = 0 the sharp-interface limits, each with its error bar.".into();
         Drawing { name: format!("limit-{name}"), title, svg, caption }
     }
 

@@ -24,7 +24,7 @@ pub struct Limit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Basis {
     /// Extrapolated from the two finest levels with a whole (or the given) order; the bar is the distance from the same
-    /// extrapolation one level earlier.
+    /// extrapolation one level earlier and, where the order was not given, from that with the observed order if it is larger.
     Whole(f64),
     /// Extrapolated from the three finest levels with the order observed on them, which is no whole one; the bar is all that the
     /// extrapolation adds to `v`.
@@ -88,7 +88,10 @@ impl Sequence {
         let whole = known.unwrap_or(seen.round());
         if known.is_some() || (whole >= 1.0 && (seen - whole).abs() <= WHOLE) {
             let (value, before) = (extrapolated([b, c], [v, w], whole), extrapolated([a, b], [u, v], whole));
-            return Some(Limit { value, bar: (value - before).abs(), basis: Basis::Whole(whole) });
+            // An order that is taken for a whole one may yet be what it looks like.
+            let as_seen = if known.is_some() { value } else { extrapolated([b, c], [v, w], seen) };
+            let bar = (value - before).abs().max((value - as_seen).abs());
+            return Some(Limit { value, bar, basis: Basis::Whole(whole) });
         }
         let value = extrapolated([b, c], [v, w], seen);
         Some(Limit { value, bar: (value - w).abs(), basis: Basis::Observed(seen) })
@@ -170,8 +173,8 @@ mod tests {
             prop_assert!((known.value - limit).abs() < 1e-8 && known.bar < 1e-8);
         }
         #[test]
-        fn the_bar_holds_the_error_of_the_next_term(c in -0.2f64..0.2, d in 0.0f64..0.5) {
-            let q = sequence(&[0.4, 0.2, 0.1, 0.05], |h| 1.0 + h * h + c * h.powi(3) + d * h.powi(4));
+        fn the_bar_holds_the_error_of_the_next_term(c in -0.2f64..0.2) {
+            let q = sequence(&[0.4, 0.2, 0.1, 0.05], |h| 1.0 + h * h + c * h.powi(3));
             let limit = q.limit(None).unwrap();
             prop_assert_eq!(limit.basis, Basis::Whole(2.0));
             prop_assert!((limit.value - 1.0).abs() <= limit.bar + 1e-12);

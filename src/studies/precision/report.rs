@@ -44,7 +44,7 @@ fn offers(points: &[Point]) -> Vec<Offer> {
 
 fn all(points: &[Point], names: &[String]) -> Grid {
     let front = front(&offers(points));
-    let values = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or(Vec::new());
+    let values: Vec<&str> = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
     let fixed = ["error", "CPU s", "unknowns", "memory MB", "front", "end"];
     let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
     let mut grid = Grid::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat());
@@ -141,8 +141,11 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
     }
     let failed: Vec<String> = points
         .iter()
-        .filter(|p| p.error().is_nan())
-        .map(|p| format!("{}, {}: {}", p.method, p.setting, p.end))
+        .filter(|p| p.usable().is_nan())
+        .map(|p| {
+            let off = if p.error().is_nan() { String::new() } else { format!(", {} off", percent(p.error())) };
+            format!("{}, {}: {}{off}", p.method, p.setting, p.end)
+        })
         .collect();
     if !failed.is_empty() {
         notes.push(format!("Runs that are drawn nowhere: {}.", failed.join("; ")));
@@ -204,9 +207,9 @@ fn drawing(words: [&str; 5], points: &[Point], cost: impl Fn(&Point) -> f64, wit
         row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
     };
     let rows = rows(points);
-    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &Point::error)]).collect();
+    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &Point::usable)]).collect();
     let best: Vec<&Point> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
-    let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.error())).unzip();
+    let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.usable())).unzip();
     let mut curves: Vec<Curve<'_>> = Vec::new();
     if with_front && best.len() > 1 {
         curves.push(Curve { name: "not beaten", x: &x, y: &y, stroke: Stroke::Dashed, colour: Some(GREY) });

@@ -1,0 +1,93 @@
+//! Carrying level sets by the method of a scene.
+
+use crate::base::Result;
+use crate::fem::{Projector, Space};
+use crate::mesh::{Location, Point};
+use crate::transport::{CharacteristicMap, Feet, Tracer, Wind, carry_nodal, carry_projected};
+use std::sync::Arc;
+
+/// A level set at time 0 as a function of position.
+pub type InitialFunction<const D: usize> = dyn Fn(&Point<D>) -> f64 + Send + Sync;
+
+/// A level set at time 0.
+pub(super) struct Initial<const D: usize> {
+    /// Its values at the nodes.
+    pub nodal: Vec<f64>,
+    /// The function, where it is known between the nodes.
+    pub function: Option<Arc<InitialFunction<D>>>,
+}
+
+impl<const D: usize> Initial<D> {
+    /// The value at a point of the mesh.
+    fn value(&self, space: &Space<D>, at: &Location) -> f64 {
+        match &self.function {
+            Some(f) => f(&space.mesh().point_at(at)),
+            None => space.value(&self.nodal, at.cell as usize, &at.barycentric),
+        }
+    }
+    /// How deep the inside is.
+    pub fn depth(&self) -> f64 {
+        -self.nodal.iter().copied().fold(0.0, f64::min)
+    }
+    /// A bound of the slope of a distance times a stretch: the greatest in the cells.
+    pub fn slope(&self, space: &Space<D>) -> f64 {
+        let mut centre = [0.0; 4];
+        centre[..=D].fill(1.0 / (D + 1) as f64);
+        let slopes = (0..space.mesh().cell_count()).map(|c| space.gradient(&self.nodal, c, &centre).norm());
+        slopes.fold(0.0, f64::max)
+    }
+}
+
+/// Moves level sets along a velocity.
+pub(super) struct Carrier<const D: usize> {
+    pub tracer: Tracer<D>,
+    pub projector: Option<Projector<D>>,
+    /// `|grad d|` of a submap beyond which the next one begins.
+    pub remap: f64,
+    /// All level sets at time 0, for composed transport alone.
+    pub initial: Vec<Initial<D>>,
+    feet: Feet,
+}
+
+impl<const D: usize> Carrier<D> {
+    pub fn new(tracer: Tracer<D>, projector: Option<Projector<D>>) -> Carrier<D> {
+        Carrier { tracer, projector, remap: REMAP, initial: Vec::new(), feet: Feet::default() }
+    }
+    /// Fields carried over one step by interpolation, nodal or projected.
+    pub fn moved(&mut self, fields: &[Vec<f64>], wind: &Wind<'_, D>, dt: f64) -> Result<Vec<Vec<f64>>> {
+        match &self.projector {
+            Some(projector) => self.tracer.feet_of_quadrature(wind, dt, projector.basis(), &mut self.feet),
+            None => self.tracer.feet_of_nodes(wind, dt, &mut self.feet),
+        }
+        let mut moved = Vec::with_capacity(fields.len());
+        for phi in fields {
+            let mut out = vec![0.0; phi.len()];
+            match &mut self.projector {
+                Some(projector) => carry_projected(projector, phi, &self.feet, &mut out)?,
+                None => carry_nodal(self.tracer.space(), phi, &self.feet, &mut out),
+            }
+            moved.push(out);
+        }
+        Ok(moved)
+    }
+    /// The backward map one step later.
+    pub fn advance(&mut self, map: &mut CharacteristicMap<D>, wind: &Wind<'_, D>, dt: f64) {
+        self.tracer.feet_of_nodes(wind, dt, &mut self.feet);
+        map.advance(&self.tracer, &self.feet);
+    }
+    /// Level set number `k` at the nodes, by the backward map.
+    pub fn composed(&self, map: &CharacteristicMap<D>, k: usize) -> Vec<f64> {
+        let (space, initial) = (self.tracer.space(), &self.initial[k]);
+        let mut out = vec![0.0; space.len()];
+        map.carry(&self.tracer, |at| initial.value(space, at), &mut out);
+        out
+    }
+    /// Level set number `k` anywhere, by the backward map, and a bound of its slope when that of the initial one is `slope`.
+    pub fn sample(&self, map: &CharacteristicMap<D>, k: usize, slope: f64, at: &Location) -> (f64, f64) {
+        let (foot, gradient) = map.foot_and_gradient(&self.tracer, *at);
+        (self.initial[k].value(self.tracer.space(), &foot), slope * gradient.norm())
+    }
+}
+
+/// The steepest displacement that a submap may have when the scene does not say (tests/convergence/README.md, "The vortex").
+pub const REMAP: f64 = 1.0;

@@ -1,0 +1,117 @@
+//! The backward map of the flow as a chain of short maps (characteristic mapping; Mercier, Yin and Nave 2020).
+
+use super::feet::{Feet, Tracer};
+use crate::base::parallel;
+use crate::fem::Space;
+use crate::mesh::{Location, determinant};
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
+
+/// A short map as the displacement `d` of `x + d(x)`, a P2 function.
+type Submap<const D: usize> = Vec<SVector<f64, D>>;
+
+/// The backward map `Y`: `Y(x)` is where the particle that is at `x` now was at time 0.
+///
+/// `Y = Y_1 o Y_2 o ... o Y_k`, each `Y_j(x) = x + d_j(x)` with a P2 displacement over a short time. Only the last one is
+/// carried on: `d_k <- X - x + d_k o X` with the feet `X` of a step. When it has become too steep for its elements it is
+/// closed and a new one begins with `d = 0`. A field `f = f_0 o Y` is thus never interpolated, however long it is
+/// carried and however thin it becomes; what is interpolated are maps that are near the identity.
+///
+/// Limits: nothing may flow in, because a particle that was outside at time 0 has no value there. The chain grows by one vector field a
+/// restart, and one evaluation costs a walk through the mesh a submap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CharacteristicMap<const D: usize> {
+    /// The oldest first; never empty.
+    submaps: Vec<Arc<Submap<D>>>,
+}
+
+impl<const D: usize> CharacteristicMap<D> {
+    /// The identity on a space of `nodes` nodes.
+    pub fn identity(nodes: usize) -> CharacteristicMap<D> {
+        CharacteristicMap { submaps: vec![Arc::new(vec![SVector::zeros(); nodes])] }
+    }
+    /// A map from its displacements, the oldest first; `None` if there is none.
+    pub fn from_submaps(submaps: Vec<Vec<SVector<f64, D>>>) -> Option<CharacteristicMap<D>> {
+        (!submaps.is_empty()).then(|| CharacteristicMap { submaps: submaps.into_iter().map(Arc::new).collect() })
+    }
+    /// The displacements of the short maps, the oldest first.
+    pub fn submaps(&self) -> impl ExactSizeIterator<Item = &[SVector<f64, D>]> {
+        self.submaps.iter().map(|s| s.as_slice())
+    }
+    /// Goes on by a step whose feet, from the nodes, are given.
+    pub fn advance(&mut self, tracer: &Tracer<D>, feet: &Feet) {
+        let Some(last) = self.submaps.last_mut() else { return };
+        let space = tracer.space();
+        let mut next = vec![SVector::zeros(); space.len()];
+        parallel::fill(&mut next, 1, |first, part| {
+            for (i, d) in part.iter_mut().enumerate() {
+                let foot = feet.get(first + i);
+                let start = space.mesh().point_at(&tracer.home(first + i));
+                let step = tracer.unwrapped(space.mesh().point_at(foot) - start);
+                *d = step + space.value(last, foot.cell as usize, &foot.barycentric);
+            }
+        });
+        *last = Arc::new(next);
+    }
+    /// Closes the last map and begins a new one if `|grad d|` (Frobenius) of the last exceeds `largest` at a vertex of a cell.
+    pub fn restart_beyond(&mut self, space: &Space<D>, largest: f64) {
+        let steep = self.submaps.last().is_some_and(|d| steepest(space, d) > largest);
+        if steep {
+            self.submaps.push(Arc::new(vec![SVector::zeros(); space.len()]));
+        }
+    }
+    /// `Y` of a point.
+    pub fn foot(&self, tracer: &Tracer<D>, at: Location) -> Location {
+        self.submaps
+            .iter()
+            .rev()
+            .fold(at, |at, d| tracer.displaced(at, tracer.space().value(d, at.cell as usize, &at.barycentric)))
+    }
+    /// `Y` of a point and `grad Y` there (row `i`, column `j` is `d Y_i / d x_j`).
+    pub fn foot_and_gradient(&self, tracer: &Tracer<D>, at: Location) -> (Location, SMatrix<f64, D, D>) {
+        self.submaps.iter().rev().fold((at, SMatrix::identity()), |(at, product), d| {
+            let (space, cell, l) = (tracer.space(), at.cell as usize, &at.barycentric);
+            let gradient = SMatrix::identity() + space.jacobian(d, cell, l);
+            (tracer.displaced(at, space.value(d, cell, l)), gradient * product)
+        })
+    }
+    /// `f o Y` at the nodes.
+    pub fn carry(&self, tracer: &Tracer<D>, f: impl Fn(&Location) -> f64 + Sync, out: &mut [f64]) {
+        parallel::fill(out, 1, |first, part| {
+            for (i, v) in part.iter_mut().enumerate() {
+                *v = f(&self.foot(tracer, tracer.home(first + i)));
+            }
+        });
+    }
+    /// Root mean square of `det grad Y - 1` over the cells, taken in their centres: zero in a flow without divergence,
+    /// hence an estimate of the error of the map that costs no second run.
+    pub fn determinant_error(&self, tracer: &Tracer<D>) -> f64 {
+        let mesh = tracer.space().mesh();
+        let mut centre = [0.0; 4];
+        centre[..=D].fill(1.0 / (D + 1) as f64);
+        let [sum] = parallel::sum(mesh.cell_count(), |c| {
+            let at = Location { cell: c as u32, barycentric: centre };
+            let (_, gradient) = self.foot_and_gradient(tracer, at);
+            [mesh.map(c).volume * (determinant(&gradient) - 1.0).powi(2)]
+        });
+        (sum / mesh.volume()).sqrt()
+    }
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.submaps.iter().map(|s| size_of_val(s.as_slice())).sum()
+    }
+}
+
+/// Largest Frobenius norm of the gradient at the vertices of the cells; linear in a cell, the gradient is nowhere larger.
+fn steepest<const D: usize>(space: &Space<D>, d: &[SVector<f64, D>]) -> f64 {
+    let in_cell = |c: usize| {
+        let vertices = (0..=D).map(|k| space.jacobian(d, c, &space.element().node(k, D)).norm_squared());
+        vertices.fold(0.0, f64::max)
+    };
+    let cells = space.mesh().cell_count();
+    let mut squares = vec![0.0; cells];
+    parallel::fill(&mut squares, 1, |first, part| {
+        part.iter_mut().enumerate().for_each(|(i, v)| *v = in_cell(first + i));
+    });
+    squares.into_iter().fold(0.0, f64::max).sqrt()
+}
