@@ -63,6 +63,8 @@ viscosity = 1
 [[membrane]]
 shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }
 area.tension = { tension = 1 }
+[[level_set]]
+shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }
 [time]
 end = 1
 step = 0.1
