@@ -16,6 +16,8 @@ use std::time::Duration;
 /// How to get FreeFEM.
 pub const INSTALL: &str = "install FreeFEM (Debian and Ubuntu: apt-get install freefem++)";
 const PROGRAM: &str = "FreeFem++";
+/// Why a run failed, in its folder.
+const FAILED: &str = "failed.txt";
 /// Lines of its output that an error shows.
 const SHOWN: usize = 8;
 
@@ -115,6 +117,9 @@ impl<'a> Case<'a> {
         let folder = std::path::absolute(&folder).unwrap_or(folder);
         if folder.join("series.json").exists() {
             return read(&folder.join("series.csv")).map(Some);
+        }
+        if let Ok(reason) = std::fs::read_to_string(folder.join(FAILED)) {
+            return Err(failure(self.twin.path(), reason));
         }
         std::fs::create_dir_all(&folder).map_err(|e| {
             Error::input(format!("a folder cannot be made: {e}"))
@@ -262,10 +267,18 @@ fn execute(mut command: Command, folder: &Path, script: &Path, stop: &AtomicBool
     if status.success() {
         return Ok(Some(text));
     }
-    Err(Error::computation("FreeFEM failed")
+    let reason =
+        format!("{status}; see {}; by hand: {}; its last words: {}", path.display(), words(&command), tail(&text));
+    // Kept like a result: the same script with the same values would fail again.
+    write_file(&folder.join(FAILED), reason.as_bytes())?;
+    Err(failure(script, reason))
+}
+
+fn failure(script: &Path, reason: String) -> Error {
+    Error::computation("FreeFEM failed")
         .at(script.display().to_string())
-        .value(format!("{status}; its last words: {}", tail(&text)))
-        .remedy(format!("see {}; by hand: {}", path.display(), words(&command))))
+        .value(reason)
+        .remedy("mend the script, or take a smaller time.step: explicit coupling has a limit")
 }
 
 /// Waits for the end of a program, or ends it when `stop` is set.
