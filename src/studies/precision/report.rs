@@ -144,7 +144,11 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         .iter()
         .filter(|p| p.usable().is_nan())
         .map(|p| {
-            let off = if p.error().is_nan() { String::new() } else { format!(", {} off", percent(p.error())) };
+            let off = match p.error() {
+                e if !e.is_nan() => format!(", {} off", percent(e)),
+                _ if p.end == "finished" => ", but a quantity has no value any more".into(),
+                _ => String::new(),
+            };
             format!("{}, {}: {}{off}", p.method, p.setting, p.end)
         })
         .collect();
