@@ -91,7 +91,7 @@ impl Cavity {
             solver.step(&step, &mut flow).unwrap();
             speed = flow.u.iter().map(|u| u.norm()).fold(speed, f64::max);
             // Ten times the lid: what follows is of no interest.
-            if !(speed < 10.0) || k + 1 == steps {
+            if speed.is_nan() || speed >= 10.0 || k + 1 == steps {
                 let (energy, determinant) = self.deform(&mut law, &map, &tracer, &solver);
                 return Outcome { time, speed, energy, determinant };
             }
