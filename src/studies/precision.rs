@@ -77,7 +77,7 @@ struct Point {
 impl Point {
     /// The largest of its errors; NaN if one is.
     fn error(&self) -> f64 {
-        self.errors.iter().fold(0.0, |m: f64, e| if e.is_nan() { f64::NAN } else { m.max(*e) })
+        if self.errors.iter().any(|e| e.is_nan()) { f64::NAN } else { self.errors.iter().copied().fold(0.0, f64::max) }
     }
     /// The error if anything of the result is right: NaN from 100 % on, which is how a run may end that was unstable without overflow.
     fn usable(&self) -> f64 {

@@ -121,7 +121,12 @@ fn the_page_about_the_series_has_every_column() {
         shape.circle = { centre = [0.5, 0.5], radius = 0.2 }
         area.tension = { tension = 1 }
         chords.CHORD = { through = [0, 0], direction = [1, 0] }
+        [[level_set]]
+        name = "LEVEL_SET"
+        shape.circle = { centre = [0.5, 0.5], radius = 0.2 }
+        markers = 3
         [numerics]
+        transport = "composed"
         thickness = 0.2
         [output]
         probes.PROBE = { at = [0, 0], of = "pressure" }
@@ -131,7 +136,9 @@ fn the_page_about_the_series_has_every_column() {
     let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
     let model = Model::new(&scene).unwrap();
     for column in Diagnostics::new(&scene, &model).unwrap().columns() {
-        assert!(page.contains(&format!("`{column}`")), "{column} is not on the page");
+        // A level set has the columns of a membrane.
+        let like = column.replace("LEVEL_SET", "MEMBRANE");
+        assert!([&column, &like].iter().any(|c| page.contains(&format!("`{c}`"))), "{column} is not on the page");
     }
 }
 
@@ -328,6 +335,10 @@ fn every_number_in_the_book_is_that_of_its_data() {
 fn every_measured_number_in_the_book_says_where_it_comes_from() {
     for page in pages() {
         let (text, prose) = (&page.text, prose(&page.text));
+        // A page may name one source for all of its numbers.
+        if text.contains("<!-- numbers from ") {
+            continue;
+        }
         let mut at = 0;
         for word in prose.split(|c: char| !(c.is_ascii_digit() || ".e-".contains(c))) {
             let start = at;

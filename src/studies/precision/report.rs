@@ -33,7 +33,8 @@ pub(super) fn findings(
     found.grids.push(best(points, &told.tolerances));
     found.statements = told.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
     found.notes = notes(scene, told, reference, points);
-    found.drawings = drawings(points, &what, reference);
+    let methods: Vec<&str> = told.methods.iter().map(|m| m.name.as_str()).collect();
+    found.drawings = drawings(points, &methods, &what, reference);
     found.headline = told.tolerances.iter().filter_map(|t| number(points, *t)).collect();
     found
 }
@@ -160,9 +161,12 @@ struct Row<'a> {
     colour: usize,
 }
 
-fn rows(points: &[Point]) -> Vec<Row<'_>> {
+/// The rows in the order of `methods`, and then of the points.
+fn rows<'a>(points: &'a [Point], methods: &[&str]) -> Vec<Row<'a>> {
+    let mut order: Vec<&Point> = points.iter().collect();
+    order.sort_by_key(|p| methods.iter().position(|m| *m == p.method).unwrap_or(methods.len()));
     let mut rows: Vec<Row<'_>> = Vec::new();
-    for p in points {
+    for p in order {
         if rows.iter().all(|r| r.name != p.method) {
             let ours = rows.iter().filter(|r| r.colour != GREY).count();
             rows.push(Row { name: &p.method, points: vec![], colour: if p.ours { ours % GREY } else { GREY } });
@@ -176,7 +180,7 @@ fn rows(points: &[Point]) -> Vec<Row<'_>> {
     rows
 }
 
-fn drawings(points: &[Point], what: &str, reference: &Reference) -> Vec<Drawing> {
+fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Reference) -> Vec<Drawing> {
     let known = match reference.error() {
         e if e > 0.0 => format!(" The reference is known to {}.", percent(e)),
         _ => String::new(),
@@ -187,26 +191,33 @@ fn drawings(points: &[Point], what: &str, reference: &Reference) -> Vec<Drawing>
     let mut all = vec![drawing(
         ["work", "Error against CPU time.", "CPU seconds of the time steps", what, &work],
         points,
+        methods,
         |p| p.cpu,
         true,
     )];
     // On one mesh there is nothing to be seen in them.
     if points.iter().any(|p| p.family != points[0].family) {
         let words = ["unknowns", "Error against unknowns.", "unknowns", what, &against];
-        all.push(drawing(words, points, |p| p.unknowns, false));
+        all.push(drawing(words, points, methods, |p| p.unknowns, false));
         let words = ["memory", "Error against memory.", "memory in MB", what, &against];
-        all.push(drawing(words, points, |p| p.memory / 1e6, false));
+        all.push(drawing(words, points, methods, |p| p.memory / 1e6, false));
     }
     all
 }
 
 /// A chart of the errors; `words` are its name, title, horizontal axis, quantities and caption.
-fn drawing(words: [&str; 5], points: &[Point], cost: impl Fn(&Point) -> f64, with_front: bool) -> Drawing {
+fn drawing(
+    words: [&str; 5],
+    points: &[Point],
+    methods: &[&str],
+    cost: impl Fn(&Point) -> f64,
+    with_front: bool,
+) -> Drawing {
     let [name, title, x_label, what, caption] = words;
     let values = |row: &Row, f: &dyn Fn(&Point) -> f64| -> Vec<f64> {
         row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
     };
-    let rows = rows(points);
+    let rows = rows(points, methods);
     let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &Point::usable)]).collect();
     let best: Vec<&Point> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
     let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.usable())).unzip();
@@ -289,7 +300,8 @@ mod tests {
     #[test]
     fn lines_do_not_join_meshes() {
         let points = points();
-        let rows = rows(&points);
+        assert_eq!(rows(&points, &["BDF2", "BDF1"])[0].name, "BDF2");
+        let rows = rows(&points, &[]);
         assert_eq!(rows.iter().map(|r| r.colour).collect::<Vec<_>>(), [0, 1, GREY]);
         assert!(rows[0].points[1].is_none() && rows[0].points.len() == 4);
     }
