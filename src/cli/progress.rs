@@ -55,14 +55,17 @@ impl Progress {
     }
 
     fn line(&self, text: &str) {
-        if self.quiet {
-            return;
-        }
-        match &self.bar {
-            Some(bar) => bar.println(text),
-            None => {
-                let _ = writeln!(std::io::stderr().lock(), "{text}");
-            }
+        print_line(self.quiet, self.bar.as_ref(), text);
+    }
+}
+
+/// A line on standard error, above the bar if there is one.
+fn print_line(quiet: bool, bar: Option<&ProgressBar>, text: &str) {
+    match bar {
+        _ if quiet => {}
+        Some(bar) => bar.println(text),
+        None => {
+            let _ = writeln!(std::io::stderr().lock(), "{text}");
         }
     }
 }
@@ -145,14 +148,6 @@ impl Listener for Runs {
         self.note(&format!("{}: {}{cost}", self.place, outcome.end.in_words()));
     }
     fn note(&mut self, text: &str) {
-        if self.quiet {
-            return;
-        }
-        match &self.bar {
-            Some(bar) => bar.println(text),
-            None => {
-                let _ = writeln!(std::io::stderr().lock(), "{text}");
-            }
-        }
+        print_line(self.quiet, self.bar.as_ref(), text);
     }
 }

@@ -96,7 +96,7 @@ mod tests {
             |is_stable: fn(f64) -> bool| largest_stable_step(0.3, [0.1, 3.0], 0.01, |dt| Ok(is_stable(dt))).unwrap();
         assert_eq!(find(|_| true), Bracket { stable: Some(3.0), unstable: None, islands: vec![] });
         assert_eq!(find(|_| false), Bracket { stable: None, unstable: Some(0.1), islands: vec![] });
-        let island = find(|dt| dt < 1.0 && !(0.55..0.65).contains(&dt));
+        let island = find(|dt| dt < 1.0 && !(0.35..0.45).contains(&dt));
         assert!(island.stable.is_some_and(|s| (0.98..1.0).contains(&s)) && island.islands.len() == 1, "{island:?}");
         assert_eq!(Bracket { stable: Some(1.0), unstable: Some(4.0), islands: vec![] }.limit(), Some(2.0));
     }
