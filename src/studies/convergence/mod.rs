@@ -219,7 +219,8 @@ fn choice(scene: &SceneSettings, columns: &[String]) -> Vec<String> {
         }
         names.extend(["perimeter", "area"].map(|c| format!("{}.{c}", m.name)));
     }
-    if names.iter().all(|n| !n.starts_with("error_")) {
+    names.extend(scene.level_sets.iter().flat_map(|s| ["perimeter", "area"].map(|c| format!("{}.{c}", s.name))));
+    if columns.iter().any(|c| c == "energy_kinetic") && names.iter().all(|n| !n.starts_with("error_")) {
         names.push("energy_kinetic".into());
     }
     if !scene.membranes.is_empty() {

@@ -1,7 +1,7 @@
 //! The tables, charts and sentences of a convergence study.
 
 use super::ladder::Ladder;
-use super::sequence::Basis;
+use super::sequence::{Basis, WHOLE};
 use super::{Limit, Meaning, Row, Settings};
 use crate::output::{Cell, Chart, Curve, Grid, Number, Slope, Stroke, rounded};
 use crate::scene::Scene;
@@ -183,6 +183,9 @@ impl Study<'_> {
             let seen = if order.is_nan() { "no order seen".to_string() } else { format!("order {order:.2}") };
             match (row.quantity.meaning, row.limit) {
                 (Meaning::Value, Some(l)) => format!("{name} at {at}: {limit} {}, {seen}.", with_bar(&l)),
+                (Meaning::Value, None) if self.levels().iter().filter(|o| o.finished()).count() < 3 => {
+                    format!("{name} at {at}: an order and a limit need three levels.")
+                }
                 (Meaning::Value, None) => format!("{name} at {at}: {seen}, and no limit: the changes do not fall."),
                 (Meaning::Error, _) => {
                     format!("{name} at {at}: {} on the finest level, {seen}.", rounded(row.finest(), 3))
@@ -231,6 +234,7 @@ impl Study<'_> {
             notes.push("values show an order on three levels that finished, not on fewer".into());
         }
         notes.extend(self.ladder.checks.iter().enumerate().filter_map(|(k, c)| self.outweighed(k, c.0)));
+        notes.extend(self.rows.iter().filter_map(|r| self.not_yet(r)));
         notes.extend(self.rows.iter().filter_map(|r| self.flattening(r)));
         notes
     }
@@ -251,6 +255,17 @@ impl Study<'_> {
                 "with the {name}, the coarsest level moves by more than the error bar, or the error on the finest level, in {}: \
                  there, that error is larger than the one that is studied",
                 moved.join(", ")
+            )
+        })
+    }
+
+    /// That the order which is known beforehand is not seen yet.
+    fn not_yet(&self, row: &Row) -> Option<String> {
+        let (Some(Basis::Whole(taken)), seen) = (row.limit.map(|l| l.basis), row.order()) else { return None };
+        ((seen - taken).abs() > WHOLE).then(|| {
+            format!(
+                "{} at t = {}: the order seen is {seen:.2}; limit and bar assume that order {taken} sets in on finer levels",
+                row.quantity.name, row.time
             )
         })
     }

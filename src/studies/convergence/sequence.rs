@@ -36,7 +36,7 @@ pub enum Basis {
 /// Orders below this say that nothing converges, those above the second that two errors cancel.
 const CREDIBLE: [f64; 2] = [0.3, 6.0];
 /// An observed order this close to a whole one is taken for it.
-const WHOLE: f64 = 0.25;
+pub(super) const WHOLE: f64 = 0.25;
 /// Changes below this part of a value are rounding.
 const ROUNDING: f64 = 1e-12;
 

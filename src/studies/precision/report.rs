@@ -104,7 +104,8 @@ fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference)
         Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), percent(points[i].error())),
         None => "no run finished".into(),
     };
-    let mut text = format!("{} in {what}: {}", percent(tolerance), of(&ours));
+    let who = if theirs.is_empty() { "" } else { "immersa: " };
+    let mut text = format!("{} in {what}: {who}{}", percent(tolerance), of(&ours));
     if !theirs.is_empty() {
         text += &format!("; FreeFEM: {}", of(&theirs).replace(", FreeFEM, ", ", "));
     }

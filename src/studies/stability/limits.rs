@@ -4,7 +4,7 @@ use super::chart::chart;
 use super::search::{Bracket, largest_stable_step, short};
 use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
-use crate::base::{Kind, Result};
+use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, Grid, Number, rounded};
 use crate::scene::Model;
 use crate::sim::Coupling;
@@ -61,11 +61,21 @@ impl Limits {
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
     pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
         check(campaign, &self.axes)?;
+        if campaign.scene().membranes.is_empty() {
+            return Err(Error::scene("the scene has no membrane, whose coupling could be unstable")
+                .value("no [[membrane]]")
+                .remedy("add one, or ask with --scan which values of another key are stable"));
+        }
         let all = combinations(&self.axes);
         let mut probes = Grid::new("probes", "Runs", columns(&self.axes, &PROBES));
         let mut limits = Vec::new();
         for (k, combination) in all.iter().enumerate() {
             limits.push(self.limit(campaign, combination, [k + 1, all.len()], &mut probes)?);
+        }
+        if let Some(reason) = limits.iter().map(|l| l.refused.as_deref()).collect::<Option<Vec<_>>>() {
+            return Err(Error::scene("no combination could be run")
+                .value(reason.first().copied().unwrap_or_default())
+                .remedy("correct the scene or the values: `immersa explain SCENE` with them as --set says more"));
         }
         let title = &campaign.scene().title;
         Ok(Findings {
@@ -99,7 +109,13 @@ impl Limits {
             Err(e) => return Err(e),
         }
         let (unit, factors) = limit.formula.map_or((scene.time.step, RANGE_OF_STEP), |f| (f, RANGE));
-        let range = [self.least.unwrap_or(short(factors[0] * unit)), self.most.unwrap_or(short(factors[1] * unit))];
+        let range = match (self.least, self.most) {
+            (Some(least), Some(most)) => [least, most],
+            // An end that is given moves the other one along, so that there is something between them.
+            (Some(least), None) => [least, short(factors[1] * unit.max(least))],
+            (None, Some(most)) => [short(factors[0] * unit.min(most)), most],
+            (None, None) => [short(factors[0] * unit), short(factors[1] * unit)],
+        };
         // What the formula does not bind may well be stable at the largest step.
         let guess = if scene.numerics.coupling == Coupling::Explicit { unit } else { range[1] };
         let (mut refused, mut best) = (None, (0.0, Verdict::default()));

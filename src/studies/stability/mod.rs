@@ -15,12 +15,17 @@ pub use search::{Bracket, largest_stable_step};
 pub use verdict::Verdict;
 
 use super::axis::{Axis, Choice, combinations, in_words, settings};
-use crate::base::Result;
+use crate::base::{Error, Result};
 use crate::output::{Cell, rounded};
 use crate::studies::{Campaign, Trial};
 
 /// Refuses values that the scene does not take, before anything is computed.
 fn check(campaign: &Campaign<'_>, axes: &[Axis]) -> Result<()> {
+    if campaign.scene().fluid.prescribed_velocity.is_some() {
+        return Err(Error::scene("no flow is solved in this scene, and what is carried has no energy that could grow")
+            .value("fluid.prescribed_velocity")
+            .remedy("study its errors with `immersa study convergence`"));
+    }
     combinations(axes).iter().try_for_each(|c| campaign.scene_of(&Trial::new("", settings(c))).map(drop))
 }
 
