@@ -99,6 +99,22 @@ impl Axis {
     }
 }
 
+/// Refuses settings, each `key=value`, of which two set the same key: one of them would be named in the results and not hold.
+///
+/// # Errors
+/// The key that is set twice.
+pub fn check_distinct<'a>(settings: impl IntoIterator<Item = &'a str>) -> Result<()> {
+    let mut keys: Vec<&str> =
+        settings.into_iter().map(|s| s.split_once('=').map_or(s, |(key, _)| key.trim())).collect();
+    keys.sort_unstable();
+    match keys.windows(2).find(|k| k[0] == k[1]) {
+        None => Ok(()),
+        Some(twice) => Err(Error::scene("a value of the scene is set twice in the same run")
+            .value(twice[0])
+            .remedy("set it in one way: by a method, by --vary or --scan, or by an option of its own")),
+    }
+}
+
 /// All combinations of a value of each axis; the last axis changes first.
 pub fn combinations(axes: &[Axis]) -> Vec<Vec<Choice>> {
     axes.iter().fold(vec![Vec::new()], |all, axis| {

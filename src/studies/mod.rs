@@ -17,7 +17,7 @@ pub mod stability;
 mod trial;
 mod twin;
 
-pub use axis::{Axis, Choice, combinations, in_words, settings};
+pub use axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
 pub use campaign::{Campaign, Listener};
 pub use compare::{Bound, Comparison, compare};
 pub use findings::{Drawing, Findings};

@@ -130,6 +130,11 @@ pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Findin
         told.quantities.iter().map(|q| (q.column.clone(), q.time.unwrap_or(end))).collect();
     check(campaign, told, &quantities)?;
     let settings = settings(campaign, told)?;
+    for setting in &settings {
+        for method in methods(told, setting) {
+            axis::check_distinct(setting.set.iter().chain(&method.set).map(String::as_str))?;
+        }
+    }
     let reference = reference(campaign, &told.truth, &quantities)?;
     let mut points: Vec<Point> = Vec::new();
     let repeat = told.repeat.max(1);

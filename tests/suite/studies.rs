@@ -143,6 +143,8 @@ fn what_is_wrong_on_the_command_line_of_a_study_of_stability_is_named() {
     try_it(&["--accuracy", "0"], &["--accuracy", "value: 0", "0.05"]);
     try_it(&["--growth", "NaN"], &["--growth", "NaN", "positive"]);
     try_it(&["--min-step", "1", "--max-step", "0.5"], &["--min-step", "value: 1", "below --max-step"]);
+    try_it(&["--vary", "time.step=0.01,0.02"], &["time.step", "set twice"]);
+    try_it(&["--vary", "numerics.coupling=implicit"], &["numerics.coupling", "set twice"]);
     try_it(&["--steps", "0"], &["--steps", "zero"]);
     try_it(&["--cells", "many"], &["--cells", "many"]);
     try_it(&["--cells", "0"], &["--cells", "zero"]);

@@ -282,7 +282,7 @@ mod tests {
         let say = |tolerance| sentence(&points(), tolerance, "perimeter at t = 1.0", &Reference::default());
         assert_eq!(
             say(1e-3),
-            "0.1 % in perimeter at t = 1.0: n = 60, dt = 0.02, BDF2, 3.1 s (error 0.08 %); FreeFEM: not reached; closest came \
+            "0.1 % in perimeter at t = 1.0: immersa: n = 60, dt = 0.02, BDF2, 3.1 s (error 0.08 %); FreeFEM: not reached; closest came \
              n = 60, dt = 0.001, 60 s with 0.5 %."
         );
         assert!(say(1e-5).contains(": not reached; closest came n = 60, dt = 0.02, BDF2, 3.1 s with 0.08 %"));

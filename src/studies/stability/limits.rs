@@ -8,7 +8,7 @@ use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, Grid, Number, rounded};
 use crate::scene::Model;
 use crate::sim::Coupling;
-use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
+use crate::studies::axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
 use crate::studies::{Campaign, Findings, Trial};
 
 /// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
@@ -67,6 +67,11 @@ impl Limits {
                 .remedy("add one, or ask with --scan which values of another key are stable"));
         }
         let all = combinations(&self.axes);
+        for combination in &all {
+            // The search sets them itself.
+            let set = settings(combination);
+            check_distinct(set.iter().map(String::as_str).chain(["time.step", "time.end"]))?;
+        }
         let mut probes = Grid::new("probes", "Runs", columns(&self.axes, &PROBES));
         let mut limits = Vec::new();
         for (k, combination) in all.iter().enumerate() {
@@ -109,13 +114,7 @@ impl Limits {
             Err(e) => return Err(e),
         }
         let (unit, factors) = limit.formula.map_or((scene.time.step, RANGE_OF_STEP), |f| (f, RANGE));
-        let range = match (self.least, self.most) {
-            (Some(least), Some(most)) => [least, most],
-            // An end that is given moves the other one along, so that there is something between them.
-            (Some(least), None) => [least, short(factors[1] * unit.max(least))],
-            (None, Some(most)) => [short(factors[0] * unit.min(most)), most],
-            (None, None) => [short(factors[0] * unit), short(factors[1] * unit)],
-        };
+        let range = range(self.least, self.most, unit, factors);
         // What the formula does not bind may well be stable at the largest step.
         let guess = if scene.numerics.coupling == Coupling::Explicit { unit } else { range[1] };
         let (mut refused, mut best) = (None, (0.0, Verdict::default()));
@@ -186,6 +185,14 @@ impl Limits {
         notes.extend(refusals(limits.iter().filter_map(|l| Some((&l.combination[..], l.refused.as_deref()?)))));
         notes
     }
+}
+
+/// The steps that are searched: the ends that are given, and else `factors` of `unit`; an end that is given moves the other one
+/// along, so that there is something between them.
+fn range(least: Option<f64>, most: Option<f64>, unit: f64, factors: [f64; 2]) -> [f64; 2] {
+    let low = || short(factors[0] * most.map_or(unit, |m| m.min(unit)));
+    let high = || short(factors[1] * least.map_or(unit, |l| l.max(unit)));
+    [least.unwrap_or_else(low), most.unwrap_or_else(high)]
 }
 
 /// What follows the names of the axes in the table of all runs.
@@ -267,4 +274,17 @@ fn headline(limit: &Limit) -> Number {
     };
     let note = limit.formula.map_or_else(String::new, |f| format!("(1.54): {}", number(f)));
     Number { label: in_words(&limit.combination), value, note }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_something_between_the_ends_of_the_search() {
+        for (least, most) in [(None, None), (Some(5.0), None), (None, Some(1e-5)), (Some(1e-3), Some(0.5))] {
+            let [a, b] = range(least, most, 0.01, RANGE);
+            assert!(a < b && least.is_none_or(|l| l == a) && most.is_none_or(|m| m == b), "{a} .. {b}");
+        }
+    }
 }

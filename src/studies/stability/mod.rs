@@ -14,7 +14,7 @@ pub use scan::Scan;
 pub use search::{Bracket, largest_stable_step};
 pub use verdict::Verdict;
 
-use super::axis::{Axis, Choice, combinations, in_words, settings};
+use super::axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
 use crate::base::{Error, Result};
 use crate::output::{Cell, rounded};
 use crate::studies::{Campaign, Trial};
@@ -26,7 +26,11 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis]) -> Result<()> {
             .value("fluid.prescribed_velocity")
             .remedy("study its errors with `immersa study convergence`"));
     }
-    combinations(axes).iter().try_for_each(|c| campaign.scene_of(&Trial::new("", settings(c))).map(drop))
+    combinations(axes).iter().try_for_each(|c| {
+        let set = settings(c);
+        check_distinct(set.iter().map(String::as_str))?;
+        campaign.scene_of(&Trial::new("", set)).map(drop)
+    })
 }
 
 /// The run of a combination with `steps` steps of length `dt`, each with its row in the series.
