@@ -33,6 +33,6 @@ pub use picture::{Arrows, Picture};
 pub use pvd::{read_pvd, write_pvd};
 pub use raster::Image;
 pub use report::{Content, Figure, Listing, Number, Report, Section};
-pub use series::{Series, Table};
+pub use series::{Series, Table, same_time};
 pub use vtu::write_vtu;
 pub use vtu_read::{Snapshot, Values, read_vtu};

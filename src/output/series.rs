@@ -120,6 +120,13 @@ impl Table {
                 .remedy(format!("columns in this table: {}", self.names.join(", ")))
         })
     }
+    /// The row whose `time` is the [same](same_time) as `t`, if there is one.
+    ///
+    /// # Errors
+    /// There is no column `time`.
+    pub fn row_at(&self, t: f64) -> Result<Option<usize>> {
+        Ok(self.column("time")?.iter().position(|&s| same_time(s, t)))
+    }
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
@@ -165,6 +172,11 @@ impl Table {
         }
         Ok(Table { names, columns })
     }
+}
+
+/// Whether two times are the same but for the rounding of sums of steps.
+pub fn same_time(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * b.abs().max(1.0)
 }
 
 fn wrong(path: &Path, line: usize, value: String) -> Error {

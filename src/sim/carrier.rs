@@ -29,7 +29,7 @@ impl<const D: usize> Initial<D> {
     pub fn depth(&self) -> f64 {
         -self.nodal.iter().copied().fold(0.0, f64::min)
     }
-    /// A bound of the slope of a distance times a stretch: the greatest in the cells.
+    /// About the greatest slope of a distance times a stretch: that in the centres of the cells.
     pub fn slope(&self, space: &Space<D>) -> f64 {
         let mut centre = [0.0; 4];
         centre[..=D].fill(1.0 / (D + 1) as f64);

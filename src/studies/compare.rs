@@ -6,7 +6,7 @@ use super::freefem::{Case, INSTALL, Reading};
 use super::trial::{Outcome, Trial};
 use super::twin::{Loop, Twin};
 use crate::base::{Error, Result};
-use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, Table, rounded};
+use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, Table, rounded, same_time};
 use std::path::Path;
 
 /// Steps for which a loop is timed that is not the twin's first: enough for a mean, few enough to wait for.
@@ -157,7 +157,7 @@ fn runs(
 /// The times that both have, and the quantities that both have, at these times.
 fn common<'a>(ours: &Table, theirs: &'a Table, script: &Path) -> Result<(Vec<f64>, Vec<Pair<'a>>)> {
     let (mine, other) = (ours.column("time")?, theirs.column("time")?);
-    let at = |t: f64| mine.iter().position(|m| (m - t).abs() <= 1e-9 * t.abs().max(1.0));
+    let at = |t: f64| mine.iter().position(|&m| same_time(m, t));
     let rows: Vec<(usize, usize)> = other.iter().enumerate().filter_map(|(j, t)| Some((at(*t)?, j))).collect();
     let mut pairs = Vec::new();
     for (name, column) in theirs.names.iter().zip(&theirs.columns).filter(|(n, _)| *n != "time") {

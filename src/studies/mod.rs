@@ -25,3 +25,8 @@ pub use freefem::{About, Case, Reading};
 pub use method::Method;
 pub use trial::{End, Outcome, Trial};
 pub use twin::{Loop, Twin};
+
+/// A fraction in per cent, with two digits.
+fn per_cent(v: f64) -> String {
+    format!("{} %", crate::output::rounded(100.0 * v, 2))
+}

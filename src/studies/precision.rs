@@ -311,9 +311,7 @@ fn reference(campaign: &mut Campaign<'_>, truth: &Truth, quantities: &[(String, 
 
 /// The quantities of a run that reached its end.
 fn measured(series: &Table, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
-    let times = series.column("time")?;
     let value = |(column, t): &(String, f64)| {
-        let row = times.iter().position(|s| (s - t).abs() <= 1e-9 * t.abs().max(1.0));
         let missing = || {
             Error::scene(format!("the series has no row at t = {t:?}, where {column} is asked for"))
                 .at("--quantity")
@@ -323,7 +321,7 @@ fn measured(series: &Table, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
                 )
         };
         let values = series.column(column)?;
-        row.and_then(|i| values.get(i)).copied().ok_or_else(missing)
+        series.row_at(*t)?.and_then(|i| values.get(i)).copied().ok_or_else(missing)
     };
     quantities.iter().map(value).collect()
 }

@@ -111,9 +111,8 @@ impl Outcome {
         if self.series.names.is_empty() {
             return Ok(f64::NAN);
         }
-        let (values, times) = (self.series.column(column)?, self.series.column("time")?);
-        let at = times.iter().position(|t| (t - time).abs() <= 1e-9 * time.abs().max(1.0));
-        Ok(at.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN))
+        let values = self.series.column(column)?;
+        Ok(self.series.row_at(time)?.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN))
     }
     /// Seconds of all processors in the time steps: no set-up, no output.
     pub fn cpu_seconds(&self) -> f64 {

@@ -3,7 +3,7 @@
 use crate::base::{Error, Result};
 use crate::levelset::Contour;
 use crate::mesh::{Locator, Point};
-use crate::output::{Snapshot, read_pvd, read_vtu};
+use crate::output::{Snapshot, read_pvd, read_vtu, same_time};
 use std::path::Path;
 
 /// The distance of one interface from another: over its length on average, and at most.
@@ -66,8 +66,7 @@ fn lost(name: &str) -> Error {
 /// # Errors
 /// There are none, or they cannot be read.
 pub fn fields_at(folder: &Path, time: f64) -> Result<Snapshot<2>> {
-    let near = |t: f64| (t - time).abs() <= 1e-9 * time.abs().max(1.0);
-    let entry = read_pvd(&folder.join("fields.pvd"))?.into_iter().find(|(t, _)| near(*t));
+    let entry = read_pvd(&folder.join("fields.pvd"))?.into_iter().find(|(t, _)| same_time(*t, time));
     let Some((_, file)) = entry else {
         return Err(Error::input("the run has no fields at this time").at(folder.display().to_string()).value(time));
     };

@@ -5,6 +5,7 @@ use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
 use crate::scene::Scene;
 use crate::studies::findings::{Drawing, Findings};
 use crate::studies::front::{Offer, cheapest, front};
+use crate::studies::per_cent;
 
 /// The colour of what is not one of our methods: grey.
 const GREY: usize = 6;
@@ -72,14 +73,14 @@ fn best(points: &[Point], tolerances: &[f64]) -> Grid {
     let mut grid =
         Grid::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU s"]);
     for &tolerance in tolerances {
-        let mut row = vec![Cell::text(percent(tolerance))];
+        let mut row = vec![Cell::text(per_cent(tolerance))];
         match cheapest(&offers(points), tolerance) {
             Some(Ok(i)) => {
                 let p = &points[i];
                 row.extend([
                     Cell::text(&p.method),
                     Cell::text(&p.setting),
-                    Cell::text(percent(p.error())),
+                    Cell::text(per_cent(p.error())),
                     Cell::Number(p.cpu, 3),
                 ]);
             }
@@ -100,17 +101,17 @@ fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference)
     };
     let (ours, theirs): (Vec<Point>, Vec<Point>) = points.iter().cloned().partition(|p| p.ours);
     let of = |points: &[Point]| match cheapest(&offers(points), tolerance) {
-        Some(Ok(i)) => format!("{} (error {})", told(&points[i]), percent(points[i].error())),
-        Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), percent(points[i].error())),
+        Some(Ok(i)) => format!("{} (error {})", told(&points[i]), per_cent(points[i].error())),
+        Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), per_cent(points[i].error())),
         None => "no run finished".into(),
     };
     let who = if theirs.is_empty() { "" } else { "immersa: " };
-    let mut text = format!("{} in {what}: {who}{}", percent(tolerance), of(&ours));
+    let mut text = format!("{} in {what}: {who}{}", per_cent(tolerance), of(&ours));
     if !theirs.is_empty() {
         text += &format!("; FreeFEM: {}", of(&theirs).replace(", FreeFEM, ", ", "));
     }
     if tolerance < reference.error() {
-        text += &format!(". The reference itself is known to {} only", percent(reference.error()));
+        text += &format!(". The reference itself is known to {} only", per_cent(reference.error()));
     }
     text + "."
 }
@@ -118,7 +119,7 @@ fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference)
 fn number(points: &[Point], tolerance: f64) -> Option<Number> {
     let Some(Ok(i)) = cheapest(&offers(points), tolerance) else { return None };
     Some(Number {
-        label: format!("{} costs", percent(tolerance)),
+        label: format!("{} costs", per_cent(tolerance)),
         value: format!("{} s", rounded(points[i].cpu, 2)),
         note: format!("{}, {}", points[i].method, points[i].setting),
     })
@@ -130,7 +131,7 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         super::Truth::Reference(_) => format!(
             "Errors are against a reference run ({}). Its own error is about {}, estimated {}; errors below it mean nothing.",
             reference.words,
-            percent(reference.error()),
+            per_cent(reference.error()),
             reference.notes.join(" and ")
         ),
     }];
@@ -146,7 +147,7 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         .filter(|p| p.usable().is_nan())
         .map(|p| {
             let off = match p.error() {
-                e if !e.is_nan() => format!(", {} off", percent(e)),
+                e if !e.is_nan() => format!(", {} off", per_cent(e)),
                 _ if p.end == "finished" => ", but a quantity has no value any more".into(),
                 _ => String::new(),
             };
@@ -187,7 +188,7 @@ fn rows<'a>(points: &'a [Point], methods: &[&str]) -> Vec<Row<'a>> {
 
 fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Reference) -> Vec<Drawing> {
     let known = match reference.error() {
-        e if e > 0.0 => format!(" The reference is known to {}.", percent(e)),
+        e if e > 0.0 => format!(" The reference is known to {}.", per_cent(e)),
         _ => String::new(),
     };
     let lines = "Each line is a method on one mesh, each mark a time step.";
@@ -239,11 +240,6 @@ fn drawing(
     let y_label = if y_label == what { format!("error of {what}") } else { y_label.to_string() };
     let chart = Chart { x_label, y_label: &y_label, log_x: true, log_y: true, curves, ..Chart::default() };
     Drawing { name: name.into(), title: title.into(), svg: chart.svg(), caption: caption.into() }
-}
-
-/// A part of one in per cent.
-fn percent(v: f64) -> String {
-    format!("{} %", rounded(100.0 * v, 2))
 }
 
 #[cfg(test)]

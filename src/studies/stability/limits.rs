@@ -8,7 +8,7 @@ use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, Grid, Number, rounded};
 use crate::scene::Model;
 use crate::sim::Coupling;
-use crate::studies::axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
+use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
 use crate::studies::{Campaign, Findings, Trial};
 
 /// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
@@ -60,18 +60,13 @@ impl Limits {
     /// # Errors
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
     pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
-        check(campaign, &self.axes)?;
+        check(campaign, &self.axes, &["time.step", "time.end"])?;
         if campaign.scene().membranes.is_empty() {
             return Err(Error::scene("the scene has no membrane, whose coupling could be unstable")
                 .value("no [[membrane]]")
                 .remedy("add one, or ask with --scan which values of another key are stable"));
         }
         let all = combinations(&self.axes);
-        for combination in &all {
-            // The search sets them itself.
-            let set = settings(combination);
-            check_distinct(set.iter().map(String::as_str).chain(["time.step", "time.end"]))?;
-        }
         let mut probes = Grid::new("probes", "Runs", columns(&self.axes, &PROBES));
         let mut limits = Vec::new();
         for (k, combination) in all.iter().enumerate() {

@@ -16,11 +16,12 @@ pub use verdict::Verdict;
 
 use super::axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
 use crate::base::{Error, Result};
-use crate::output::{Cell, rounded};
-use crate::studies::{Campaign, Trial};
+use crate::output::Cell;
+use crate::studies::{Campaign, Trial, per_cent};
 
-/// Refuses values that the scene does not take, before anything is computed.
-fn check(campaign: &Campaign<'_>, axes: &[Axis]) -> Result<()> {
+/// Refuses values that the scene does not take, or that stand on two axes or on one and among the keys that the study sets
+/// itself, before anything is computed.
+fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
     if campaign.scene().fluid.prescribed_velocity.is_some() {
         return Err(Error::scene("no flow is solved in this scene, and what is carried has no energy that could grow")
             .value("fluid.prescribed_velocity")
@@ -28,7 +29,7 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis]) -> Result<()> {
     }
     combinations(axes).iter().try_for_each(|c| {
         let set = settings(c);
-        check_distinct(set.iter().map(String::as_str))?;
+        check_distinct(set.iter().map(String::as_str).chain(own.iter().copied()))?;
         campaign.scene_of(&Trial::new("", set)).map(drop)
     })
 }
@@ -82,9 +83,4 @@ fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<S
         [first, more @ ..] => format!("refused ({first} and {} more): {reason}", more.len()),
     };
     reasons.into_iter().map(line).collect()
-}
-
-/// A fraction in per cent.
-fn per_cent(v: f64) -> String {
-    format!("{} %", rounded(100.0 * v, 2))
 }

@@ -56,7 +56,7 @@ impl Scan {
     /// # Errors
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
     pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
-        check(campaign, &self.axes)?;
+        check(campaign, &self.axes, &[])?;
         let all = combinations(&self.axes);
         let mut points = Vec::new();
         for (k, combination) in all.iter().enumerate() {
