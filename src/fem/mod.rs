@@ -15,8 +15,8 @@ mod quadrature;
 mod space;
 
 pub use assembly::{
-    At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_vector,
-    integrate,
+    At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_source,
+    assemble_vector, integrate,
 };
 pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
@@ -25,4 +25,4 @@ pub use numbering::Numbering;
 pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
-pub use space::{Space, Value};
+pub use space::{OnCell, Space, Value};
