@@ -1,10 +1,12 @@
 //! What every layer may use: errors as values, deterministic parallel loops, and what a step spends its time on.
 
+mod bandwidth;
 mod error;
 mod hash;
 pub mod parallel;
 mod phases;
 
+pub use bandwidth::copy_bandwidth;
 pub use error::{Error, Kind, Result, Snippet, Warning};
 pub use hash::fnv1a;
 pub use phases::{PHASES, Phase, Phases};

@@ -194,6 +194,7 @@ impl<'a> Run<'a> {
     }
 
     fn save(&mut self) -> Result<()> {
+        self.record.note_costs(&mut self.model.simulation);
         self.folder.save(self.scene, &self.record, self.model.simulation.state())?;
         self.saved = Instant::now();
         Ok(())
@@ -203,6 +204,7 @@ impl<'a> Run<'a> {
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
         let result = result.and_then(|()| self.save());
+        self.record.note_costs(&mut self.model.simulation);
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();
         let steps = self.model.simulation.state().steps as usize;

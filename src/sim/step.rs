@@ -152,7 +152,11 @@ impl<const D: usize> Simulation<D> {
         self.phases.begin();
 
         // Where the interface will be.
-        if second && structures { self.predict(current, ahead)? } else { ahead.clone_from(&self.state.phi) }
+        if second && structures {
+            self.predict(current, ahead)?
+        } else {
+            ahead.clone_from(&self.state.phi)
+        }
         let diffused = self.diffused(solver, current)?;
         self.phases.end(Phase::Transport);
 
@@ -207,7 +211,11 @@ impl<const D: usize> Simulation<D> {
 
         // The interface follows, and the fluids with it.
         if structures || !self.passive.is_empty() {
-            if second { combine(0.5, current, 0.5, &next.u, mean) } else { mean.clone_from(&next.u) }
+            if second {
+                combine(0.5, current, 0.5, &next.u, mean)
+            } else {
+                mean.clone_from(&next.u)
+            }
             self.carry(&Wind::Nodal(mean), ahead)?;
             self.follow_markers([current, &next.u], mean);
         }
