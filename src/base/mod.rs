@@ -1,5 +1,6 @@
 //! What every layer may use: errors as values and deterministic parallel loops.
 
+pub mod bytes;
 mod error;
 mod hash;
 pub mod parallel;

@@ -35,6 +35,8 @@ pub struct Budget {
     pub work: f64,
     /// What walls and body forces have exchanged since, without sign.
     pub exchanged: f64,
+    /// What bringing the fields to new meshes has added since; not taken out of the residual.
+    pub transferred: f64,
 }
 
 impl Budget {

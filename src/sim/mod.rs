@@ -6,6 +6,7 @@ mod checkpoint;
 mod markers;
 mod materials;
 mod passive;
+mod remesh;
 mod setup;
 mod step;
 

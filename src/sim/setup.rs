@@ -52,6 +52,7 @@ pub struct Materials {
 }
 
 /// What a simulation is told.
+#[derive(Clone)]
 pub struct Settings<const D: usize> {
     /// Time step.
     pub dt: f64,
@@ -104,6 +105,7 @@ impl<const D: usize> Settings<D> {
 }
 
 /// A structure: its level set (one number a P2 node) and its law.
+#[derive(Clone)]
 pub struct Structure<const D: usize> {
     /// Name in the scene.
     pub name: String,
@@ -116,6 +118,7 @@ pub struct Structure<const D: usize> {
 }
 
 /// A level set that is carried and acts on nothing.
+#[derive(Clone)]
 pub struct LevelSet<const D: usize> {
     /// Name in the scene.
     pub name: String,

@@ -240,7 +240,7 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Energies and rates of the current state.
-    fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
+    pub(super) fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
         let [kinetic, dissipation, grad_div, div2] = flow.energies(&self.state.flow);
         let elastic = match &self.fine {
             Some(fine) => self.structures.iter().zip(&self.state.phi).map(|(s, p)| s.membrane.energy(fine, p)).sum(),
