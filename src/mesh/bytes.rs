@@ -30,7 +30,8 @@ impl<const D: usize> Mesh<D> {
             Some(list.into_iter().collect())
         };
         (mesh.boundaries, mesh.regions) = (names()?, names()?);
-        let fits = |names: &BTreeMap<_, Vec<u32>>, count: usize| names.values().flatten().all(|&k| (k as usize) < count);
+        let fits =
+            |names: &BTreeMap<_, Vec<u32>>, count: usize| names.values().flatten().all(|&k| (k as usize) < count);
         let whole = fits(&mesh.boundaries, mesh.facets.len()) && fits(&mesh.regions, mesh.cell_count());
         (from.0.is_empty() && whole).then_some(mesh)
     }
@@ -47,7 +48,10 @@ mod tests {
         let bytes = mesh.to_bytes();
         let again = Mesh::<2>::from_bytes(&bytes).unwrap();
         assert_eq!((again.points(), &again.cells), (mesh.points(), &mesh.cells));
-        assert_eq!((again.facets(), again.boundaries(), again.regions()), (mesh.facets(), mesh.boundaries(), mesh.regions()));
+        assert_eq!(
+            (again.facets(), again.boundaries(), again.regions()),
+            (mesh.facets(), mesh.boundaries(), mesh.regions())
+        );
         assert_eq!(again.neighbours, mesh.neighbours);
         assert!((0..bytes.len()).all(|cut| Mesh::<2>::from_bytes(&bytes[..cut]).is_none()));
     }

@@ -9,10 +9,11 @@ use crate::levelset::band_edges;
 use crate::mesh::adapt::{self, AdaptOptions, Metric};
 use crate::mesh::{self, Mesh};
 use crate::sim::Simulation;
+use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
 /// Edges at the interfaces in the half-width of the band, when the scene does not say: well resolved.
-const EDGES: f64 = 2.5;
+const EDGES: f64 = 3.0;
 /// Rounds at the start: each sees the interfaces on the mesh of the one before.
 const ROUNDS: usize = 5;
 /// A mesh is made anew when the longest edge in a band exceeds the wanted one by this factor; adapted edges are up to `sqrt 2` of it.
@@ -21,8 +22,10 @@ const TOLERATED: f64 = 1.6;
 /// The lengths that an adapted mesh keeps at interfaces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lengths {
-    /// Wanted edges at the interfaces.
+    /// Wanted edges across the interfaces.
     pub edge: f64,
+    /// Wanted edges along them.
+    pub along: f64,
     /// Distance up to which they are wanted.
     pub width: f64,
     /// Longest edge anywhere.
@@ -44,7 +47,7 @@ impl Lengths {
             None if !interfaces => longest,
             None => {
                 let e = Error::scene("the mesh is to follow the interfaces, but how fine it shall be is not said")
-                    .remedy("give mesh.adapt.edge, or numerics.thickness, of which it is 1/2.5");
+                    .remedy("give mesh.adapt.edge, or numerics.thickness, of which it is a third");
                 return Err(scene.blame(&["mesh", "adapt"], e));
             }
         };
@@ -56,7 +59,7 @@ impl Lengths {
             return Err(scene.blame(&["mesh", "adapt"], e));
         }
         let width = adapt.width.unwrap_or(thickness.unwrap_or(EDGES * edge) + 2.0 * edge);
-        Ok(Lengths { edge, width, longest })
+        Ok(Lengths { edge, along: adapt.along.unwrap_or(edge), width, longest })
     }
 }
 
@@ -140,26 +143,37 @@ struct Wanted<'a> {
 }
 
 impl Wanted<'_> {
-    /// Edges of the wanted length at the interfaces, growing away from them.
+    /// Edges of the wanted lengths across and along the interfaces, growing away from them.
     fn interfaces(&self, level_sets: &[Vec<f64>]) -> Result<Metric> {
         let mesh = self.space.mesh();
-        let mut sizes = vec![self.lengths.longest; mesh.points().len()];
+        // Sums of n n^T over the cells near an interface that meet at a point, and their number.
+        let mut normals = vec![(SMatrix::<f64, 2, 2>::zeros(), 0.0); mesh.points().len()];
         for c in 0..mesh.cell_count() {
-            if level_sets.iter().any(|phi| self.is_near(phi, c)) {
-                mesh.cell(c).iter().for_each(|&v| sizes[v as usize] = self.lengths.edge);
+            for gradient in level_sets.iter().filter_map(|phi| self.near(phi, c)) {
+                let n = gradient.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(|| SVector::<f64, 2>::new(1.0, 0.0));
+                for &v in mesh.cell(c) {
+                    normals[v as usize].0 += n * n.transpose();
+                    normals[v as usize].1 += 1.0;
+                }
             }
         }
-        Metric::isotropic(&sizes).graded(mesh, self.adapt.gradation)
+        let Lengths { edge, along, longest, .. } = *self.lengths;
+        let [across, along, longest] = [edge, along, longest].map(|h| 1.0 / (h * h));
+        let identity = SMatrix::<f64, 2, 2>::identity();
+        let tensor = |&(sum, count): &(SMatrix<f64, 2, 2>, f64)| match count {
+            0.0 => identity * longest,
+            _ => sum * ((across - along) / count) + identity * along,
+        };
+        Metric { tensors: normals.iter().map(tensor).collect() }.graded(mesh, self.adapt.gradation)
     }
 
-    /// Whether cell `c` comes nearer to the zero level of `phi` than the width.
-    fn is_near(&self, phi: &[f64], c: usize) -> bool {
-        let centre = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0];
-        let slope = self.space.gradient(phi, c, &centre).norm();
+    /// The gradient of `phi` in cell `c` if that comes nearer to the zero level than the width.
+    fn near(&self, phi: &[f64], c: usize) -> Option<SVector<f64, 2>> {
+        let gradient = self.space.gradient(phi, c, &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0]);
         let values = self.space.cell_nodes(c).iter().map(|&n| phi[n as usize]);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let least = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
-        least <= self.lengths.width * slope
+        (least <= self.lengths.width * gradient.norm()).then_some(gradient)
     }
 
     /// The metric of the second derivatives of one field; `None` while it is constant.

@@ -81,8 +81,9 @@ fn table(all: &[(Choice, Findings, Costs)]) -> Grid {
 fn chart(all: &[(Choice, Findings, Costs)]) -> Option<Drawing> {
     let programs = all.first()?.2.of.len();
     let x: Vec<f64> = all.iter().map(|(.., c)| c.unknowns).collect();
-    let columns: Vec<Vec<f64>> =
-        (0..programs).map(|k| all.iter().map(|(.., c)| c.of.get(k).map_or(f64::NAN, |c| c.per_step)).collect()).collect();
+    let columns: Vec<Vec<f64>> = (0..programs)
+        .map(|k| all.iter().map(|(.., c)| c.of.get(k).map_or(f64::NAN, |c| c.per_step)).collect())
+        .collect();
     let names = all[0].2.of.iter().map(|c| c.who.as_str());
     let curves = names.zip(&columns).map(|(name, y)| Curve { name, x: &x, y, stroke: Stroke::Marked, colour: None });
     let chart = Chart {

@@ -145,4 +145,3 @@ fn report(t: &Triangulation, sweeps: usize) -> AdaptReport {
         mean_quality: sum / triangles as f64,
     }
 }
-

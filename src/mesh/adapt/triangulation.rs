@@ -90,15 +90,8 @@ impl<'a> Triangulation<'a> {
                 }
             }
         }
-        let mut new = Triangulation {
-            background,
-            vertices,
-            triangles,
-            free: Vec::new(),
-            frozen_boundary,
-            boundaries,
-            regions,
-        };
+        let mut new =
+            Triangulation { background, vertices, triangles, free: Vec::new(), frozen_boundary, boundaries, regions };
         new.find_kinds();
         new
     }
@@ -111,11 +104,7 @@ impl<'a> Triangulation<'a> {
             let triangle = &self.triangles[side.triangle as usize];
             let other = triangle.neighbours[side.opposite];
             let beyond = if other == NONE { NONE } else { self.triangles[other as usize].region };
-            let what = [
-                triangle.sides[side.opposite],
-                triangle.region.min(beyond),
-                triangle.region.max(beyond),
-            ];
+            let what = [triangle.sides[side.opposite], triangle.region.min(beyond), triangle.region.max(beyond)];
             let [a, b] = self.ends(side);
             for (v, other) in [(a, b), (b, a)] {
                 let (count, sides) = &mut kept[v as usize];
@@ -125,11 +114,8 @@ impl<'a> Triangulation<'a> {
                 *count += 1;
             }
         }
-        let frozen: Vec<u32> = self
-            .sides()
-            .filter(|s| self.frozen_boundary && self.is_boundary(*s))
-            .flat_map(|s| self.ends(s))
-            .collect();
+        let frozen: Vec<u32> =
+            self.sides().filter(|s| self.frozen_boundary && self.is_boundary(*s)).flat_map(|s| self.ends(s)).collect();
         for (v, (count, [first, second])) in kept.into_iter().enumerate() {
             let to = |other: u32| self.vertices[other as usize].point - self.vertices[v].point;
             self.vertices[v].kind = match count {

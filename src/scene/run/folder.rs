@@ -106,8 +106,7 @@ impl Folder {
         let (record, rest) = part(&bytes).ok_or_else(damaged)?;
         let (mesh, state) = part(rest).ok_or_else(damaged)?;
         let record = serde_json::from_slice(record).map_err(|_| damaged())?;
-        let mesh =
-            if mesh.is_empty() { None } else { Some(Mesh::<2>::from_bytes(mesh).ok_or_else(damaged)?) };
+        let mesh = if mesh.is_empty() { None } else { Some(Mesh::<2>::from_bytes(mesh).ok_or_else(damaged)?) };
         let state = State::from_bytes(state, tag(scene)).map_err(|e| e.at(path.display().to_string()))?;
         Ok(Some((record, mesh, state)))
     }

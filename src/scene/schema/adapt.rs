@@ -3,8 +3,8 @@
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::write::{Writer, list, name, number};
 use crate::base::Result;
-use crate::scene::item::{Item, Table};
 use crate::fem::TransferMethod as Transfer;
+use crate::scene::item::{Item, Table};
 
 /// How a mesh is adapted.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,8 @@ pub struct Adapt {
     pub every: Option<f64>,
     /// Length of the edges at the interfaces.
     pub edge: Option<f64>,
+    /// Their length along the interfaces, if that differs.
+    pub along: Option<f64>,
     /// Distance from the interfaces up to which edges are that short.
     pub width: Option<f64>,
     /// Fields whose interpolation error shapes the mesh.
@@ -52,10 +54,10 @@ const TRANSFER_WORDS: [&str; 2] = words(&TRANSFERS);
 
 /// Defaults, as they are written.
 const ERROR: &str = "0.01";
-const GRADATION: &str = "1.3";
+const GRADATION: &str = "1.5";
 const ANISOTROPY: &str = "20";
 const DEFAULT_ERROR: f64 = 0.01;
-const DEFAULT_GRADATION: f64 = 1.3;
+const DEFAULT_GRADATION: f64 = 1.5;
 const DEFAULT_ANISOTROPY: f64 = 20.0;
 /// More points exceed any memory.
 const MOST_VERTICES: usize = 100_000_000;
@@ -74,8 +76,15 @@ pub(super) static KEYS: Keys = Keys {
             "edge",
             Value("number > 0"),
             "m",
-            Derived("thickness / 2.5"),
+            Derived("thickness / 3"),
             "Length of the edges at the interfaces. Needed where `numerics.thickness` is not given.",
+        ),
+        row(
+            "along",
+            Value("number > 0"),
+            "m",
+            Derived("edge"),
+            "Length of the edges along the interfaces: two or three times `edge` saves as many unknowns where little changes along a membrane.",
         ),
         row(
             "width",
@@ -140,6 +149,7 @@ impl Adapt {
         let adapt = Adapt {
             every: positive("every")?,
             edge: positive("edge")?,
+            along: positive("along")?,
             width: positive("width")?,
             fields: table.optional("fields", fields)?.unwrap_or_default(),
             error: positive("error")?.unwrap_or(DEFAULT_ERROR),
@@ -182,6 +192,7 @@ impl Adapt {
         let lengths = [
             ("every", self.every),
             ("edge", self.edge),
+            ("along", self.along),
             ("width", self.width),
             ("h_min", self.h_min),
             ("h_max", self.h_max),
