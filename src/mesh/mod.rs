@@ -1,5 +1,6 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
+pub mod adapt;
 pub mod freefem;
 mod generate;
 pub mod gmsh;
