@@ -145,3 +145,6 @@ fn report(t: &Triangulation, sweeps: usize) -> AdaptReport {
         mean_quality: sum / triangles as f64,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,9 +34,6 @@ impl Tensor {
     pub fn matrix(&self) -> SMatrix<f64, 2, 2> {
         SMatrix::<f64, 2, 2>::new(self.xx, self.xy, self.xy, self.yy)
     }
-    pub fn scalar(s: f64) -> Tensor {
-        Tensor { xx: s, xy: 0.0, yy: s }
-    }
     /// `e^T M e`.
     #[inline]
     pub fn square(&self, e: &Point<2>) -> f64 {
