@@ -16,8 +16,9 @@ use std::sync::Arc;
 const EDGES: f64 = 3.0;
 /// Rounds at the start: each sees the interfaces on the mesh of the one before.
 const ROUNDS: usize = 5;
-/// A mesh is made anew when the longest edge in a band exceeds the wanted one by this factor; adapted edges are up to `sqrt 2` of it.
-const TOLERATED: f64 = 1.6;
+/// A mesh is made anew when the longest edge in a band exceeds the wanted one by this factor (adapted edges are up to `sqrt 2` of it),
+/// and the longest that the mesh had when it was made by the other.
+const TOLERATED: [f64; 2] = [1.6, 1.25];
 
 /// The lengths that an adapted mesh keeps at interfaces.
 #[derive(Clone, Copy, Debug)]
@@ -131,7 +132,9 @@ impl Model {
         let structures = sim.structures().iter().map(|s| s.membrane.thickness());
         let reaches = structures.chain(sim.passive().iter().map(|_| lengths.width - 2.0 * lengths.edge));
         let edges = sim.state().phi.iter().zip(reaches).filter_map(|(phi, reach)| band_edges(sim.space(), phi, reach));
-        edges.into_iter().any(|e| e.largest > TOLERATED * lengths.edge)
+        let at_first = self.band_edges.map_or(0.0, |[_, largest]| largest);
+        let tolerated = (TOLERATED[0] * lengths.edge).max(TOLERATED[1] * at_first);
+        edges.into_iter().any(|e| e.largest > tolerated)
     }
 }
 
