@@ -48,6 +48,7 @@ impl Lengths {
             None if !interfaces => longest,
             None => {
                 let e = Error::scene("the mesh is to follow the interfaces, but how fine it shall be is not said")
+                    .value("neither mesh.adapt.edge nor numerics.thickness is given")
                     .remedy("give mesh.adapt.edge, or numerics.thickness, of which it is a third");
                 return Err(scene.blame(&["mesh", "adapt"], e));
             }
@@ -59,7 +60,7 @@ impl Lengths {
                 .remedy("give a shorter mesh.adapt.edge, or a longer mesh.adapt.h_max");
             return Err(scene.blame(&["mesh", "adapt"], e));
         }
-        let width = adapt.width.unwrap_or(thickness.unwrap_or(EDGES * edge) + 2.0 * edge);
+        let width = adapt.width.unwrap_or(thickness.unwrap_or(EDGES * edge) + edge);
         Ok(Lengths { edge, along: adapt.along.unwrap_or(edge), width, longest })
     }
 }
@@ -130,7 +131,7 @@ impl Model {
     fn is_outgrown(&self, lengths: &Lengths) -> bool {
         let sim = &self.simulation;
         let structures = sim.structures().iter().map(|s| s.membrane.thickness());
-        let reaches = structures.chain(sim.passive().iter().map(|_| lengths.width - 2.0 * lengths.edge));
+        let reaches = structures.chain(sim.passive().iter().map(|_| lengths.width - lengths.edge));
         let edges = sim.state().phi.iter().zip(reaches).filter_map(|(phi, reach)| band_edges(sim.space(), phi, reach));
         let at_first = self.band_edges.map_or(0.0, |[_, largest]| largest);
         let tolerated = (TOLERATED[0] * lengths.edge).max(TOLERATED[1] * at_first);

@@ -19,13 +19,13 @@ area.linear = { modulus = 10.0 }
 end = 0.3
 step = 0.01
 [numerics]
-thickness = 0.15
+thickness = 0.1
 grad_div = 5
 "#;
 
-/// With edges of .06 at the interface.
+/// With edges of .045 at the interface.
 fn adapted(more: &[&str]) -> Case {
-    let mut set = vec!["mesh.adapt.edge=0.06"];
+    let mut set = vec!["mesh.adapt.edge=0.045", "mesh.adapt.width=0.12"];
     set.extend(more);
     Case::with(MEMBRANE, &set)
 }
@@ -48,7 +48,7 @@ fn follow(case: &mut Case, interval: usize) -> usize {
 
 #[test]
 fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknowns() {
-    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[34, 34]"]);
+    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[45, 45]"]);
     let many = unknowns(&uniform);
     let uniform = uniform.run();
     let mut case = adapted(&[]);
@@ -58,11 +58,11 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
         band_edges(sim.space(), &sim.state().phi[0], eps).unwrap().largest
     };
     assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
-    assert!(edges(&case) < 1.45 * 0.06, "{}", edges(&case));
+    assert!(edges(&case) < 1.45 * 0.045, "{}", edges(&case));
     let count = follow(&mut case, 5);
     // The membrane has moved by more than the fine part of the first mesh reaches.
     assert!((1..6).contains(&count), "{count} times");
-    assert!(edges(&case) < 1.6 * 0.06, "{}", edges(&case));
+    assert!(edges(&case) < 1.6 * 0.045, "{}", edges(&case));
     assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
     for (column, bound) in [("membrane.extent_x", 2e-3), ("membrane.extent_y", 2e-3), ("energy_kinetic", 5e-3)] {
         let (a, b) = (case.get(column), uniform.get(column));
@@ -92,7 +92,7 @@ fn transfer_changes_the_energy_little_and_less_on_finer_meshes() {
             assert!(case.model.follow(&case.scene).unwrap());
             case.get("energy_transferred").abs() / total
         };
-        let [coarse, fine] = [0.06, 0.03].map(change);
+        let [coarse, fine] = [0.045, 0.0225].map(change);
         assert!(coarse < 3e-3 && fine < 0.3 * coarse, "{transfer}: {coarse:e}, {fine:e}");
     }
 }

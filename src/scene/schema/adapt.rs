@@ -90,7 +90,7 @@ pub(super) static KEYS: Keys = Keys {
             "width",
             Value("number > 0"),
             "m",
-            Derived("thickness + 2 edge"),
+            Derived("thickness + edge"),
             "Distance from the interfaces up to which the edges are that short.",
         ),
         row(
