@@ -16,8 +16,8 @@ mod space;
 mod transfer;
 
 pub use assembly::{
-    At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_vector,
-    integrate,
+    At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_source,
+    assemble_vector, integrate,
 };
 pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
@@ -26,5 +26,5 @@ pub use numbering::Numbering;
 pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
-pub use space::{Space, Value};
+pub use space::{OnCell, Space, Value};
 pub use transfer::{Transfer, TransferMethod, hessians};

@@ -1,11 +1,11 @@
 //! One step of the coupled velocity-pressure system.
 
 use super::coefficient::Coefficient;
-use super::step::{FlowState, Step, StepReport};
-use crate::base::{Error, Result};
+use super::step::{FlowState, History, Step, StepReport};
+use crate::base::{Error, PHASES, Phase, Phases, Result, parallel};
 use crate::fem::{
-    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, assemble_flow_matrix, assemble_scalar,
-    assemble_vector, integrate,
+    At, Basis, Cells, Conditions, Numbering, OnCell, Rule, Space, Value, VectorForm, assemble_flow_matrix,
+    assemble_scalar, assemble_source, assemble_vector,
 };
 use crate::linalg::{Factor, Ordering, SolveReport, SymmetricMatrix};
 use crate::mesh::Mesh;
@@ -15,6 +15,8 @@ use std::sync::Arc;
 /// Assembles and solves the coupled system; keeps the factor while the matrix does not change.
 pub struct FlowSolver<const D: usize> {
     velocity: Basis<D>,
+    /// The velocity basis at the points of a rule that is exact for products of gradients.
+    gradients: Basis<D>,
     pressure: Basis<D>,
     numbering: Numbering<D>,
     /// Weight of the grad-div term, in units of viscosity.
@@ -29,7 +31,13 @@ pub struct FlowSolver<const D: usize> {
     factor_is_base: bool,
     boundary_cells: Vec<u32>,
     work: Work<D>,
+    phases: Phases,
+    /// How often the factor was read, each time twice.
+    substitutions: u64,
 }
+
+/// Earlier velocities that are evaluated together.
+const TOGETHER: usize = 2;
 
 /// Buffers of a step.
 struct Work<const D: usize> {
@@ -71,6 +79,7 @@ impl<const D: usize> FlowSolver<D> {
         numbering.prescribed_nodes().for_each(|n| prescribed[n as usize] = true);
         let touches = |c: usize| velocity.cell_nodes(c).iter().any(|&n| prescribed[n as usize]);
         let boundary_cells = (0..mesh.cell_count()).filter(|&c| touches(c)).map(|c| c as u32).collect();
+        let gradients = Basis::new(velocity, &Arc::new(Rule::simplex(D, 2)));
         let (velocity, pressure) = (Basis::new(velocity, rule), Basis::new(pressure, rule));
         let nodes = velocity.space().len();
         let mut pressure_mass = vec![0.0; pressure.space().len()];
@@ -89,6 +98,7 @@ impl<const D: usize> FlowSolver<D> {
         };
         Ok(FlowSolver {
             velocity,
+            gradients,
             pressure,
             numbering,
             grad_div,
@@ -100,6 +110,8 @@ impl<const D: usize> FlowSolver<D> {
             factor_is_base: false,
             boundary_cells,
             work,
+            phases: Phases::default(),
+            substitutions: 0,
         })
     }
 
@@ -145,6 +157,10 @@ impl<const D: usize> FlowSolver<D> {
     pub fn factor(&self) -> Option<&Factor> {
         self.factor.as_ref()
     }
+    /// Seconds of all processors by phase since it was asked last, and how often the factor was read since, each time twice.
+    pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        (self.phases.take(), std::mem::take(&mut self.substitutions))
+    }
     /// Fluid at rest.
     pub fn at_rest(&self) -> FlowState<D> {
         FlowState { u: vec![SVector::zeros(); self.velocity.space().len()], p: vec![0.0; self.pressure.space().len()] }
@@ -176,13 +192,16 @@ impl<const D: usize> FlowSolver<D> {
 
     /// Assembles the part of the matrix that stays, for `weight / dt`, and analyses it without factoring.
     pub fn analyse(&mut self, weight: f64) -> Result<()> {
+        self.phases.begin();
         self.assemble_base(weight)?;
+        self.phases.end(Phase::Assembly);
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         if self.factor.is_none() {
             let ordering = Ordering::saddle_point(base, self.numbering.first_pressure())?;
             self.factor = Some(Factor::analyse(base, ordering)?);
             self.factor_is_base = false;
         }
+        self.phases.end(Phase::Factor);
         Ok(())
     }
 
@@ -222,37 +241,33 @@ impl<const D: usize> FlowSolver<D> {
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
         }
+        self.phases.end(Phase::Assembly);
         if let Some(factor) = &mut self.factor {
             factor.refactor(&self.matrix)?;
         }
+        self.phases.end(Phase::Factor);
         self.factor_is_base = !implicit;
         Ok(true)
     }
 
     /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
     fn assemble_load(&mut self, step: &Step<'_, D>) {
-        let (velocity, work) = (&self.velocity, &mut self.work);
+        self.work.load.fill(SVector::zeros());
+        for history in step.history.chunks(TOGETHER) {
+            self.assemble_inertia(step, history);
+        }
+        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
         let (load, scratch) = (&mut work.load, &mut work.vectors);
-        load.fill(SVector::zeros());
-        let points = velocity.rule().len();
-        let space = velocity.space();
-        let density = &self.density;
-        if step.weight > 0.0 || step.body_force.is_some() || step.gravity.norm() > 0.0 {
-            assemble_vector(velocity, Cells::All, load, scratch, |at| {
-                let mut inertia = SVector::<f64, D>::zeros();
-                for h in step.history {
-                    inertia += match h.feet {
-                        None => velocity.value(at, h.u),
-                        Some(feet) => {
-                            let foot = feet.get(at.cell * points + at.q);
-                            space.value(h.u, foot.cell as usize, &foot.barycentric)
-                        }
-                    } * (h.weight / step.dt);
+        if step.body_force.is_some() || step.gravity.norm() > 0.0 {
+            assemble_source(velocity, load, scratch, |c| {
+                move |q| {
+                    let at = velocity.at(c, q);
+                    let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
+                    step.gravity * density.at(&at) + force
                 }
-                let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
-                ((inertia + step.gravity) * density.at(at) + force, SMatrix::zeros())
             });
         }
+        self.phases.end(Phase::Assembly);
         for term in step.terms {
             assemble_vector(velocity, term.cells(), load, scratch, |at| {
                 let (f0, mut f1) = term.force(at);
@@ -262,6 +277,30 @@ impl<const D: usize> FlowSolver<D> {
                 (f0, f1)
             });
         }
+        self.phases.end(Phase::Force);
+    }
+
+    /// `rho sum weight u o X / dt` of two earlier velocities at most, each gathered once a cell: most feet lie in the cell of their
+    /// points.
+    fn assemble_inertia(&mut self, step: &Step<'_, D>, history: &[History<'_, D>]) {
+        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
+        let (space, points) = (velocity.space(), velocity.rule().len());
+        assemble_source(velocity, &mut work.load, &mut work.vectors, |c| {
+            let own: [Option<OnCell<_, D>>; TOGETHER] =
+                std::array::from_fn(|k| history.get(k).map(|h| space.on_cell(h.u, c)));
+            move |q| {
+                let mut sum = SVector::<f64, D>::ZERO;
+                for (h, own) in history.iter().zip(own.iter().flatten()) {
+                    let u = match h.feet.map(|feet| feet.get(c * points + q)) {
+                        None => own.combined(velocity.values(q)),
+                        Some(foot) if foot.cell as usize == c => own.value(&foot.barycentric),
+                        Some(foot) => space.value(h.u, foot.cell as usize, &foot.barycentric),
+                    };
+                    sum += u * h.weight;
+                }
+                sum * (density.value(c, q) / step.dt)
+            }
+        });
     }
 
     /// Takes one step and writes the new velocity and pressure into `state`.
@@ -270,10 +309,12 @@ impl<const D: usize> FlowSolver<D> {
     /// A factorisation or a solve that fails, boundary values that let more fluid in than out.
     pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
         let refactored = self.prepare(step)?;
+        self.phases.begin();
         self.assemble_load(step);
         let mut work = std::mem::replace(&mut self.work, Work::empty());
         let result = self.solve(step, &mut work, state);
         self.work = work;
+        self.phases.end(Phase::Solve);
         Ok(StepReport { solve: result?, refactored })
     }
 
@@ -290,6 +331,7 @@ impl<const D: usize> FlowSolver<D> {
             let place = format!("time {:.6}", step.time);
             if e.place().is_empty() { e.at(place) } else { e }
         })?;
+        self.substitutions += 1 + report.refinements as u64;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         if !self.numbering.is_open() {
             let mass: f64 = work.pressure_mass.iter().sum();
@@ -376,20 +418,27 @@ impl<const D: usize> FlowSolver<D> {
     }
 
     /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
-    /// each integrated.
+    /// each integrated. With one viscosity the gradients are taken at the points of a rule of degree 2, which is exact.
     pub fn energies(&self, state: &FlowState<D>) -> [f64; 4] {
-        integrate(&self.velocity, Cells::All, |at| {
-            let u = self.velocity.value(at, &state.u);
-            let grad = self.velocity.jacobian(at, &state.u);
-            let strain = (grad + grad.transpose()) * 0.5;
-            let div2 = grad.trace().powi(2);
-            [
-                0.5 * self.density.at(at) * u.norm_squared(),
-                2.0 * self.viscosity.at(at) * strain.norm_squared(),
-                self.grad_div * div2,
-                div2,
-            ]
-        })
+        let values = &self.velocity;
+        let gradients = if self.viscosity.is_constant() { &self.gradients } else { values };
+        let mesh = values.space().mesh();
+        let [kinetic, dissipation, div2] = parallel::sum(mesh.cell_count(), |c| {
+            let (u, map) = (values.space().on_cell(&state.u, c), mesh.map(c));
+            let mut sums = [0.0; 3];
+            for q in 0..values.rule().len() {
+                let square = u.combined(values.values(q)).norm_squared();
+                sums[0] += 0.5 * values.weight(c, q) * self.density.value(c, q) * square;
+            }
+            for q in 0..gradients.rule().len() {
+                let grad = u.reference_jacobian(gradients.reference_gradients(q)) * map.inverse;
+                let (weight, strain) = (gradients.weight(c, q), (grad + grad.transpose()) * 0.5);
+                sums[1] += 2.0 * weight * self.viscosity.value(c, q) * strain.norm_squared();
+                sums[2] += weight * grad.trace().powi(2);
+            }
+            sums
+        });
+        [kinetic, dissipation, self.grad_div * div2, div2]
     }
 }
 

@@ -4,6 +4,7 @@
 //! `|grad phi|` on the contour is the stretch of the membrane.
 
 mod band;
+mod bounds;
 mod chord;
 mod contour;
 mod distance;
@@ -17,6 +18,7 @@ mod shape;
 mod union;
 
 pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
 pub use ellipse::Ellipse;
 pub use fine::{Interface, Sample};

@@ -8,6 +8,7 @@ mod direct;
 mod memory;
 mod metis;
 mod ordering;
+mod substitution;
 mod symmetric;
 
 #[cfg(test)]

@@ -4,11 +4,11 @@ use super::budget::{Budget, Energies};
 use super::carrier::Carrier;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Settings, State, Structure};
-use crate::base::{Error, Result};
+use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::elastic::Predictor;
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
+use crate::flow::{FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, Wind};
 use nalgebra::SVector;
@@ -33,6 +33,21 @@ pub struct Simulation<const D: usize> {
     pub(super) feet: [Feet; 2],
     pub(super) wants_reactions: bool,
     pub(super) reactions: Option<Vec<SVector<f64, D>>>,
+    pub(super) phases: Phases,
+    pub(super) work: Work<D>,
+}
+
+/// Buffers of a step, which a warmed-up step fills again.
+#[derive(Default)]
+pub(super) struct Work<const D: usize> {
+    /// The velocity at the start of the step.
+    current: Vec<SVector<f64, D>>,
+    /// The mean of two velocities.
+    mean: Vec<SVector<f64, D>>,
+    /// The flow at the end of the step.
+    next: FlowState<D>,
+    /// Level sets one step ahead.
+    pub(super) ahead: Vec<Vec<f64>>,
 }
 
 /// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
@@ -95,6 +110,8 @@ impl<const D: usize> Simulation<D> {
             feet: Default::default(),
             wants_reactions: false,
             reactions: None,
+            phases: Phases::default(),
+            work: Work::default(),
         };
         sim.set_materials(&mut flow, &sim.state.phi);
         for (s, phi) in sim.structures.iter_mut().zip(&sim.state.phi) {
@@ -119,45 +136,52 @@ impl<const D: usize> Simulation<D> {
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
     pub fn step(&mut self) -> Result<StepReport> {
         let Some(mut flow) = self.flow.take() else { return self.drift() };
-        let result = self.flow_step(&mut flow);
-        self.flow = Some(flow);
+        let mut work = std::mem::take(&mut self.work);
+        let result = self.flow_step(&mut flow, &mut work);
+        (self.flow, self.work) = (Some(flow), work);
         result
     }
 
-    fn flow_step(&mut self, solver: &mut FlowSolver<D>) -> Result<StepReport> {
+    fn flow_step(&mut self, solver: &mut FlowSolver<D>, work: &mut Work<D>) -> Result<StepReport> {
         let second = self.settings.order == 2 && self.state.steps > 0;
         let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
         let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
         let convection = inertia && self.settings.convection;
-        let current = self.state.flow.u.clone();
+        let Work { current, mean, next, ahead } = work;
+        current.clone_from(&self.state.flow.u);
+        self.phases.begin();
 
         // Where the interface will be.
-        let predicted = if second && structures { self.predicted(&current)? } else { self.state.phi.clone() };
-        let diffused = self.diffused(solver, &current)?;
+        if second && structures { self.predict(current, ahead)? } else { ahead.clone_from(&self.state.phi) }
+        let diffused = self.diffused(solver, current)?;
+        self.phases.end(Phase::Transport);
 
         // Where the fluid comes from.
         if convection && second {
-            let halfway = combine(1.5, &current, -0.5, &self.state.earlier_u);
-            self.carrier.tracer.from_quadrature(&halfway, dt, solver.velocity(), &mut self.feet[0]);
-            self.carrier.tracer.from_quadrature(&current, 2.0 * dt, solver.velocity(), &mut self.feet[1]);
+            combine(1.5, current, -0.5, &self.state.earlier_u, mean);
+            self.carrier.tracer.from_quadrature(mean, dt, solver.velocity(), &mut self.feet[0]);
+            self.carrier.tracer.from_quadrature(current, 2.0 * dt, solver.velocity(), &mut self.feet[1]);
         } else if convection {
-            self.carrier.tracer.from_quadrature(&current, dt, solver.velocity(), &mut self.feet[0]);
+            self.carrier.tracer.from_quadrature(current, dt, solver.velocity(), &mut self.feet[0]);
         }
+        self.phases.end(Phase::Feet);
 
         // Forces and materials there.
-        self.set_materials(solver, &predicted);
+        self.set_materials(solver, ahead);
+        self.phases.end(Phase::Assembly);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(&predicted)) {
+        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(ahead)) {
             s.membrane.prepare(solver.velocity(), phi, implicit);
         }
+        self.phases.end(Phase::Force);
 
         // The coupled system of velocity and pressure.
         let feet = |k: usize| convection.then_some(&self.feet[k]);
         let history = match (inertia, second) {
             (false, _) => vec![],
-            (true, false) => vec![History { weight: 1.0, u: &current, feet: feet(0) }],
+            (true, false) => vec![History { weight: 1.0, u: current, feet: feet(0) }],
             (true, true) => vec![
-                History { weight: 2.0, u: &current, feet: feet(0) },
+                History { weight: 2.0, u: current, feet: feet(0) },
                 History { weight: -0.5, u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
@@ -173,48 +197,60 @@ impl<const D: usize> Simulation<D> {
             body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
-        let mut flow = self.state.flow.clone();
-        let report = solver.step(&step, &mut flow)?;
-        let wall_power = solver.wall_power(&step, &flow);
-        self.reactions = self.wants_reactions.then(|| solver.reaction(&step, &flow, Cells::All));
-        self.check_speed(&flow.u, time)?;
+        next.clone_from(&self.state.flow);
+        let report = solver.step(&step, next)?;
+        self.phases.begin();
+        let wall_power = solver.wall_power(&step, next);
+        self.reactions = self.wants_reactions.then(|| solver.reaction(&step, next, Cells::All));
+        self.check_speed(&next.u, time)?;
+        self.phases.end(Phase::Diagnostics);
 
         // The interface follows, and the fluids with it.
         if structures || !self.passive.is_empty() {
-            let mean = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
-            self.carry(&Wind::Nodal(&mean))?;
-            let steps = (self.carrier.tracer.courant(&mean, dt).ceil() as usize).clamp(1, 100);
-            for list in &mut self.state.markers {
-                markers::follow(list, &self.carrier.tracer, [&current, &flow.u], dt, steps);
-            }
+            if second { combine(0.5, current, 0.5, &next.u, mean) } else { mean.clone_from(&next.u) }
+            self.carry(&Wind::Nodal(mean), ahead)?;
+            self.follow_markers([current, &next.u], mean);
         }
-        self.state.flow = flow;
-        self.state.earlier_u = current;
+        self.phases.end(Phase::Transport);
+        std::mem::swap(&mut self.state.flow, next);
+        std::mem::swap(&mut self.state.earlier_u, current);
         self.state.steps += 1;
         if !self.has_constant_materials() {
             self.set_materials(solver, &self.state.phi);
         }
+        self.phases.end(Phase::Assembly);
         let now = self.measure(solver, wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
         self.state.energies = now;
+        self.phases.end(Phase::Diagnostics);
         Ok(report)
     }
 
-    /// The level sets of the structures carried over one step with the velocity `w`, without any change of the state.
-    fn predicted(&mut self, w: &[SVector<f64, D>]) -> Result<Vec<Vec<f64>>> {
-        let (wind, dt, count) = (Wind::Nodal(w), self.settings.dt, self.structures.len());
-        let Some(mut ahead) = self.state.map.clone() else {
-            return self.carrier.moved(&self.state.phi[..count], &wind, dt);
-        };
-        self.carrier.advance(&mut ahead, &wind, dt);
-        Ok((0..count).map(|k| self.carrier.composed(&ahead, k)).collect())
+    /// Seconds of all processors by [phase](PHASES) that the steps since it was asked last took, and how often they read the factor of
+    /// the flow, each time twice.
+    pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        let (flow, substitutions) = self.flow.as_mut().map_or(Default::default(), FlowSolver::take_costs);
+        let mine = self.phases.take();
+        (std::array::from_fn(|k| mine[k] + flow[k]), substitutions)
     }
 
-    /// Carries all level sets over one step.
-    pub(super) fn carry(&mut self, wind: &Wind<'_, D>) -> Result<()> {
+    /// The level sets of the structures carried over one step with the velocity `w`, without any change of the state.
+    fn predict(&mut self, w: &[SVector<f64, D>], ahead: &mut Vec<Vec<f64>>) -> Result<()> {
+        let (wind, dt, count) = (Wind::Nodal(w), self.settings.dt, self.structures.len());
+        let Some(mut map) = self.state.map.clone() else {
+            return self.carrier.carry(&self.state.phi[..count], &wind, dt, ahead);
+        };
+        self.carrier.advance(&mut map, &wind, dt);
+        *ahead = (0..count).map(|k| self.carrier.composed(&map, k)).collect();
+        Ok(())
+    }
+
+    /// Carries all level sets over one step; `moved` is a buffer.
+    pub(super) fn carry(&mut self, wind: &Wind<'_, D>, moved: &mut Vec<Vec<f64>>) -> Result<()> {
         let dt = self.settings.dt;
         let Some(map) = &mut self.state.map else {
-            self.state.phi = self.carrier.moved(&self.state.phi, wind, dt)?;
+            self.carrier.carry(&self.state.phi, wind, dt, moved)?;
+            std::mem::swap(&mut self.state.phi, moved);
             return Ok(());
         };
         self.carrier.advance(map, wind, dt);
@@ -225,12 +261,25 @@ impl<const D: usize> Simulation<D> {
         Ok(())
     }
 
+    /// Moves the markers over a step with the velocities at its ends and their mean.
+    fn follow_markers(&mut self, ends: [&[SVector<f64, D>]; 2], mean: &[SVector<f64, D>]) {
+        if self.state.markers.iter().all(Vec::is_empty) {
+            return;
+        }
+        let dt = self.settings.dt;
+        let steps = (self.carrier.tracer.courant(mean, dt).ceil() as usize).clamp(1, 100);
+        for list in &mut self.state.markers {
+            markers::follow(list, &self.carrier.tracer, ends, dt, steps);
+        }
+    }
+
     /// The level sets whose force the semi-implicit coupling takes, from the velocity `u` of the current state; `None` with any other coupling.
     fn diffused(&mut self, flow: &FlowSolver<D>, u: &[SVector<f64, D>]) -> Result<Option<Vec<Vec<f64>>>> {
         if self.predictors.is_empty() {
             return Ok(None);
         }
-        let mut level_sets = self.predicted(u)?;
+        let mut level_sets = Vec::new();
+        self.predict(u, &mut level_sets)?;
         let (dt, density) = (self.settings.dt, flow.density());
         let parts = self.predictors.iter_mut().zip(&self.structures).zip(&self.state.phi).zip(&mut level_sets);
         for (((predictor, s), phi), carried) in parts {
@@ -251,14 +300,16 @@ impl<const D: usize> Simulation<D> {
             elastic,
             dissipation,
             grad_div,
-            power: wall_power + self.body_power(flow) - self.carried_out(),
+            power: wall_power + self.body_power(flow) - self.carried_out(flow),
             divergence: div2.sqrt(),
         }
     }
 
     /// Kinetic energy that the flow carries out through the boundary per time.
-    fn carried_out(&self) -> f64 {
-        if self.is_stokes() || !self.settings.convection {
+    fn carried_out(&self, flow: &FlowSolver<D>) -> f64 {
+        // Nothing leaves through walls that rest, or through one periodic side but what comes in at the other.
+        let closed = !flow.numbering().is_open() && flow.numbering().is_homogeneous();
+        if closed || self.is_stokes() || !self.settings.convection {
             return 0.0;
         }
         kinetic_outflow(&self.space, |cell, l| self.density_at(cell, l), &self.state.flow)
@@ -410,9 +461,16 @@ impl<const D: usize> Simulation<D> {
     }
 }
 
-/// `a x + b y`.
-fn combine<const D: usize>(a: f64, x: &[SVector<f64, D>], b: f64, y: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-    x.iter().zip(y).map(|(x, y)| x * a + y * b).collect()
+/// `out = a x + b y`.
+fn combine<const D: usize>(
+    a: f64,
+    x: &[SVector<f64, D>],
+    b: f64,
+    y: &[SVector<f64, D>],
+    out: &mut Vec<SVector<f64, D>>,
+) {
+    out.clear();
+    out.extend(x.iter().zip(y).map(|(x, y)| x * a + y * b));
 }
 
 /// Largest norm; NaN if any is NaN.
