@@ -13,6 +13,7 @@ mod periodic;
 mod projection;
 mod quadrature;
 mod space;
+mod surface;
 
 pub use assembly::{
     At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_vector,
@@ -26,3 +27,4 @@ pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{Space, Value};
+pub use surface::{SurfaceForm, SurfacePoint, add_surface_matrix, add_surface_vector, surface_solve};

@@ -4,8 +4,8 @@ use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, Result};
 use crate::fem::{
-    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, assemble_flow_matrix, assemble_scalar,
-    assemble_vector, integrate,
+    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, add_surface_matrix, add_surface_vector,
+    assemble_flow_matrix, assemble_scalar, assemble_vector, integrate,
 };
 use crate::linalg::{Factor, Ordering, SolveReport, SymmetricMatrix};
 use crate::mesh::Mesh;
@@ -221,6 +221,10 @@ impl<const D: usize> FlowSolver<D> {
                 &mut self.matrix,
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
+            let (space, numbering) = (self.velocity.space(), &self.numbering);
+            add_surface_matrix(space, numbering, term.surface(), &mut self.matrix, |p, grad| {
+                term.surface_stiffness(p, grad)
+            })?;
         }
         if let Some(factor) = &mut self.factor {
             factor.refactor(&self.matrix)?;
@@ -258,6 +262,13 @@ impl<const D: usize> FlowSolver<D> {
                 let (f0, mut f1) = term.force(at);
                 if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
                     f1 += term.stiffness(at, &velocity.jacobian(at, u));
+                }
+                (f0, f1)
+            });
+            add_surface_vector(space, term.surface(), load, |p| {
+                let (f0, mut f1) = term.surface_force(p);
+                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
+                    f1 += term.surface_stiffness(p, &space.jacobian(u, p.at.cell, &p.at.barycentric));
                 }
                 (f0, f1)
             });

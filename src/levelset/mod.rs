@@ -6,6 +6,7 @@
 mod band;
 mod chord;
 mod contour;
+mod cut;
 mod distance;
 mod ellipse;
 mod fine;
@@ -18,6 +19,7 @@ mod union;
 
 pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
 pub use contour::{Contour, Line, Segment};
+pub use cut::surface;
 pub use ellipse::Ellipse;
 pub use fine::{Interface, Sample};
 pub use function::LevelFunction;

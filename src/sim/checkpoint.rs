@@ -8,7 +8,7 @@ use crate::transport::CharacteristicMap;
 use nalgebra::SVector;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x02";
+const MAGIC: &[u8; 8] = b"immersa\x03";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each list after its length.
@@ -21,6 +21,8 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         out.integer(self.phi.len() as u64);
         self.phi.iter().for_each(|phi| out.numbers(phi));
+        out.integer(self.stretch.len() as u64);
+        self.stretch.iter().for_each(|s| out.numbers(s));
         let submaps = self.map.iter().flat_map(CharacteristicMap::submaps);
         out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
         submaps.for_each(|s| out.vectors(s));
@@ -61,13 +63,14 @@ impl<const D: usize> State<D> {
         let steps = from.integer()?;
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let phi = from.list(Reader::numbers)?;
+        let stretch = from.list(Reader::numbers)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         let markers = from.list(Reader::vectors)?;
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
         let [initial, dissipated, work, exchanged] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged };
-        Some(State { steps, flow: FlowState { u, p }, phi, earlier_u, map, markers, energies, budget })
+        Some(State { steps, flow: FlowState { u, p }, phi, stretch, earlier_u, map, markers, energies, budget })
     }
 }
 
@@ -127,6 +130,7 @@ mod tests {
             steps: 7,
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
+            stretch: vec![vec![0.4], vec![]],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
             markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],

@@ -8,6 +8,7 @@ mod materials;
 mod passive;
 mod setup;
 mod step;
+mod stretch;
 
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};

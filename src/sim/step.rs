@@ -5,7 +5,7 @@ use super::carrier::Carrier;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, Result};
-use crate::elastic::Predictor;
+use crate::elastic::{Predictor, SharpMembrane};
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
@@ -75,6 +75,7 @@ impl<const D: usize> Simulation<D> {
             earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
+            stretch: Vec::new(),
             map: None,
             markers: Vec::new(),
             energies: Energies::default(),
@@ -97,9 +98,9 @@ impl<const D: usize> Simulation<D> {
             reactions: None,
         };
         sim.set_materials(&mut flow, &sim.state.phi);
-        for (s, phi) in sim.structures.iter_mut().zip(&sim.state.phi) {
-            s.membrane.prepare(flow.velocity(), phi, None);
-        }
+        sim.begin_stretch();
+        let (phi, stretch) = (sim.state.phi.clone(), sim.state.stretch.clone());
+        sim.prepare_structures(&flow, &phi, &stretch, None)?;
         sim.state.energies = sim.measure(&flow, 0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
         sim.flow = Some(flow);
@@ -132,7 +133,13 @@ impl<const D: usize> Simulation<D> {
         let current = self.state.flow.u.clone();
 
         // Where the interface will be.
-        let predicted = if second && structures { self.predicted(&current)? } else { self.state.phi.clone() };
+        let ahead = second && structures;
+        let predicted = if ahead { self.predicted(&current)? } else { self.state.phi.clone() };
+        let stretch = if ahead {
+            self.stretched(&current, &self.state.phi.clone(), &predicted)?
+        } else {
+            self.state.stretch.clone()
+        };
         let diffused = self.diffused(solver, &current)?;
 
         // Where the fluid comes from.
@@ -147,9 +154,7 @@ impl<const D: usize> Simulation<D> {
         // Forces and materials there.
         self.set_materials(solver, &predicted);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(&predicted)) {
-            s.membrane.prepare(solver.velocity(), phi, implicit);
-        }
+        self.prepare_structures(solver, diffused.as_ref().unwrap_or(&predicted), &stretch, implicit)?;
 
         // The coupled system of velocity and pressure.
         let feet = |k: usize| convection.then_some(&self.feet[k]);
@@ -161,7 +166,7 @@ impl<const D: usize> Simulation<D> {
                 History { weight: -0.5, u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
-        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(|s| &s.membrane as _).collect();
+        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(Structure::term).collect();
         let weight = if second { 1.5 } else { 1.0 };
         let step = Step {
             time,
@@ -182,7 +187,11 @@ impl<const D: usize> Simulation<D> {
         // The interface follows, and the fluids with it.
         if structures || !self.passive.is_empty() {
             let mean = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
+            let before = self.is_sharp().then(|| self.state.phi.clone());
             self.carry(&Wind::Nodal(&mean))?;
+            if let Some(before) = before {
+                self.state.stretch = self.stretched(&mean, &before, &self.state.phi.clone())?;
+            }
             let steps = (self.carrier.tracer.courant(&mean, dt).ceil() as usize).clamp(1, 100);
             for list in &mut self.state.markers {
                 markers::follow(list, &self.carrier.tracer, [&current, &flow.u], dt, steps);
@@ -194,6 +203,7 @@ impl<const D: usize> Simulation<D> {
         if !self.has_constant_materials() {
             self.set_materials(solver, &self.state.phi);
         }
+        self.prepare_sharp()?;
         let now = self.measure(solver, wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
         self.state.energies = now;
@@ -243,13 +253,19 @@ impl<const D: usize> Simulation<D> {
     fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
         let [kinetic, dissipation, grad_div, div2] = flow.energies(&self.state.flow);
         let elastic = match &self.fine {
-            Some(fine) => self.structures.iter().zip(&self.state.phi).map(|(s, p)| s.membrane.energy(fine, p)).sum(),
+            Some(fine) => {
+                let energy = |(s, phi): (&Structure<D>, &Vec<f64>)| {
+                    s.sharp.as_ref().map_or_else(|| s.membrane.energy(fine, phi), SharpMembrane::energy)
+                };
+                self.structures.iter().zip(&self.state.phi).map(energy).sum()
+            }
             None => 0.0,
         };
+        let slip: f64 = self.structures.iter().filter_map(|s| s.sharp.as_ref()).map(SharpMembrane::dissipation).sum();
         Energies {
             kinetic,
             elastic,
-            dissipation,
+            dissipation: dissipation + slip,
             grad_div,
             power: wall_power + self.body_power(flow) - self.carried_out(),
             divergence: div2.sqrt(),
