@@ -13,6 +13,7 @@ mod periodic;
 mod projection;
 mod quadrature;
 mod space;
+mod surface;
 mod transfer;
 
 pub use assembly::{
@@ -27,4 +28,5 @@ pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{OnCell, Space, Value};
+pub use surface::{SurfaceForm, SurfacePoint, add_surface_matrix, add_surface_vector, surface_solve};
 pub use transfer::{Transfer, TransferMethod, hessians};

@@ -8,10 +8,10 @@ use super::passive::{Placed, check_inflow, prescribed};
 use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
-use crate::elastic::{self, AreaLaw, Band, Membrane};
+use crate::elastic::{self, AreaLaw, Band, Force, Membrane, SharpMembrane};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{
-    Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
+    self, Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::sim::{self, InitialFunction, Materials, Simulation, Structure};
@@ -149,8 +149,9 @@ impl Model {
             .structures()
             .iter()
             .map(|s| {
-                let tension = s.membrane.largest_tension();
-                elastic::explicit_step_limit(viscosity, s.membrane.thickness(), tension, edge)
+                // A force on the interface acts on what is about it: an edge on each side.
+                let thickness = if s.sharp.is_some() { edge } else { s.membrane.thickness() };
+                elastic::explicit_step_limit(viscosity, thickness, s.largest_tension(), edge)
             })
             .filter(|limit| limit.is_finite())
             .reduce(f64::min)
@@ -263,7 +264,12 @@ impl Draft<'_> {
         self.warn_of_overlaps(&distances, thickness.unwrap_or(0.0));
         for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
             let eps = thickness.unwrap_or(0.0);
-            let check = check_band(self.space, &distance, eps).and_then(|warning| {
+            // A sharp force needs no band; a fluid that changes across the interface does.
+            let fluid = &self.scene.fluid;
+            let uniform = fluid.density.is_uniform() && fluid.viscosity.is_uniform() && m.mass == 0.0;
+            let banded = m.force == Force::Smeared || !uniform;
+            let check = if banded { check_band(self.space, &distance, eps) } else { Ok(None) };
+            let check = check.and_then(|warning| {
                 self.warnings.extend(warning);
                 let margin = walls.iter().map(|&n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min);
                 if margin > eps {
@@ -281,10 +287,19 @@ impl Draft<'_> {
                 name: self.scene.membranes[k].name.clone(),
                 phi,
                 membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
+                sharp: self.sharp(m),
+                stretch: m.stretch,
                 surface_mass: m.mass,
             });
         }
         Ok(structures)
+    }
+
+    /// The membrane on the interface itself, if the scene asks for it.
+    fn sharp(&self, membrane: &schema::Membrane) -> Option<SharpMembrane<2>> {
+        let viscosity = self.scene.fluid.viscosity;
+        let mean = 0.5 * (viscosity.inside + viscosity.outside);
+        (membrane.force == Force::Sharp).then(|| SharpMembrane::new(membrane.area, mean, levelset::surface))
     }
 
     /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.

@@ -7,7 +7,7 @@ pub struct Energies {
     pub kinetic: f64,
     /// `int E(|grad phi|) zeta(phi/eps)/eps`, of all structures.
     pub elastic: f64,
-    /// Viscous dissipation rate `int 2 mu |D(u)|^2`.
+    /// Viscous dissipation rate `int 2 mu |D(u)|^2`, and that of the slip of sharp membranes.
     pub dissipation: f64,
     /// Rate taken by the grad-div term.
     pub grad_div: f64,

@@ -21,6 +21,8 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         out.integer(self.phi.len() as u64);
         self.phi.iter().for_each(|phi| out.numbers(phi));
+        out.integer(self.stretch.len() as u64);
+        self.stretch.iter().for_each(|s| out.numbers(s));
         let submaps = self.map.iter().flat_map(CharacteristicMap::submaps);
         out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
         submaps.for_each(|s| out.vectors(s));
@@ -61,13 +63,14 @@ impl<const D: usize> State<D> {
         let steps = from.integer()?;
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let phi = from.list(Reader::numbers)?;
+        let stretch = from.list(Reader::numbers)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         let markers = from.list(Reader::vectors)?;
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
         let [initial, dissipated, work, exchanged, transferred] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged, transferred };
-        Some(State { steps, flow: FlowState { u, p }, phi, earlier_u, map, markers, energies, budget })
+        Some(State { steps, flow: FlowState { u, p }, phi, stretch, earlier_u, map, markers, energies, budget })
     }
 }
 
@@ -81,6 +84,7 @@ mod tests {
             steps: 7,
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
+            stretch: vec![vec![0.4], vec![]],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
             markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],

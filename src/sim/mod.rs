@@ -9,6 +9,7 @@ mod passive;
 mod remesh;
 mod setup;
 mod step;
+mod stretch;
 
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};

@@ -42,21 +42,25 @@ impl Simulation<2> {
         };
         let flow = FlowState { u: bring.apply(&old.flow.u)?, p };
         let earlier_u = if old.earlier_u.is_empty() { Vec::new() } else { bring.apply(&old.earlier_u)? };
-        sim.state = State { flow, phi, earlier_u, ..old.clone() };
+        let stretch = old.stretch.iter().map(|s| if s.is_empty() { Ok(Vec::new()) } else { bring.apply(s) });
+        let stretch = stretch.collect::<Result<Vec<_>>>()?;
+        sim.state = State { flow, phi, stretch, earlier_u, ..old.clone() };
         sim.wants_reactions = self.wants_reactions;
-        sim.recount_energies(old.energies.power);
+        sim.recount_energies(old.energies.power)?;
         Ok(sim)
     }
 
     /// Measures the energies of the current state and books their change since they were measured last as transferred.
-    fn recount_energies(&mut self, power: f64) {
-        let Some(mut flow) = self.flow.take() else { return };
+    fn recount_energies(&mut self, power: f64) -> Result<()> {
+        let Some(mut flow) = self.flow.take() else { return Ok(()) };
         let time = self.time();
         flow.impose(time, &mut self.state.flow.u);
         self.set_materials(&mut flow, &self.state.phi);
+        self.prepare_sharp()?;
         let now = super::Energies { power, ..self.measure(&flow, 0.0) };
         self.state.budget.transferred += now.total() - self.state.energies.total();
         self.state.energies = now;
         self.flow = Some(flow);
+        Ok(())
     }
 }

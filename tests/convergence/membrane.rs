@@ -67,6 +67,8 @@ impl Case {
             name: "membrane".into(),
             phi: signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect(),
             membrane: Membrane::new(law, self.thickness).with_band(band, self.stretch),
+            sharp: None,
+            stretch: 1.0,
             surface_mass: 0.0,
         };
         let settings = Settings {

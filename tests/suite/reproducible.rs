@@ -18,6 +18,8 @@ fn simulation(transport: Method, coupling: Coupling, order: usize) -> Simulation
         name: "skin".into(),
         phi: signed_distance(&space, &shape).iter().map(|d| 1.2 * d).collect(),
         membrane: Membrane::new(AreaLaw::Linear { modulus: 2.0 }, 0.2),
+        sharp: None,
+        stretch: 1.0,
         surface_mass: 0.1,
     };
     let settings = Settings {
