@@ -179,24 +179,35 @@ pub fn assemble_vector<const D: usize>(
     });
 }
 
-/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with `f1 = 0`. `source(c)` gathers what
-/// cell `c` needs and gives `f` as a function of the number of the quadrature point.
-pub fn assemble_source<const D: usize, F: Fn(usize) -> SVector<f64, D>>(
+/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with `f1 = 0`. `source(c, load)` gives
+/// the values of `f` at the quadrature points of cell `c` to `load`.
+pub fn assemble_source<const D: usize>(
     basis: &Basis<D>,
     out: &mut [SVector<f64, D>],
     scratch: &mut Vec<SVector<f64, D>>,
-    source: impl Fn(usize) -> F + Sync,
+    source: impl Fn(usize, &mut CellLoad<'_, D>) + Sync,
 ) {
     assemble(basis, Cells::All, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
-        let f = source(c);
-        for q in 0..basis.rule.len() {
-            let f0 = f(q) * basis.weight(c, q);
-            let n = &basis.values[q];
-            for a in 0..most_local(D) {
-                local[a] += f0 * n[a];
-            }
-        }
+        source(c, &mut CellLoad { basis, volume: basis.space.mesh().map(c).volume, local });
     });
+}
+
+/// What a cell gives to a linear form.
+pub struct CellLoad<'a, const D: usize> {
+    basis: &'a Basis<D>,
+    volume: f64,
+    local: &'a mut [SVector<f64, D>; MAX_LOCAL],
+}
+
+impl<const D: usize> CellLoad<'_, D> {
+    /// Adds the value of `f` at point `q`.
+    #[inline]
+    pub fn add(&mut self, q: usize, f: SVector<f64, D>) {
+        let (f, n) = (f * (self.basis.rule.weights[q] * self.volume), &self.basis.values[q]);
+        for a in 0..most_local(D) {
+            self.local[a] += f * n[a];
+        }
+    }
 }
 
 /// Adds the linear form `f(at) = (f0, f1)`, which stands for `f0 q + f1 . grad q`, to `out` (one number a node).

@@ -106,7 +106,7 @@ impl<const D: usize> Space<D> {
         self.nodes.iter().map(f).collect()
     }
     /// A function on cell `c`: its values at the nodes of the cell, gathered once.
-    #[inline]
+    #[inline(always)]
     pub fn on_cell<T: Value>(&self, f: &[T], c: usize) -> OnCell<T, D> {
         let (nodes, mut values) = (self.cell_nodes(c), [T::ZERO; MAX_LOCAL]);
         if nodes.len() == most_local(D) {
@@ -161,7 +161,7 @@ impl<T: Value, const D: usize> OnCell<T, D> {
         }
     }
     /// The value where the basis functions have the values `n`.
-    #[inline]
+    #[inline(always)]
     pub fn combined(&self, n: &[f64; MAX_LOCAL]) -> T {
         let mut v = self.values[0] * n[0];
         for a in 1..most_local(D) {
@@ -173,7 +173,7 @@ impl<T: Value, const D: usize> OnCell<T, D> {
 
 impl<const D: usize> OnCell<f64, D> {
     /// The gradient in the coordinates of the reference cell, where the basis functions have the gradients `g`.
-    #[inline]
+    #[inline(always)]
     pub fn reference_gradient(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SVector<f64, D> {
         let mut r = g[0] * self.values[0];
         for a in 1..most_local(D) {
@@ -185,7 +185,7 @@ impl<const D: usize> OnCell<f64, D> {
 
 impl<const D: usize> OnCell<SVector<f64, D>, D> {
     /// The derivative with respect to the coordinates of the reference cell, where the basis functions have the gradients `g`.
-    #[inline]
+    #[inline(always)]
     pub fn reference_jacobian(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SMatrix<f64, D, D> {
         let mut r = SMatrix::<f64, D, D>::zeros();
         for a in 0..most_local(D) {

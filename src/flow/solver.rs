@@ -1,11 +1,11 @@
 //! One step of the coupled velocity-pressure system.
 
 use super::coefficient::Coefficient;
-use super::step::{FlowState, History, Step, StepReport};
+use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result, parallel};
 use crate::fem::{
-    At, Basis, Cells, Conditions, Numbering, OnCell, Rule, Space, Value, VectorForm, add_surface_matrix,
-    add_surface_vector, assemble_flow_matrix, assemble_scalar, assemble_source, assemble_vector,
+    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, add_surface_matrix, add_surface_vector,
+    assemble_flow_matrix, assemble_scalar, assemble_source, assemble_vector,
 };
 use crate::linalg::{Factor, Ordering, SolveReport, SymmetricMatrix};
 use crate::mesh::Mesh;
@@ -35,9 +35,6 @@ pub struct FlowSolver<const D: usize> {
     /// How often the factor was read, each time twice.
     substitutions: u64,
 }
-
-/// Earlier velocities that are evaluated together.
-const TOGETHER: usize = 2;
 
 /// Buffers of a step.
 struct Work<const D: usize> {
@@ -257,17 +254,15 @@ impl<const D: usize> FlowSolver<D> {
     /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
     fn assemble_load(&mut self, step: &Step<'_, D>) {
         self.work.load.fill(SVector::zeros());
-        for history in step.history.chunks(TOGETHER) {
-            self.assemble_inertia(step, history);
-        }
+        self.assemble_inertia(step);
         let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
         let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
         if step.body_force.is_some() || step.gravity.norm() > 0.0 {
-            assemble_source(velocity, load, scratch, |c| {
-                move |q| {
+            assemble_source(velocity, load, scratch, |c, cell| {
+                for q in 0..velocity.rule().len() {
                     let at = velocity.at(c, q);
                     let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
-                    step.gravity * density.at(&at) + force
+                    cell.add(q, step.gravity * density.at(&at) + force);
                 }
             });
         }
@@ -291,25 +286,24 @@ impl<const D: usize> FlowSolver<D> {
         self.phases.end(Phase::Force);
     }
 
-    /// `rho sum weight u o X / dt` of two earlier velocities at most, each gathered once a cell: most feet lie in the cell of their
-    /// points.
-    fn assemble_inertia(&mut self, step: &Step<'_, D>, history: &[History<'_, D>]) {
+    /// `rho sum weight u o X / dt`, each earlier velocity gathered once a cell: most feet lie in the cell of their points.
+    fn assemble_inertia(&mut self, step: &Step<'_, D>) {
         let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
         let (space, points) = (velocity.space(), velocity.rule().len());
-        assemble_source(velocity, &mut work.load, &mut work.vectors, |c| {
-            let own: [Option<OnCell<_, D>>; TOGETHER] =
-                std::array::from_fn(|k| history.get(k).map(|h| space.on_cell(h.u, c)));
-            move |q| {
-                let mut sum = SVector::<f64, D>::ZERO;
-                for (h, own) in history.iter().zip(own.iter().flatten()) {
+        if step.history.is_empty() {
+            return;
+        }
+        assemble_source(velocity, &mut work.load, &mut work.vectors, |c, cell| {
+            for h in step.history {
+                let own = space.on_cell(h.u, c);
+                for q in 0..points {
                     let u = match h.feet.map(|feet| feet.get(c * points + q)) {
                         None => own.combined(velocity.values(q)),
                         Some(foot) if foot.cell as usize == c => own.value(&foot.barycentric),
                         Some(foot) => space.value(h.u, foot.cell as usize, &foot.barycentric),
                     };
-                    sum += u * h.weight;
+                    cell.add(q, u * (h.weight * density.value(c, q) / step.dt));
                 }
-                sum * (density.value(c, q) / step.dt)
             }
         });
     }

@@ -279,6 +279,10 @@ fn column_of_entry(matrix: &SymmetricMatrix, entry: usize) -> usize {
 
 /// The 2-norm, without overflow for large entries.
 fn norm(v: &[f64]) -> f64 {
+    let plain = v.iter().map(|a| a * a).sum::<f64>();
+    if plain.is_normal() {
+        return plain.sqrt();
+    }
     let largest = v.iter().fold(0.0_f64, |m, a| if a.abs() <= m { m } else { a.abs() });
     if largest == 0.0 { 0.0 } else { largest * v.iter().map(|a| (a / largest).powi(2)).sum::<f64>().sqrt() }
 }

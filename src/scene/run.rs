@@ -141,6 +141,7 @@ impl<'a> Run<'a> {
             return Ok(());
         }
         self.record.looks = due;
+        self.record.note_costs(&mut self.model.simulation);
         if self.model.follow(self.scene)? {
             self.diagnostics = Diagnostics::new(self.scene, &self.model)?;
             self.model.simulation.keep_reactions(!self.scene.output.forces.is_empty());
@@ -216,6 +217,7 @@ impl<'a> Run<'a> {
     }
 
     fn save(&mut self) -> Result<()> {
+        self.record.note_costs(&mut self.model.simulation);
         self.folder.save(self.scene, &self.record, &self.model.simulation)?;
         self.saved = Instant::now();
         Ok(())
@@ -225,6 +227,7 @@ impl<'a> Run<'a> {
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
         let result = result.and_then(|()| self.save());
+        self.record.note_costs(&mut self.model.simulation);
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();
         let steps = self.model.simulation.state().steps as usize;

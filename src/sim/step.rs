@@ -212,7 +212,11 @@ impl<const D: usize> Simulation<D> {
 
         // The interface follows, and the fluids with it.
         if structures || !self.passive.is_empty() {
-            if second { combine(0.5, current, 0.5, &next.u, mean) } else { mean.clone_from(&next.u) }
+            if second {
+                combine(0.5, current, 0.5, &next.u, mean)
+            } else {
+                mean.clone_from(&next.u)
+            }
             let before = self.is_sharp().then(|| self.state.phi.clone());
             self.carry(&Wind::Nodal(mean), ahead)?;
             if let Some(before) = before {

@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::record::{Column, Record};
-use crate::base::{Error, Kind, Result, fnv1a};
+use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
 use crate::mesh::{Mesh, Point};
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
 use crate::scene::{Model, Scene};
@@ -179,6 +179,8 @@ impl Folder {
             "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
+            "step_seconds": record.step_seconds,
+            "bandwidth": bandwidth(sim, record),
             "alarms": alarms,
             "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
@@ -203,6 +205,21 @@ fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (part, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*size)).ok()?)?;
     (fnv1a(part) == u64::from_le_bytes(*check)).then_some((part, rest))
 }
+
+/// What the substitutions read of the factor, and how fast a large block of memory is copied on this machine, in bytes a second; not
+/// for a run so short that the measurement would show in its time.
+fn bandwidth(sim: &Simulation<2>, record: &Record) -> serde_json::Value {
+    let solve = record.step_seconds.get("solve").copied().unwrap_or_default();
+    let factor = sim.flow().and_then(|flow| flow.factor()).map_or(0, |f| 8 * f.nonzeros());
+    if solve < LONG_ENOUGH || factor == 0 {
+        return serde_json::Value::Null;
+    }
+    let read = 2.0 * factor as f64 * record.substitutions as f64;
+    json!({ "factor_bytes": factor, "substitutions": record.substitutions, "achieved": read / solve, "copy": copy_bandwidth() })
+}
+
+/// Seconds in solves from which on the bandwidth is measured, which takes some hundredths of a second.
+const LONG_ENOUGH: f64 = 0.5;
 
 fn field_file(step: usize) -> String {
     format!("fields/{step:06}.vtu")

@@ -1,6 +1,7 @@
 //! What a run has put into its folder so far; a checkpoint holds it beside the state.
 
 use super::Clock;
+use crate::base::PHASES;
 use crate::scene::{Model, Scene};
 use crate::sim::Simulation;
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,12 @@ pub(super) struct Record {
     pub seconds: BTreeMap<String, f64>,
     /// Seconds of all processors by phase, of all sessions of the run.
     pub cpu_seconds: BTreeMap<String, f64>,
+    /// Seconds of all processors by phase of the steps.
+    #[serde(default)]
+    pub step_seconds: BTreeMap<String, f64>,
+    /// How often the factor of the flow was read, each time twice.
+    #[serde(default)]
+    pub substitutions: u64,
 }
 
 /// A mesh of an adapted run.
@@ -71,6 +78,15 @@ impl Record {
     pub(super) fn spent(&mut self, phase: &str, start: &Clock) {
         *self.seconds.entry(phase.to_string()).or_default() += start.0.elapsed().as_secs_f64();
         *self.cpu_seconds.entry(phase.to_string()).or_default() += start.1.elapsed().as_secs_f64();
+    }
+
+    /// Counts what the steps cost since this was called last.
+    pub(super) fn note_costs(&mut self, sim: &mut Simulation<2>) {
+        let (seconds, substitutions) = sim.take_costs();
+        for ((_, name), s) in PHASES.iter().zip(seconds) {
+            *self.step_seconds.entry(name.to_string()).or_default() += s;
+        }
+        self.substitutions += substitutions;
     }
 
     /// Notes what the first step cost, a part of `steps`: with a constant matrix it alone factors.
