@@ -7,12 +7,16 @@ mod assembly;
 mod condition;
 mod corner;
 mod element;
+mod hessian;
+mod mass;
 mod norms;
 mod numbering;
 mod periodic;
 mod projection;
 mod quadrature;
 mod space;
+mod supermesh;
+mod transfer;
 
 pub use assembly::{
     At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_vector,
@@ -20,9 +24,11 @@ pub use assembly::{
 };
 pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
+pub use hessian::hessians;
 pub use norms::{Errors, scalar_errors, vector_errors};
 pub use numbering::Numbering;
 pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{Space, Value};
+pub use transfer::{Interpolation, Projection};
