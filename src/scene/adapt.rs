@@ -4,11 +4,11 @@ use super::Scene;
 use super::model::{Draft, Model, edges_in_bands, wall_nodes};
 use super::schema::{Adapt, AdaptField};
 use crate::base::{Error, Result};
-use crate::fem::{self, Element, Space, TransferMethod};
+use crate::fem::{self, Element, Space};
 use crate::levelset::band_edges;
 use crate::mesh::adapt::{self, AdaptOptions, Metric};
 use crate::mesh::{self, Mesh};
-use crate::sim::Simulation;
+use crate::sim::{Simulation, Transfer};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -117,7 +117,7 @@ impl Model {
     ///
     /// # Errors
     /// Those of [`Simulation::on_mesh`].
-    pub(super) fn go_on(&mut self, mesh: Mesh<2>, transfer: TransferMethod) -> Result<()> {
+    pub(super) fn go_on(&mut self, mesh: Mesh<2>, transfer: Transfer) -> Result<()> {
         self.simulation = self.simulation.on_mesh(&Arc::new(mesh), transfer)?;
         let sim = &self.simulation;
         let phi = sim.state().phi.iter().map(Vec::as_slice);
@@ -186,7 +186,7 @@ impl Wanted<'_> {
         if high - low <= f64::MIN_POSITIVE {
             return Ok(None);
         }
-        let hessians = fem::hessians(space, values)?;
+        let hessians = fem::hessians(space, values);
         Ok(Some(Metric::from_hessians(&hessians, self.adapt.error * (high - low))))
     }
 

@@ -14,5 +14,6 @@ mod stretch;
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};
 pub use markers::{polygon_area, polygon_length};
+pub use remesh::Transfer;
 pub use setup::{Contrast, Coupling, LevelSet, Materials, Settings, State, Structure};
 pub use step::Simulation;

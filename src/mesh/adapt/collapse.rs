@@ -81,5 +81,5 @@ fn collapse(t: &mut Triangulation, v: u32, w: u32, star: &mut Vec<Side>) {
             t.put(corner.triangle, new);
         }
     }
-    t.vertices[v as usize].triangle = NONE;
+    t.remove_vertex(v);
 }

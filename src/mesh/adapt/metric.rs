@@ -1,13 +1,14 @@
 //! Metrics: what size and shape of triangles is wanted where.
 
+use super::measure;
 use super::tensor::Tensor;
 use crate::base::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use nalgebra::SMatrix;
 use std::collections::VecDeque;
 
-/// Triangles of a mesh of equilateral triangles with unit edges, by area: `4/sqrt 3`; half as many vertices.
-const TRIANGLES_PER_AREA: f64 = 2.309_401_076_758_503;
+/// Triangles a unit of area in the metric: `4/sqrt 3` if all were equilateral with unit edges; 8 % more is what was measured.
+const TRIANGLES_PER_AREA: f64 = 2.5;
 /// Smallest eigenvalue that a metric from Hessians has, over the greatest of all: an edge 1e6 times as long.
 const FLAT: f64 = 1e-12;
 
@@ -116,14 +117,29 @@ impl Metric {
         Ok(Metric::of(tensors.into_iter()))
     }
 
-    /// The metric times the factor with which a mesh that fits it has about `vertices` vertices: their number is
-    /// `2/sqrt 3` times the [`complexity`](Self::complexity).
+    /// The metric times the factor `s` with which a mesh that fits it has about `vertices` vertices. By Euler's formula it has
+    /// `t/2 + b/2 + 1` with `t` triangles and `b` sides on the boundary, `t = 2.5` times the [`complexity`](Self::complexity), which
+    /// grows like `s`, and `b` the length of the boundary, which grows like `sqrt s`.
     ///
     /// # Errors
     /// As [`check`](Self::check).
     pub fn scaled_to(&self, mesh: &Mesh<2>, vertices: usize) -> Result<Metric> {
-        let factor = vertices as f64 / self.expected_vertices(mesh)?;
-        Ok(Metric { tensors: self.tensors.iter().map(|m| m * factor).collect() })
+        let (inside, along) = (0.5 * TRIANGLES_PER_AREA * self.complexity(mesh)?, 0.5 * self.perimeter(mesh));
+        // inside x^2 + along x = vertices - 1 with s = x^2.
+        let wanted = (vertices as f64 - 1.0).max(1.0);
+        let root = 2.0 * wanted / (along + (along * along + 4.0 * inside * wanted).sqrt());
+        Ok(Metric { tensors: self.tensors.iter().map(|m| m * (root * root)).collect() })
+    }
+
+    /// Length of the boundary in the metric.
+    fn perimeter(&self, mesh: &Mesh<2>) -> f64 {
+        let end = |v: u32| (&mesh.points()[v as usize], Tensor::of(&self.tensors[v as usize]));
+        let length = |f: &Facet| {
+            let mut ends = mesh.facet_points(f).map(end);
+            let (Some((p, m)), Some((q, n))) = (ends.next(), ends.next()) else { return 0.0 };
+            measure::length(p, &m, q, &n)
+        };
+        mesh.facets().iter().map(length).sum()
     }
 
     /// The area in the metric, the integral of `sqrt(det M)`.
@@ -143,7 +159,7 @@ impl Metric {
 
     /// About how many vertices a mesh that fits the metric has.
     pub(super) fn expected_vertices(&self, mesh: &Mesh<2>) -> Result<f64> {
-        Ok(0.5 * TRIANGLES_PER_AREA * self.complexity(mesh)?)
+        Ok(0.5 * (TRIANGLES_PER_AREA * self.complexity(mesh)? + self.perimeter(mesh)) + 1.0)
     }
 
     /// Whether there is one symmetric positive tensor for every point.
@@ -180,7 +196,7 @@ fn fine_first(tensors: &[Tensor]) -> Vec<u32> {
 }
 
 /// The points at the other ends of the edges of every point, those of inner edges twice: those of `p` are `others[starts[p]..starts[p + 1]]`.
-fn point_neighbours(mesh: &Mesh<2>) -> (Vec<u32>, Vec<u32>) {
+pub(super) fn point_neighbours(mesh: &Mesh<2>) -> (Vec<u32>, Vec<u32>) {
     let mut pairs = Vec::with_capacity(6 * mesh.cell_count());
     for c in 0..mesh.cell_count() {
         let v = mesh.cell(c);

@@ -2,6 +2,7 @@
 
 mod background;
 mod collapse;
+mod frozen;
 mod measure;
 mod metric;
 mod parts;
@@ -22,6 +23,8 @@ use triangulation::Triangulation;
 const LONG: f64 = std::f64::consts::SQRT_2;
 /// Edges shorter than this in the metric are removed.
 const SHORT: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Sweeps end when fewer than one vertex in so many is added or removed.
+const SETTLED: usize = 2000;
 
 /// How a mesh is adapted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +35,8 @@ pub struct AdaptOptions {
     pub h_min: f64,
     /// Largest size; infinite for the extent of the domain.
     pub h_max: f64,
-    /// Whether the points and edges of the boundary stay as they are: needed where sides are periodic.
+    /// Whether the points and edges of the boundary stay as they are: needed where sides are periodic. Sizes near edges that are then
+    /// too long are made larger.
     pub keep_boundary: bool,
     /// Most vertices that the mesh may get.
     pub most_vertices: usize,
@@ -40,7 +44,7 @@ pub struct AdaptOptions {
 
 impl Default for AdaptOptions {
     fn default() -> AdaptOptions {
-        AdaptOptions { sweeps: 20, h_min: 0.0, h_max: f64::INFINITY, keep_boundary: false, most_vertices: 2_000_000 }
+        AdaptOptions { sweeps: 30, h_min: 0.0, h_max: f64::INFINITY, keep_boundary: false, most_vertices: 2_000_000 }
     }
 }
 
@@ -85,23 +89,27 @@ pub struct Adapted {
 pub fn adapt(mesh: &Mesh<2>, metric: &Metric, options: &AdaptOptions) -> Result<Adapted> {
     metric.check(mesh)?;
     let (h_min, h_max) = bounds(mesh, options)?;
-    let metric = metric.bounded(h_min, h_max);
+    let mut metric = metric.bounded(h_min, h_max);
+    if options.keep_boundary {
+        frozen::relieve(&mut metric, mesh);
+    }
     let expected = metric.expected_vertices(mesh)?;
     if expected > options.most_vertices as f64 {
         return Err(too_many(expected, options));
     }
     let mut t = Triangulation::new(Background::new(mesh, &metric), options.keep_boundary);
+    smooth::wake_poor(&mut t);
     let mut sweeps = 0;
     while sweeps < options.sweeps {
         sweeps += 1;
         let removed = collapse::collapse_short(&mut t);
         let cut = split::split_long(&mut t, options.most_vertices);
-        if t.vertices.len() >= options.most_vertices {
+        if t.vertex_count() >= options.most_vertices {
             return Err(too_many(expected.max(options.most_vertices as f64), options));
         }
         swap::swap_all(&mut t);
         smooth::smooth_all(&mut t);
-        if removed + cut == 0 {
+        if (removed + cut) * SETTLED <= t.vertex_count() {
             break;
         }
     }
@@ -110,6 +118,15 @@ pub fn adapt(mesh: &Mesh<2>, metric: &Metric, options: &AdaptOptions) -> Result<
         smooth::smooth_all(&mut t);
     }
     Ok(Adapted { mesh: t.mesh()?, report: report(&t, sweeps) })
+}
+
+/// How well a mesh fits a metric that is given at its points, no sweeps.
+///
+/// # Errors
+/// A metric that does not belong to the mesh or is not positive.
+pub fn assess(mesh: &Mesh<2>, metric: &Metric) -> Result<AdaptReport> {
+    metric.check(mesh)?;
+    Ok(report(&Triangulation::new(Background::new(mesh, metric), false), 0))
 }
 
 /// The bounds of sizes, with the default ones taken from the extent of the domain.
@@ -137,7 +154,7 @@ fn report(t: &Triangulation, sweeps: usize) -> AdaptReport {
     let qualities = t.alive().map(|c| t.quality(t.triangles[c as usize].vertices));
     let (worst, sum, triangles) = qualities.fold((1.0f64, 0.0, 0), |(w, s, n), q| (w.min(q), s + q, n + 1));
     AdaptReport {
-        vertices: t.vertices.iter().filter(|v| v.triangle != super::NONE).count(),
+        vertices: t.vertex_count(),
         triangles,
         sweeps,
         unit_edges: unit as f64 / edges as f64,

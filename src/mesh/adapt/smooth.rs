@@ -8,10 +8,29 @@ const STEPS: [f64; 3] = [1.0, 0.5, 0.25];
 /// A move must better the worst triangle around by this factor.
 const GAIN: f64 = 1.01;
 
-/// Moves every vertex once where that makes its worst triangle better; returns how many were moved.
-pub(super) fn smooth_all(t: &mut Triangulation) -> usize {
+/// Vertices of triangles below this are tried to move though nothing has changed around them.
+const POOR: f64 = 0.7;
+
+/// Marks the vertices of poor triangles as worth moving.
+pub(super) fn wake_poor(t: &mut Triangulation) {
+    let poor: Vec<[u32; 3]> =
+        t.alive().map(|c| t.triangles[c as usize].vertices).filter(|v| t.quality(*v) < POOR).collect();
+    poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].restless = true);
+}
+
+/// Moves once every vertex around which something has changed, where that makes its worst triangle better.
+pub(super) fn smooth_all(t: &mut Triangulation) {
     let mut star = Vec::new();
-    (0..t.vertices.len() as u32).filter(|&v| smooth(t, v, &mut star)).count()
+    for v in 0..t.vertices.len() as u32 {
+        if std::mem::take(&mut t.vertices[v as usize].restless) && smooth(t, v, &mut star) {
+            for side in &star {
+                t.triangles[side.triangle as usize]
+                    .vertices
+                    .into_iter()
+                    .for_each(|v| t.vertices[v as usize].restless = true);
+            }
+        }
+    }
 }
 
 fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {

@@ -3,6 +3,9 @@
 use super::triangulation::{Kind, Side, Triangle, Triangulation, Vertex};
 use super::{LONG, measure};
 
+/// A cut must not make a triangle of less than this quality, unless from one that was worse.
+const FLOOR: f64 = 0.1;
+
 /// Cuts edges longer than [`LONG`] once each, the longest first, until there are `most` vertices; returns how many.
 pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     let mut long: Vec<(f64, Side, [u32; 2])> = t
@@ -17,7 +20,7 @@ pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     for (_, side, [a, b]) in long {
         // The edge is still there, though a cut beside it may have moved it to another place in its triangle or to a new one.
         let at = t.side_of(side.triangle, a, b);
-        if t.vertices.len() < most
+        if t.vertex_count() < most
             && let Some(side) = at
         {
             count += usize::from(split(t, side));
@@ -26,7 +29,7 @@ pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     count
 }
 
-/// Cuts a side in the middle of its length in the metric, unless a flat triangle would come of it.
+/// Cuts a side in the middle of its length in the metric, unless a bad triangle would come of it.
 fn split(t: &mut Triangulation, side: Side) -> bool {
     let [a, b] = t.ends(side);
     let (from, to) = (t.vertices[a as usize], t.vertices[b as usize]);
@@ -34,16 +37,16 @@ fn split(t: &mut Triangulation, side: Side) -> bool {
     let point = from.point + (to.point - from.point) * part.clamp(0.1, 0.9);
     let metric = t.background.at(&from.metric, &point);
     let kind = if t.is_kept(side) { Kind::Line } else { Kind::Free };
-    let m = t.vertices.len() as u32;
-    t.vertices.push(Vertex { point, metric, kind, triangle: side.triangle });
+    let m = t.add_vertex(Vertex { point, metric, kind, triangle: side.triangle, restless: true });
     let twin = t.twin(side);
     let fits = |s: Side| {
         let c = t.triangles[s.triangle as usize].vertices[s.opposite];
         let [a, b] = t.ends(s);
-        t.quality([c, a, m]) > 0.0 && t.quality([c, m, b]) > 0.0
+        let worst = t.quality([c, a, m]).min(t.quality([c, m, b]));
+        worst > 0.0 && worst >= FLOOR.min(t.quality([c, a, b]))
     };
     if !(fits(side) && twin.is_none_or(fits)) {
-        t.vertices.pop();
+        t.remove_vertex(m);
         return false;
     }
     let [first, second] = halve(t, side, m);

@@ -27,6 +27,8 @@ pub(super) struct Vertex {
     pub kind: Kind,
     /// A triangle that has it.
     pub triangle: u32,
+    /// Whether something around it has changed since it was last tried to move it.
+    pub restless: bool,
 }
 
 /// A positively oriented triangle; side `k` lies opposite to vertex `k`.
@@ -55,6 +57,8 @@ pub(super) struct Triangulation<'a> {
     pub triangles: Vec<Triangle>,
     /// Triangles that were removed and whose numbers can be used again.
     free: Vec<u32>,
+    /// The same of vertices.
+    free_vertices: Vec<u32>,
     /// Whether sides on the boundary must stay as they are.
     pub frozen_boundary: bool,
     boundaries: Parts,
@@ -77,9 +81,10 @@ impl<'a> Triangulation<'a> {
         for (f, mark) in mesh.facets().iter().zip(of_facet) {
             triangles[f.cell as usize].sides[f.opposite as usize] = mark;
         }
-        // Points of no cell keep the dummy and are dropped in the end.
+        // Points of no cell keep the dummy until their numbers are used for others.
         let dummy = background.at_vertex(0, 0);
-        let vertex = |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Kind::Free, triangle: NONE };
+        let vertex =
+            |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Kind::Free, triangle: NONE, restless: false };
         let mut vertices: Vec<Vertex> = mesh.points().iter().map(vertex).collect();
         for (c, triangle) in triangles.iter().enumerate() {
             for (k, &v) in triangle.vertices.iter().enumerate() {
@@ -90,8 +95,17 @@ impl<'a> Triangulation<'a> {
                 }
             }
         }
-        let mut new =
-            Triangulation { background, vertices, triangles, free: Vec::new(), frozen_boundary, boundaries, regions };
+        let free_vertices = (0..).zip(&vertices).filter(|(_, v)| v.triangle == NONE).map(|(v, _)| v).collect();
+        let mut new = Triangulation {
+            background,
+            vertices,
+            triangles,
+            free: Vec::new(),
+            free_vertices,
+            frozen_boundary,
+            boundaries,
+            regions,
+        };
         new.find_kinds();
         new
     }
@@ -186,7 +200,10 @@ impl<'a> Triangulation<'a> {
     /// Puts a triangle in the place of number `t` and makes it the one that its vertices know.
     pub fn put(&mut self, t: u32, triangle: Triangle) {
         self.triangles[t as usize] = triangle;
-        triangle.vertices.into_iter().for_each(|v| self.vertices[v as usize].triangle = t);
+        for v in triangle.vertices {
+            let vertex = &mut self.vertices[v as usize];
+            (vertex.triangle, vertex.restless) = (t, true);
+        }
     }
 
     pub fn add(&mut self, triangle: Triangle) -> u32 {
@@ -202,6 +219,25 @@ impl<'a> Triangulation<'a> {
         self.triangles[t as usize].vertices = [NONE; 3];
         self.triangles[t as usize].neighbours = [NONE; 3];
         self.free.push(t);
+    }
+
+    pub fn add_vertex(&mut self, vertex: Vertex) -> u32 {
+        let Some(v) = self.free_vertices.pop() else {
+            self.vertices.push(vertex);
+            return self.vertices.len() as u32 - 1;
+        };
+        self.vertices[v as usize] = vertex;
+        v
+    }
+
+    pub fn remove_vertex(&mut self, v: u32) {
+        self.vertices[v as usize].triangle = NONE;
+        self.free_vertices.push(v);
+    }
+
+    /// Number of vertices that were not removed.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.len() - self.free_vertices.len()
     }
 
     /// The triangles around a vertex, counter-clockwise, each with the place of the vertex in it. On the boundary the first and

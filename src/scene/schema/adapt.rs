@@ -3,8 +3,8 @@
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::write::{Writer, list, name, number};
 use crate::base::Result;
-use crate::fem::TransferMethod as Transfer;
 use crate::scene::item::{Item, Table};
+use crate::sim::Transfer;
 
 /// How a mesh is adapted.
 #[derive(Clone, Debug, PartialEq)]
