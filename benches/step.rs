@@ -119,7 +119,9 @@ impl<const D: usize> Case<D> {
         let structure = Structure { name: "membrane".into(), phi, membrane, surface_mass: 0.0 };
         let mesh = self.velocity.space().mesh();
         let mut simulation = Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap();
-        (0..2).for_each(|_| drop(simulation.step().unwrap()));
+        for _ in 0..2 {
+            simulation.step().unwrap();
+        }
         simulation
     }
 }

@@ -393,21 +393,40 @@ impl<const D: usize> FlowSolver<D> {
 
     /// Power that the walls put into the flow through prescribed velocities: the sum over nodes of reaction times velocity,
     /// after [`step`](Self::step) with the same data.
-    pub fn wall_power(&self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
+    pub fn wall_power(&mut self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
         if self.numbering.is_homogeneous() {
             return 0.0;
         }
-        let reaction = self.reaction(step, state, Cells::Some(&self.boundary_cells));
-        self.numbering.prescribed_nodes().map(|n| reaction[n as usize].dot(&state.u[n as usize])).sum()
+        // The buffers of the solve are free now.
+        let mut r = std::mem::take(&mut self.work.residual);
+        let mut scratch = std::mem::take(&mut self.work.vectors);
+        self.find_reaction(step, state, Cells::Some(&self.boundary_cells), &mut r, &mut scratch);
+        let power = self.numbering.prescribed_nodes().map(|n| r[n as usize].dot(&state.u[n as usize])).sum();
+        (self.work.residual, self.work.vectors) = (r, scratch);
+        power
     }
 
     /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` whose support lies in `cells`: at nodes on
     /// a wall, the force of the wall on the fluid. Valid after [`step`](Self::step) with the same data.
     pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
-        let mut r: Vec<_> = self.work.load.iter().map(|f| -f).collect();
+        let mut r = self.work.load.clone();
+        self.find_reaction(step, state, cells, &mut r, &mut Vec::new());
+        r
+    }
+
+    /// [`reaction`](Self::reaction) in place of what `r` holds.
+    fn find_reaction(
+        &self,
+        step: &Step<'_, D>,
+        state: &FlowState<D>,
+        cells: Cells<'_>,
+        r: &mut [SVector<f64, D>],
+        scratch: &mut Vec<SVector<f64, D>>,
+    ) {
+        r.iter_mut().zip(&self.work.load).for_each(|(r, f)| *r = -f);
         let (velocity, pressure) = (&self.velocity, &self.pressure);
         let form = self.form(step.weight / step.dt);
-        assemble_vector(velocity, cells, &mut r, &mut Vec::new(), |at| {
+        assemble_vector(velocity, cells, r, scratch, |at| {
             let grad = velocity.jacobian(at, &state.u);
             let (f0, mut f1) = form(at, &velocity.value(at, &state.u), &grad);
             for term in step.terms.iter().filter(|t| t.is_implicit()) {
@@ -419,7 +438,6 @@ impl<const D: usize> FlowSolver<D> {
             }
             (f0, f1)
         });
-        r
     }
 
     /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
