@@ -4,7 +4,7 @@ use super::Scene;
 use super::model::{Model, band_of};
 use super::schema::{Condition, MeshSource};
 use crate::base::Result;
-use crate::elastic::{AreaLaw, Band};
+use crate::elastic::{AreaLaw, Band, Force};
 use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
@@ -214,6 +214,13 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
             eps / coarse
         ));
         for m in &scene.membranes {
+            if m.force == Force::Sharp {
+                lines.push(format!(
+                    "force of `{}` on the interface itself, with the stretch carried along it: the band counts for materials alone",
+                    m.name
+                ));
+                continue;
+            }
             let given = derived(scene.numerics.band.is_some());
             lines.push(match band_of(scene, m) {
                 Band::Renormalised => {
