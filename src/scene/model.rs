@@ -4,6 +4,7 @@ use super::Scene;
 use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::expression::Expression;
 use super::passive::{Placed, check_inflow, prescribed};
+use super::plan::is_stepped;
 use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
@@ -258,9 +259,7 @@ impl Draft<'_> {
         for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
             let eps = thickness.unwrap_or(0.0);
             // A sharp force needs no band; a fluid that changes across the interface does.
-            let fluid = &self.scene.fluid;
-            let uniform = fluid.density.is_uniform() && fluid.viscosity.is_uniform() && m.mass == 0.0;
-            let banded = m.force == Force::Smeared || !uniform;
+            let banded = m.force == Force::Smeared || is_stepped(self.scene);
             let check = if banded { check_band(self.space, &distance, eps) } else { Ok(None) };
             let check = check.and_then(|warning| {
                 self.warnings.extend(warning);
