@@ -135,7 +135,7 @@ impl<const D: usize> Simulation<D> {
         // Where the interface will be.
         let ahead = second && structures;
         let predicted = if ahead { self.predicted(&current)? } else { self.state.phi.clone() };
-        let stretch = if ahead {
+        let stretch = if ahead && self.is_sharp() {
             self.stretched(&current, &self.state.phi.clone(), &predicted)?
         } else {
             self.state.stretch.clone()
