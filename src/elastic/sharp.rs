@@ -34,6 +34,9 @@ pub type Cut<const D: usize> = fn(&Space<D>, &[f64]) -> Result<Vec<SurfacePoint<
 /// `D(log r)/Dt = P : grad u + div_S(l/(15 mu) grad_S E'(r))`, solved implicitly; it takes energy, `int_S l/(15 mu) |grad_S E'|^2 ds` a time, which
 /// is the dissipation in the unresolved part of the kink. Along the normal of `phi` it has no effect on the interface.
 ///
+/// Limits: an interface that reaches a wall with a prescribed velocity, as the stiffness is left out of what is brought to the right-hand side
+/// there; a fluid that crosses more than four cells in a step, as the stretch is known no farther from the interface.
+///
 /// Implicit in the velocity, `C(u, v) = dt int_S [E'' r (P : grad u)(P : grad v) + max(E', 0) (n grad u P) . (n grad v P)] ds` is added to the
 /// matrix; for constant tension and in 3-D the last product is `(grad u P) : (grad v P)`.
 #[derive(Clone, Debug)]

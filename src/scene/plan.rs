@@ -5,7 +5,7 @@ use super::adapt::Lengths;
 use super::model::{Model, band_of};
 use super::schema::{Adapt, Condition, MeshSource};
 use crate::base::Result;
-use crate::elastic::{AreaLaw, Band};
+use crate::elastic::{AreaLaw, Band, Force};
 use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
@@ -233,11 +233,16 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
         let given = derived(scene.numerics.thickness.is_some());
         let edge =
             if coarse - fine > 1e-12 * coarse { format!("{fine:.4} to {coarse:.4}") } else { format!("{fine:.4}") };
-        lines.push(format!(
-            "band half-width {eps:.4}{given} on edges of {edge}: {:.2} edges; the error it makes is of first order in it",
-            eps / coarse
-        ));
+        let banded = is_stepped(scene) || scene.membranes.iter().any(|m| m.force == Force::Smeared);
+        lines.extend(banded.then(|| {
+            let edges = eps / coarse;
+            format!("band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the error it makes is of first order in it")
+        }));
         for m in &scene.membranes {
+            if m.force == Force::Sharp {
+                lines.push(format!("force of `{}` on the interface itself, with the stretch carried along it", m.name));
+                continue;
+            }
             let given = derived(scene.numerics.band.is_some());
             lines.push(match band_of(scene, m) {
                 Band::Renormalised => {
@@ -317,6 +322,12 @@ fn steps(model: &Model, scene: &Scene) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Whether density or viscosity change across a membrane, which needs a band.
+pub(super) fn is_stepped(scene: &Scene) -> bool {
+    let fluid = &scene.fluid;
+    !(fluid.density.is_uniform() && fluid.viscosity.is_uniform() && scene.membranes.iter().all(|m| m.mass == 0.0))
 }
 
 /// Whether some membrane has more than a constant tension.

@@ -153,11 +153,15 @@ impl<const D: usize> Simulation<D> {
         self.phases.begin();
 
         // Where the interface will be.
-        let stretch = if second && structures {
+        let predicts = second && structures;
+        if predicts {
             self.predict(current, ahead)?;
-            self.stretched(current, &self.state.phi.clone(), ahead)?
         } else {
             ahead.clone_from(&self.state.phi);
+        }
+        let stretch = if predicts && self.is_sharp() {
+            self.stretched(current, &self.state.phi.clone(), ahead)?
+        } else {
             self.state.stretch.clone()
         };
         let diffused = self.diffused(solver, current)?;
