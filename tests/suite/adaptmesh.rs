@@ -196,7 +196,15 @@ fn meshes_fit_their_metrics_as_well_as_those_of_freefem() {
         let their = their.unwrap_or_else(|| recorded(case));
         println!("{}\n{}", our.text(case.name), their.text(case.name));
         assert!((mesh.volume() - 1.0).abs() < 1e-13);
-        let _ = (our, their);
+        let ([n, unit, worst, mean, p1, p2, ..], theirs) = (our.numbers, their.numbers);
+        assert!(unit > 0.94 && worst > 0.4 && mean > 0.92, "{our:?}");
+        assert!(unit > theirs[1] - 0.01 && worst > theirs[2] - 0.1 && mean > theirs[3] - 0.02, "{our:?} {their:?}");
+        assert!(n < 1.25 * theirs[0], "{our:?} {their:?}");
+        if p1.is_finite() {
+            let worth = |n: f64, p1: f64, p2: f64| [n * p1, n.powf(1.5) * p2];
+            let (ours, theirs) = (worth(n, p1, p2), worth(theirs[0], theirs[4], theirs[5]));
+            assert!(ours[0] < theirs[0] && ours[1] < theirs[1], "{}: {ours:?} {theirs:?}", case.name);
+        }
     }
     if std::env::var_os("RECORD").is_some() {
         std::fs::write(data("recorded.csv"), record).unwrap();
