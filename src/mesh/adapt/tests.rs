@@ -142,7 +142,7 @@ fn frozen_boundaries_keep_their_points_and_edges() {
     assert_same_domain(&mesh, &new.mesh);
     let edges = |m: &Mesh<2>| {
         let ends = |f| m.facet_points(f).map(|v| m.points()[v as usize].as_slice().to_vec()).collect::<Vec<_>>();
-        let mut all: Vec<_> = m.facets().iter().map(|f| ends(f)).collect();
+        let mut all: Vec<_> = m.facets().iter().map(ends).collect();
         all.iter_mut().for_each(|e| e.sort_by(|a, b| a.partial_cmp(b).unwrap()));
         all.sort_by(|a, b| a.partial_cmp(b).unwrap());
         all
@@ -242,15 +242,47 @@ fn bounds_limits_and_hessians_give_the_metrics_of_their_formulas() {
     assert!((isotropic(&mesh, |_| 0.1).complexity(&mesh).unwrap() - 300.0).abs() < 1e-9);
 }
 
+/// A square with a square hole, whose points no cell uses, and a corner cut off: not convex.
+fn pierced() -> Mesh<2> {
+    let whole = rectangle([0.0; 2], [1.0; 2], [8, 8], Diagonals::UnionJack).unwrap();
+    let centre = |c: usize| (0..3).fold(at(0.0, 0.0), |s, k| s + whole.points()[whole.cell(c)[k] as usize]) / 3.0;
+    let kept = |x: Point<2>| !(x[0] + x[1] > 1.5 || (0.25 < x[0] && x[0] < 0.5 && 0.25 < x[1] && x[1] < 0.5));
+    let cells = (0..whole.cell_count()).filter(|&c| kept(centre(c))).flat_map(|c| whole.cell(c).to_vec()).collect();
+    let mut mesh = Mesh::<2>::new(whole.points().to_vec(), cells).unwrap();
+    let all: Vec<u32> = (0..mesh.facets().len() as u32).collect();
+    let inner = |f: &u32| {
+        mesh.facet_points(&mesh.facets()[*f as usize])
+            .all(|v| (whole.points()[v as usize] - at(0.375, 0.375)).amax() < 0.2)
+    };
+    let hole = all.iter().copied().filter(inner).collect();
+    mesh.set_boundary("hole", hole);
+    mesh.set_boundary("all", all);
+    mesh
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_number_of_threads() {
+    let mesh = pierced();
+    let metric =
+        Metric { tensors: mesh.points().iter().map(|x| tensor(at(0.6, 0.8), 0.005 + 0.1 * x[0], 0.1)).collect() };
+    let run = |n| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        pool.install(|| adapt(&mesh, &metric, &AdaptOptions::default()).unwrap().mesh)
+    };
+    let (one, two) = (run(1), run(2));
+    assert_eq!(one.points(), two.points());
+    assert!((0..one.cell_count()).all(|c| one.cell(c) == two.cell(c)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
     /// Random tensors at every point, sizes over four decades, anisotropy up to 1e4, no gradation.
     #[test]
     fn wild_metrics_give_valid_meshes_of_the_same_domain(
         seed in prop::collection::vec((0.0..1.0f64, 0.0..1.0f64, 0.0..3.2f64), 81),
-        fine in -2.5..-0.5f64, frozen: bool,
+        fine in -2.5..-0.5f64, frozen: bool, hole: bool,
     ) {
-        let mesh = parts(8);
+        let mesh = if hole { pierced() } else { parts(8) };
         let sizes = |a: f64| 10f64.powf(fine + a * (0.5 - fine));
         let random = |(a, b, angle): &(f64, f64, f64)| tensor(at(angle.cos(), angle.sin()), sizes(*a), sizes(*b));
         let metric = Metric { tensors: seed.iter().map(random).collect() };
@@ -260,7 +292,7 @@ proptest! {
         // Back to something coarse, from a bad mesh.
         let back = adapt(&new.mesh, &isotropic(&new.mesh, |_| 0.2), &options).unwrap();
         assert_same_domain(&mesh, &back.mesh);
-        prop_assert!(frozen || back.report.worst_quality > 0.05, "{:?}", back.report);
+        prop_assert!(frozen || back.report.worst_quality > 0.1, "{:?}", back.report);
         prop_assert!(new.mesh.facets().iter().all(|f| new.mesh.neighbours(f.cell as usize)[f.opposite as usize] == NONE));
     }
 }
