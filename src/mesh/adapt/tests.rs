@@ -295,4 +295,25 @@ proptest! {
         prop_assert!(frozen || back.report.worst_quality > 0.1, "{:?}", back.report);
         prop_assert!(new.mesh.facets().iter().all(|f| new.mesh.neighbours(f.cell as usize)[f.opposite as usize] == NONE));
     }
+
+    #[test]
+    fn gradation_bounds_every_direction_along_every_edge_and_coarsens_nothing(
+        seed in prop::collection::vec((-2.0..0.0f64, -2.0..0.0f64, 0.0..3.2f64), 81), ratio in 1.1..3.0f64,
+    ) {
+        let mesh = parts(8);
+        let random = |(a, b, t): &(f64, f64, f64)| tensor(at(t.cos(), t.sin()), 10f64.powf(*a), 10f64.powf(*b));
+        let metric = Metric { tensors: seed.iter().map(random).collect() };
+        let graded = metric.graded(&mesh, ratio).unwrap();
+        let directions = [at(1.0, 0.0), at(0.6, 0.8), at(0.0, 1.0), at(-0.8, 0.6)];
+        let square = |m: &Metric, p: u32, e: &Point<2>| e.dot(&(m.tensors[p as usize] * e));
+        for (c, (i, j)) in (0..mesh.cell_count()).flat_map(|c| [(c, (0, 1)), (c, (1, 2)), (c, (2, 0)), (c, (1, 0))]) {
+            let (p, q) = (mesh.cell(c)[i], mesh.cell(c)[j]);
+            let e = mesh.points()[q as usize] - mesh.points()[p as usize];
+            let growth = 1.0 + square(&graded, p, &e).sqrt() * ratio.ln();
+            for d in &directions {
+                prop_assert!(square(&graded, q, d) > 0.99 * square(&graded, p, d) / growth.powi(2));
+                prop_assert!(square(&graded, q, d) > (1.0 - 1e-6) * square(&metric, q, d));
+            }
+        }
+    }
 }
