@@ -100,7 +100,7 @@ impl Mass {
             direction.iter_mut().zip(&next).for_each(|(d, n)| *d = n + new / square * *d);
             square = new;
         }
-        if !(square <= ENOUGH * ENOUGH * start) {
+        if !square.is_finite() || square > ENOUGH * ENOUGH * start {
             return Err(Error::computation("a projection did not converge")
                 .value(format!("residual {:e}", (square / start).sqrt()))
                 .remedy("the field or the mesh holds numbers that are not finite or differ by many orders"));

@@ -34,7 +34,7 @@ impl Interpolation {
                     let start = from.point_at(&last);
                     let (place, _) = from.walk(last.cell, &start, x);
                     let off = (from.point_at(&place) - x).norm();
-                    if !(off <= OFF * (high - low).norm()) {
+                    if off.is_nan() || off > OFF * (high - low).norm() {
                         return Err(Error::input("a field is carried to a mesh of another domain")
                             .at(format!("node {:?}", x.as_slice()))
                             .value(format!("{off:e} outside")));
@@ -183,6 +183,17 @@ mod tests {
             let (l2, h1) = (order(&|e| e.l2), order(&|e| e.h1));
             assert!(l2 > 2.8 && h1 > 1.8 && rows[2][k].l2 < 2.5e-5, "{k}: {l2} {h1} {rows:?}");
         }
+    }
+
+    #[test]
+    fn a_field_that_is_not_finite_is_refused() {
+        let mesh = adapted(3, true);
+        let space = Arc::new(Space::new(&mesh, Element::P2));
+        let projection = Projection::new(&mesh, &space, &[]).unwrap();
+        let zero = projection.scalar(&space, &vec![0.0; space.len()]).unwrap();
+        assert!(zero.iter().all(|v| *v == 0.0));
+        let message = projection.scalar(&space, &vec![f64::NAN; space.len()]).unwrap_err().to_string();
+        assert!(message.contains("did not converge"), "{message}");
     }
 
     #[test]

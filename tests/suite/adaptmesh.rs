@@ -3,7 +3,7 @@
 //! `RECORD=1` it writes what FreeFEM gave to the record.
 
 use cpu_time::ProcessTime;
-use immersa::fem::{Element, Space, scalar_errors};
+use immersa::fem::{Basis, Cells, Element, Interpolation, Projection, Rule, Space, integrate, scalar_errors};
 use immersa::mesh::adapt::{AdaptOptions, AdaptReport, Metric, adapt, assess};
 use immersa::mesh::{Diagonals, Mesh, Point, rectangle};
 use nalgebra::{SMatrix, SVector};
@@ -196,9 +196,61 @@ fn meshes_fit_their_metrics_as_well_as_those_of_freefem() {
         let their = their.unwrap_or_else(|| recorded(case));
         println!("{}\n{}", our.text(case.name), their.text(case.name));
         assert!((mesh.volume() - 1.0).abs() < 1e-13);
-        let _ = (our, their);
+        let ([n, unit, worst, mean, p1, p2, ..], theirs) = (our.numbers, their.numbers);
+        assert!(unit > 0.94 && worst > 0.4 && mean > 0.92, "{our:?}");
+        assert!(unit > theirs[1] - 0.01 && worst > theirs[2] - 0.1 && mean > theirs[3] - 0.02, "{our:?} {their:?}");
+        assert!(n < 1.25 * theirs[0], "{our:?} {their:?}");
+        if p1.is_finite() {
+            let worth = |n: f64, p1: f64, p2: f64| [n * p1, n.powf(1.5) * p2];
+            let (ours, theirs) = (worth(n, p1, p2), worth(theirs[0], theirs[4], theirs[5]));
+            assert!(ours[0] < theirs[0] && ours[1] < theirs[1], "{}: {ours:?} {theirs:?}", case.name);
+        }
     }
     if std::env::var_os("RECORD").is_some() {
         std::fs::write(data("recorded.csv"), record).unwrap();
     }
+}
+
+/// A square of about `n` triangles a side, finer to the top or to the left.
+fn graded(n: usize, top: bool) -> Arc<Mesh<2>> {
+    let mesh = rectangle([0.0; 2], [1.0; 2], [n, n], Diagonals::Right).unwrap();
+    let size = |x: &Point<2>| (2.0 - if top { x[1] } else { 1.0 - x[0] }) / (1.5 * n as f64);
+    let metric = Metric::isotropic(&mesh.points().iter().map(size).collect::<Vec<_>>());
+    Arc::new(adapt(&mesh, &metric, &AdaptOptions::default()).unwrap().mesh)
+}
+
+/// A field carried to and fro between two meshes: what is lost each time adds up only if values are taken at nodes.
+#[test]
+#[allow(clippy::print_stdout, reason = "the table of the book")]
+fn projection_loses_less_than_values_at_nodes_when_a_field_is_carried_often() {
+    let meshes = [graded(32, true), graded(32, false)];
+    let spaces = meshes.each_ref().map(|mesh| Arc::new(Space::new(mesh, Element::P2)));
+    let exact = |x: &Point<2>| {
+        let d = (x - Point::<2>::new(0.5, 0.5)).norm() - 0.35;
+        ((K * d).tanh(), SVector::<f64, 2>::zeros())
+    };
+    let mass = |f: &[f64]| {
+        let basis = Basis::new(&spaces[0], &Arc::new(Rule::simplex(2, 2)));
+        integrate(&basis, Cells::All, |at| [basis.value(at, f)])[0]
+    };
+    let start = spaces[0].interpolate(|x| exact(x).0);
+    let mut fields = [start.clone(), start.clone()];
+    println!("transfers, L2 error at nodes, by projection, integral lost at nodes, by projection");
+    let mut rows = Vec::new();
+    for pair in 1..=10 {
+        for (from, to) in [(0, 1), (1, 0)] {
+            fields[0] = Interpolation::new(&meshes[from], &spaces[to]).unwrap().apply(&spaces[from], &fields[0]);
+            let projection = Projection::new(&meshes[from], &spaces[to], &[]).unwrap();
+            fields[1] = projection.scalar(&spaces[from], &fields[1]).unwrap();
+        }
+        let errors = fields.each_ref().map(|f| scalar_errors(&spaces[0], f, exact).l2);
+        let lost = fields.each_ref().map(|f| (mass(f) / mass(&start) - 1.0).abs());
+        rows.push((errors, lost));
+        if [1, 5, 10].contains(&pair) {
+            println!("{}, {:.2e}, {:.2e}, {:.1e}, {:.1e}", 2 * pair, errors[0], errors[1], lost[0], lost[1]);
+        }
+    }
+    println!("0, {:.2e}", scalar_errors(&spaces[0], &start, exact).l2);
+    assert!(rows[9].1[1] < 1e-12 && rows[9].1[0] > 1e-7);
+    assert!(rows[9].0[1] < rows[9].0[0]);
 }

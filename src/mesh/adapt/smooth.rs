@@ -5,9 +5,8 @@ use crate::mesh::Point;
 
 /// Parts of the way to the wanted place that are tried.
 const STEPS: [f64; 3] = [1.0, 0.5, 0.25];
-/// A move must better the worst triangle around by this factor.
-const GAIN: f64 = 1.01;
-
+/// A move must better the [mean quality](mean_quality) around by this factor.
+const GAIN: f64 = 1.002;
 /// Vertices of triangles below this are tried to move though nothing has changed around them.
 const POOR: f64 = 0.7;
 
@@ -18,7 +17,7 @@ pub(super) fn wake_poor(t: &mut Triangulation) {
     poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].restless = true);
 }
 
-/// Moves once every vertex around which something has changed, where that makes its worst triangle better.
+/// Moves once every vertex around which something has changed, where that makes the triangles around better.
 pub(super) fn smooth_all(t: &mut Triangulation) {
     let mut star = Vec::new();
     for v in 0..t.vertices.len() as u32 {
@@ -39,10 +38,7 @@ fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {
         return false;
     }
     t.star(v, star);
-    let worst = |t: &Triangulation, star: &[Side]| {
-        star.iter().map(|s| t.quality(t.triangles[s.triangle as usize].vertices)).fold(f64::INFINITY, f64::min)
-    };
-    let before = worst(t, star);
+    let before = mean_quality(t, star);
     let Some(wanted) = (if old.kind == Kind::Free { balance(t, v, star) } else { balance_on_line(t, v, star) }) else {
         return false;
     };
@@ -51,12 +47,18 @@ fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {
         let metric = t.background.at(&old.metric, &point);
         let vertex = &mut t.vertices[v as usize];
         (vertex.point, vertex.metric) = (point, metric);
-        if worst(t, star) > GAIN * before {
+        if mean_quality(t, star) > GAIN * before {
             return true;
         }
     }
     t.vertices[v as usize] = old;
     false
+}
+
+/// The mean of the qualities `q` around a vertex, as `n / sum q^-3`: bad triangles count most, and it is 0 if one is flat or turned over.
+fn mean_quality(t: &Triangulation, star: &[Side]) -> f64 {
+    let badness = |s: &Side| t.quality(t.triangles[s.triangle as usize].vertices).powi(-3);
+    star.len() as f64 / star.iter().map(badness).sum::<f64>()
 }
 
 /// The mean of the places from which each edge of `v` would have unit length.
