@@ -1,6 +1,7 @@
 //! What every layer may use: errors as values, deterministic parallel loops, and what a step spends its time on.
 
 mod bandwidth;
+pub mod bytes;
 mod error;
 mod hash;
 pub mod parallel;

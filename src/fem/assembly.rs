@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
 /// A quadrature point of a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct At<const D: usize> {
     /// The cell.
     pub cell: usize,

@@ -4,8 +4,8 @@ use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result, parallel};
 use crate::fem::{
-    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, assemble_flow_matrix, assemble_scalar,
-    assemble_source, assemble_vector,
+    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, add_surface_matrix, add_surface_vector,
+    assemble_flow_matrix, assemble_scalar, assemble_source, assemble_vector,
 };
 use crate::linalg::{Factor, Ordering, SolveReport, SymmetricMatrix};
 use crate::mesh::Mesh;
@@ -237,6 +237,10 @@ impl<const D: usize> FlowSolver<D> {
                 &mut self.matrix,
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
+            let (space, numbering) = (self.velocity.space(), &self.numbering);
+            add_surface_matrix(space, numbering, term.surface(), &mut self.matrix, |p, grad| {
+                term.surface_stiffness(p, grad)
+            })?;
         }
         self.phases.end(Phase::Assembly);
         if let Some(factor) = &mut self.factor {
@@ -252,7 +256,7 @@ impl<const D: usize> FlowSolver<D> {
         self.work.load.fill(SVector::zeros());
         self.assemble_inertia(step);
         let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
-        let (load, scratch) = (&mut work.load, &mut work.vectors);
+        let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
         if step.body_force.is_some() || step.gravity.norm() > 0.0 {
             assemble_source(velocity, load, scratch, |c, cell| {
                 for q in 0..velocity.rule().len() {
@@ -268,6 +272,13 @@ impl<const D: usize> FlowSolver<D> {
                 let (f0, mut f1) = term.force(at);
                 if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
                     f1 += term.stiffness(at, &velocity.jacobian(at, u));
+                }
+                (f0, f1)
+            });
+            add_surface_vector(space, term.surface(), load, |p| {
+                let (f0, mut f1) = term.surface_force(p);
+                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
+                    f1 += term.surface_stiffness(p, &space.jacobian(u, p.at.cell, &p.at.barycentric));
                 }
                 (f0, f1)
             });

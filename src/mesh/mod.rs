@@ -1,5 +1,7 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
+pub mod adapt;
+mod bytes;
 pub mod freefem;
 mod generate;
 pub mod gmsh;

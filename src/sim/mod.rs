@@ -6,11 +6,14 @@ mod checkpoint;
 mod markers;
 mod materials;
 mod passive;
+mod remesh;
 mod setup;
 mod step;
+mod stretch;
 
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};
 pub use markers::{polygon_area, polygon_length};
+pub use remesh::Transfer;
 pub use setup::{Contrast, Coupling, LevelSet, Materials, Settings, State, Structure};
 pub use step::Simulation;

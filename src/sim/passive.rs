@@ -36,6 +36,7 @@ impl<const D: usize> Simulation<D> {
             steps: 0,
             flow: FlowState { u, p: Vec::new() },
             phi: Vec::new(),
+            stretch: Vec::new(),
             earlier_u: Vec::new(),
             map: None,
             markers: Vec::new(),

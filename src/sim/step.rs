@@ -5,7 +5,7 @@ use super::carrier::Carrier;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
-use crate::elastic::Predictor;
+use crate::elastic::{Predictor, SharpMembrane};
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
@@ -90,6 +90,7 @@ impl<const D: usize> Simulation<D> {
             earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
+            stretch: Vec::new(),
             map: None,
             markers: Vec::new(),
             energies: Energies::default(),
@@ -114,9 +115,9 @@ impl<const D: usize> Simulation<D> {
             work: Work::default(),
         };
         sim.set_materials(&mut flow, &sim.state.phi);
-        for (s, phi) in sim.structures.iter_mut().zip(&sim.state.phi) {
-            s.membrane.prepare(flow.velocity(), phi, None);
-        }
+        sim.begin_stretch();
+        let (phi, stretch) = (sim.state.phi.clone(), sim.state.stretch.clone());
+        sim.prepare_structures(&flow, &phi, &stretch, None)?;
         sim.state.energies = sim.measure(&flow, 0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
         sim.flow = Some(flow);
@@ -152,11 +153,17 @@ impl<const D: usize> Simulation<D> {
         self.phases.begin();
 
         // Where the interface will be.
-        if second && structures {
-            self.predict(current, ahead)?
+        let predicts = second && structures;
+        if predicts {
+            self.predict(current, ahead)?;
         } else {
-            ahead.clone_from(&self.state.phi)
+            ahead.clone_from(&self.state.phi);
         }
+        let stretch = if predicts && self.is_sharp() {
+            self.stretched(current, &self.state.phi.clone(), ahead)?
+        } else {
+            self.state.stretch.clone()
+        };
         let diffused = self.diffused(solver, current)?;
         self.phases.end(Phase::Transport);
 
@@ -174,9 +181,7 @@ impl<const D: usize> Simulation<D> {
         self.set_materials(solver, ahead);
         self.phases.end(Phase::Assembly);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(ahead)) {
-            s.membrane.prepare(solver.velocity(), phi, implicit);
-        }
+        self.prepare_structures(solver, diffused.as_deref().unwrap_or(ahead), &stretch, implicit)?;
         self.phases.end(Phase::Force);
 
         // The coupled system of velocity and pressure.
@@ -189,7 +194,7 @@ impl<const D: usize> Simulation<D> {
                 History { weight: -0.5, u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
-        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(|s| &s.membrane as _).collect();
+        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(Structure::term).collect();
         let weight = if second { 1.5 } else { 1.0 };
         let step = Step {
             time,
@@ -216,7 +221,11 @@ impl<const D: usize> Simulation<D> {
             } else {
                 mean.clone_from(&next.u)
             }
+            let before = self.is_sharp().then(|| self.state.phi.clone());
             self.carry(&Wind::Nodal(mean), ahead)?;
+            if let Some(before) = before {
+                self.state.stretch = self.stretched(mean, &before, &self.state.phi.clone())?;
+            }
             self.follow_markers([current, &next.u], mean);
         }
         self.phases.end(Phase::Transport);
@@ -226,6 +235,7 @@ impl<const D: usize> Simulation<D> {
         if !self.has_constant_materials() {
             self.set_materials(solver, &self.state.phi);
         }
+        self.prepare_sharp()?;
         self.phases.end(Phase::Assembly);
         let now = self.measure(solver, wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
@@ -297,16 +307,22 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Energies and rates of the current state.
-    fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
+    pub(super) fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
         let [kinetic, dissipation, grad_div, div2] = flow.energies(&self.state.flow);
         let elastic = match &self.fine {
-            Some(fine) => self.structures.iter().zip(&self.state.phi).map(|(s, p)| s.membrane.energy(fine, p)).sum(),
+            Some(fine) => {
+                let energy = |(s, phi): (&Structure<D>, &Vec<f64>)| {
+                    s.sharp.as_ref().map_or_else(|| s.membrane.energy(fine, phi), SharpMembrane::energy)
+                };
+                self.structures.iter().zip(&self.state.phi).map(energy).sum()
+            }
             None => 0.0,
         };
+        let slip: f64 = self.structures.iter().filter_map(|s| s.sharp.as_ref()).map(SharpMembrane::dissipation).sum();
         Energies {
             kinetic,
             elastic,
-            dissipation,
+            dissipation: dissipation + slip,
             grad_div,
             power: wall_power + self.body_power(flow) - self.carried_out(flow),
             divergence: div2.sqrt(),

@@ -1,5 +1,7 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
+mod adapted;
+mod adaptmesh;
 mod band;
 mod book;
 mod broken_meshes;

@@ -31,6 +31,10 @@ pub(super) struct Record {
     pub at_wall: BTreeMap<String, f64>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
+    /// Looks at the mesh, each of which may have made it anew.
+    pub looks: u64,
+    /// The meshes of an adapted run.
+    pub meshes: Vec<MeshRecord>,
     /// Seconds by phase, of all sessions of the run.
     pub seconds: BTreeMap<String, f64>,
     /// Seconds of all processors by phase, of all sessions of the run.
@@ -43,7 +47,33 @@ pub(super) struct Record {
     pub substitutions: u64,
 }
 
+/// A mesh of an adapted run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct MeshRecord {
+    /// When it was made.
+    pub time: f64,
+    /// Its triangles.
+    pub cells: usize,
+    /// Unknowns of velocity and pressure on it.
+    pub unknowns: usize,
+    /// Energy that bringing the fields to all meshes so far has added.
+    pub energy_transferred: f64,
+}
+
 impl Record {
+    /// Notes the mesh of a run that adapts it.
+    pub(super) fn note_mesh(&mut self, model: &Model) {
+        let sim = &model.simulation;
+        if model.lengths.is_some() {
+            self.meshes.push(MeshRecord {
+                time: sim.time(),
+                cells: sim.space().mesh().cell_count(),
+                unknowns: sim.flow().map_or(0, |flow| flow.numbering().order()),
+                energy_transferred: sim.state().budget.transferred,
+            });
+        }
+    }
+
     /// Counts the time since `start` for a phase.
     pub(super) fn spent(&mut self, phase: &str, start: &Clock) {
         *self.seconds.entry(phase.to_string()).or_default() += start.0.elapsed().as_secs_f64();
