@@ -336,6 +336,7 @@ impl Draft<'_> {
             coupling: numerics.coupling,
             convection: numerics.convection.unwrap_or(fluid.has_inertia()),
             grad_div,
+            solve_tolerance: numerics.solve_tolerance,
             quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
             materials: Materials { density: fluid.density, viscosity: fluid.viscosity },
             conditions,

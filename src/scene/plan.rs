@@ -120,9 +120,9 @@ fn unknowns(model: &Model) -> Vec<String> {
     let implicit = sim.settings().coupling == Coupling::Implicit && !sim.structures().is_empty();
     let constant = flow.density().is_constant() && flow.viscosity().is_constant();
     let (kind, why) = match (constant, implicit) {
-        (true, false) => ("constant", "factored once"),
-        (true, true) => ("changes with the interface (implicit coupling)", "factored in each step on a kept pattern"),
-        (false, _) => ("changes with density or viscosity", "factored in each step on a kept pattern"),
+        (true, false) => ("constant", "factored once".to_string()),
+        (true, true) => ("changes with the interface (implicit coupling)", flow.way_of_solving()),
+        (false, _) => ("changes with density or viscosity", flow.way_of_solving()),
     };
     lines.push(format!("matrix {kind}: {why}"));
     if let Some(factor) = flow.factor() {

@@ -2,8 +2,10 @@
 
 mod folder;
 mod record;
+mod solves;
 
 pub use folder::Folder;
+pub use solves::Solves;
 
 use super::Scene;
 use super::diagnostics::Diagnostics;
@@ -139,7 +141,11 @@ impl<'a> Run<'a> {
                     .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
             }
             let before = self.model.simulation.state().energies.total();
-            self.timed("steps", |run| run.model.simulation.step().map(drop))?;
+            self.timed("steps", |run| {
+                let report = run.model.simulation.step()?;
+                run.record.solves.note(&report);
+                Ok(())
+            })?;
             if step == 1 {
                 self.record.note_first_step();
             }

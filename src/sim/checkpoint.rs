@@ -1,14 +1,15 @@
 //! A state as bytes, and back, bit by bit.
 
 use super::budget::{Budget, Energies};
-use super::setup::State;
+use super::setup::{Factored, State};
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
+use crate::linalg::Ledger;
 use crate::transport::CharacteristicMap;
 use nalgebra::SVector;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x02";
+const MAGIC: &[u8; 8] = b"immersa\x03";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each list after its length.
@@ -26,6 +27,12 @@ impl<const D: usize> State<D> {
         submaps.for_each(|s| out.vectors(s));
         out.integer(self.markers.len() as u64);
         self.markers.iter().for_each(|m| out.vectors(m));
+        out.integer(u64::from(self.factored.is_some()));
+        if let Some(Factored { phi, weight, dt, ledger: l }) = &self.factored {
+            out.integer(phi.len() as u64);
+            phi.iter().for_each(|phi| out.numbers(phi));
+            out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
+        }
         let (e, b) = (self.energies, self.budget);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged]);
@@ -63,11 +70,20 @@ impl<const D: usize> State<D> {
         let phi = from.list(Reader::numbers)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         let markers = from.list(Reader::vectors)?;
+        let factored = match from.integer()? {
+            0 => None,
+            _ => {
+                let phi = from.list(Reader::numbers)?;
+                let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
+                let ledger = Ledger { solves, spent, last, hold, failures };
+                Some(Factored { phi, weight, dt, ledger })
+            }
+        };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
         let [initial, dissipated, work, exchanged] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged };
-        Some(State { steps, flow: FlowState { u, p }, phi, earlier_u, map, markers, energies, budget })
+        Some(State { steps, flow: FlowState { u, p }, phi, earlier_u, map, markers, factored, energies, budget })
     }
 }
 
@@ -130,6 +146,12 @@ mod tests {
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
             markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],
+            factored: Some(Factored {
+                phi: vec![vec![0.5, -0.25]],
+                weight: 1.5,
+                dt: 0.1,
+                ledger: Ledger { spent: 9.0, ..Ledger::default() },
+            }),
             energies: Energies { kinetic: 1.5, ..Energies::default() },
             budget: Budget { work: 0.25, ..Budget::default() },
         }

@@ -3,6 +3,7 @@
 mod budget;
 mod carrier;
 mod checkpoint;
+mod lagged;
 mod markers;
 mod materials;
 mod passive;
@@ -12,5 +13,5 @@ mod step;
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};
 pub use markers::{polygon_area, polygon_length};
-pub use setup::{Contrast, Coupling, LevelSet, Materials, Settings, State, Structure};
+pub use setup::{Contrast, Coupling, Factored, LevelSet, Materials, Settings, State, Structure};
 pub use step::Simulation;

@@ -39,6 +39,7 @@ impl<const D: usize> Simulation<D> {
             earlier_u: Vec::new(),
             map: None,
             markers: Vec::new(),
+            factored: None,
             energies: Energies::default(),
             budget: Budget::default(),
         };
@@ -159,7 +160,7 @@ impl<const D: usize> Simulation<D> {
         }
         self.state.flow.u = next;
         self.state.steps += 1;
-        Ok(StepReport { solve: SolveReport { residual: 0.0, refinements: 0 }, refactored: false })
+        Ok(StepReport { solve: SolveReport { residual: 0.0, refinements: 0, iterations: 0 }, refactored: false })
     }
 }
 

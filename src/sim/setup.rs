@@ -6,6 +6,7 @@ use crate::base::{Error, Result};
 use crate::elastic::Membrane;
 use crate::fem::Conditions;
 use crate::flow::{BodyForce, FlowState};
+use crate::linalg::Ledger;
 use crate::mesh::Point;
 use crate::transport::{CharacteristicMap, Method};
 use nalgebra::SVector;
@@ -65,6 +66,8 @@ pub struct Settings<const D: usize> {
     pub convection: bool,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: f64,
+    /// Relative residual at which iterations with an old factor stop, where the matrix changes from step to step; 0 factors each.
+    pub solve_tolerance: f64,
     /// Degree of the quadrature rule.
     pub quadrature: usize,
     /// The fluids.
@@ -127,6 +130,20 @@ pub struct LevelSet<const D: usize> {
     pub markers: Vec<Point<D>>,
 }
 
+/// What the matrix was made of whose factor is kept while the matrix changes: with it a resumed run has the same factor, and goes on
+/// with the same bits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factored {
+    /// Level sets of the structures.
+    pub phi: Vec<Vec<f64>>,
+    /// Coefficient of the new velocity in the discrete time derivative, over the step.
+    pub weight: f64,
+    /// The step.
+    pub dt: f64,
+    /// The books of the choice between iterations and a factorisation.
+    pub ledger: Ledger,
+}
+
 /// All that changes in time; a checkpoint holds it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<const D: usize> {
@@ -143,6 +160,8 @@ pub struct State<const D: usize> {
     pub map: Option<CharacteristicMap<D>>,
     /// Markers, one list a passive level set.
     pub markers: Vec<Vec<Point<D>>>,
+    /// What the factor of the flow was made of, where it outlives its matrix.
+    pub factored: Option<Factored>,
     /// Energies now.
     pub energies: Energies,
     /// The energy budget.

@@ -57,6 +57,7 @@ impl<const D: usize> Simulation<D> {
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let mut flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
+        flow.iterate(settings.solve_tolerance);
         let translations = flow.numbering().translations().to_vec();
         let projected = settings.transport == Method::Projected && !structures.is_empty();
         let projector = if projected { Some(Projector::new(flow.velocity().clone(), &translations)?) } else { None };
@@ -77,6 +78,7 @@ impl<const D: usize> Simulation<D> {
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
             map: None,
             markers: Vec::new(),
+            factored: None,
             energies: Energies::default(),
             budget: Budget::default(),
         };
@@ -173,7 +175,7 @@ impl<const D: usize> Simulation<D> {
             body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
-        let mut flow = self.state.flow.clone();
+        let mut flow = self.extrapolated(1.0);
         let report = solver.step(&step, &mut flow)?;
         let wall_power = solver.wall_power(&step, &flow);
         self.reactions = self.wants_reactions.then(|| solver.reaction(&step, &flow, Cells::All));
@@ -188,6 +190,7 @@ impl<const D: usize> Simulation<D> {
                 markers::follow(list, &self.carrier.tracer, [&current, &flow.u], dt, steps);
             }
         }
+        self.note_factor(solver, &report, if inertia { weight } else { 0.0 }, &predicted);
         self.state.flow = flow;
         self.state.earlier_u = current;
         self.state.steps += 1;
@@ -372,11 +375,13 @@ impl<const D: usize> Simulation<D> {
                     "resume with the scene that the run was started with, or start afresh in another folder with --out",
                 ));
         }
-        if let Some(mut flow) = self.flow.take() {
-            self.set_materials(&mut flow, &state.phi);
-            self.flow = Some(flow);
-        }
         self.state = state;
+        if let Some(mut flow) = self.flow.take() {
+            let made = self.restore_factor(&mut flow);
+            self.set_materials(&mut flow, &self.state.phi);
+            self.flow = Some(flow);
+            made?;
+        }
         Ok(())
     }
     /// Largest speed at a node.
@@ -404,7 +409,7 @@ impl<const D: usize> Simulation<D> {
     }
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {
-        let flow = self.flow.as_ref().and_then(FlowSolver::factor).map_or(0, |f| f.bytes());
+        let flow = self.flow.as_ref().map_or(0, FlowSolver::factor_bytes);
         let predictors = self.predictors.iter().map(Predictor::bytes).sum::<usize>();
         flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes) + predictors
     }

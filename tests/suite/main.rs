@@ -11,6 +11,7 @@ mod explain;
 mod failures;
 mod flow;
 mod fluid;
+mod krylov;
 mod layers;
 mod meshes;
 mod passive;

@@ -176,6 +176,7 @@ impl Folder {
                 "level_set": sim.space().len() * level_sets,
             },
             "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
+            "solves": record.solves,
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
             "alarms": alarms,

@@ -1,6 +1,7 @@
 //! What a run has put into its folder so far; a checkpoint holds it beside the state.
 
 use super::Clock;
+use super::solves::Solves;
 use crate::scene::{Model, Scene};
 use crate::sim::Simulation;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,9 @@ pub(super) struct Record {
     pub at_wall: BTreeMap<String, f64>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
+    /// How the linear systems were solved.
+    #[serde(default)]
+    pub solves: Solves,
     /// Seconds by phase, of all sessions of the run.
     pub seconds: BTreeMap<String, f64>,
     /// Seconds of all processors by phase, of all sessions of the run.
