@@ -32,6 +32,10 @@ pub struct FlowSolver<const D: usize> {
     factor_is_base: bool,
     /// `weight / dt` of the matrix that was factored last.
     factored_weight: f64,
+    /// Whether that matrix was `base` alone.
+    factored_plain: bool,
+    /// Whether the step will change.
+    expects_changes: bool,
     boundary_cells: Vec<u32>,
     work: Work<D>,
 }
@@ -105,6 +109,8 @@ impl<const D: usize> FlowSolver<D> {
             tolerance: 0.0,
             factor_is_base: false,
             factored_weight: f64::NAN,
+            factored_plain: false,
+            expects_changes: false,
             boundary_cells,
             work,
         })
@@ -115,12 +121,22 @@ impl<const D: usize> FlowSolver<D> {
     pub fn iterate(&mut self, tolerance: f64) {
         self.tolerance = tolerance;
     }
+    /// Tells that the step will change, and with it the matrix: no change of it is taken to last.
+    pub fn expect_changes(&mut self) {
+        self.expects_changes = true;
+    }
+    /// Makes the next solve factor its matrix.
+    pub fn forget_factor(&mut self) {
+        (self.factor_is_base, self.factored_plain, self.factored_weight) = (false, false, f64::NAN);
+        self.factor.iter_mut().for_each(LaggedFactor::forget);
+    }
     /// Sets density and viscosity (dynamic); the matrix is made anew when they are not constant or have changed.
     pub fn set_materials(&mut self, density: Coefficient, viscosity: Coefficient) {
         if density != self.density || viscosity != self.viscosity || !density.is_constant() || !viscosity.is_constant()
         {
             // No weight equals NaN: the values are stale, the storage is kept.
             self.base.iter_mut().for_each(|(_, weight)| *weight = f64::NAN);
+            self.factored_plain = false;
         }
         self.density = density;
         self.viscosity = viscosity;
@@ -147,7 +163,7 @@ impl<const D: usize> FlowSolver<D> {
     }
     /// Whether the factor in use is that of a matrix that stays.
     pub fn is_constant(&self) -> bool {
-        self.factor_is_base && self.density.is_constant() && self.viscosity.is_constant()
+        !self.expects_changes && self.factor_is_base && self.density.is_constant() && self.viscosity.is_constant()
     }
     /// Weight of the grad-div term.
     pub fn grad_div(&self) -> f64 {
@@ -257,10 +273,14 @@ impl<const D: usize> FlowSolver<D> {
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
         }
-        self.factor_is_base = false;
+        let constant = !implicit && self.density.is_constant() && self.viscosity.is_constant();
+        self.factor_is_base = constant && self.factored_plain && self.factored_weight == weight;
+        if self.factor_is_base {
+            return Ok(Change::None);
+        }
         // The formula begins with another coefficient than it goes on with: a factor of the first step would serve badly ever after.
-        let lasting = !implicit && self.density.is_constant() && self.viscosity.is_constant();
-        Ok(if lasting || self.factored_weight != weight { Change::Lasting } else { Change::Passing })
+        let lasting = !self.expects_changes && (constant || self.factored_weight != weight);
+        Ok(if lasting { Change::Lasting } else { Change::Passing })
     }
 
     /// Makes the factor that a run had when it was interrupted: of `weight / dt`, the materials that were set last and `terms`.
@@ -271,6 +291,7 @@ impl<const D: usize> FlowSolver<D> {
         self.prepare(weight, terms)?;
         let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
         self.factored_weight = weight;
+        self.factored_plain = terms.iter().all(|t| !t.is_implicit());
         factor.restore(&self.matrix, ledger)
     }
 
@@ -323,6 +344,7 @@ impl<const D: usize> FlowSolver<D> {
         if refactored {
             self.factored_weight = step.weight / step.dt;
             self.factor_is_base = step.terms.iter().all(|t| !t.is_implicit());
+            self.factored_plain = self.factor_is_base;
         }
         Ok(StepReport { solve, refactored })
     }

@@ -108,6 +108,10 @@ impl LaggedFactor {
     pub fn may_iterate(&self) -> bool {
         self.tolerance > 0.0 && self.cost >= LEAST_COST
     }
+    /// Makes the next solve factor its matrix.
+    pub fn forget(&mut self) {
+        self.ledger = Ledger { hold: 1.0, ..Ledger::default() };
+    }
     /// What a factorisation costs, in iterations.
     pub fn cost(&self) -> f64 {
         self.cost

@@ -3,6 +3,7 @@
 use super::Scene;
 use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::expression::Expression;
+use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, prescribed};
 use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
@@ -98,6 +99,7 @@ impl Model {
         let structures = model.structures(distances, thickness)?;
         let edges = structures.iter().filter_map(|s| band_edges(&space, &s.phi, s.membrane.thickness()));
         let edges = edges.map(|e| [e.smallest, e.largest]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let scales = [model.velocity_scale(), model.size()];
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
@@ -123,6 +125,10 @@ impl Model {
             wall_nodes,
         };
         model.explicit_limit = model.step_limit();
+        if let Some(tolerance) = scene.time.tolerance {
+            let pacing = pacing(scene, tolerance, scales);
+            model.simulation.pace(pacing).map_err(|e| scene.blame(&["time", "tolerance"], e))?;
+        }
         Ok(model)
     }
 

@@ -271,7 +271,12 @@ fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
 
 fn steps(model: &Model, scene: &Scene) -> Vec<String> {
     let time = &scene.time;
-    let mut lines = vec![format!("{} steps of {} to t = {}", time.steps(), time.step, time.end)];
+    let mut lines = vec![match time.tolerance {
+        Some(tolerance) => {
+            format!("steps that follow the error, tolerance {tolerance}, the first {}, to t = {}", time.step, time.end)
+        }
+        None => format!("{} steps of {} to t = {}", time.steps(), time.step, time.end),
+    }];
     let Some(limit) = model.explicit_limit else { return lines };
     let ratio = time.step / limit;
     let coupling = model.simulation.settings().coupling;

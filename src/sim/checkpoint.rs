@@ -1,7 +1,8 @@
 //! A state as bytes, and back, bit by bit.
 
 use super::budget::{Budget, Energies};
-use super::setup::{Factored, State};
+use super::clock::Clock;
+use super::setup::{Factored, Pace, State};
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
 use crate::linalg::Ledger;
@@ -17,6 +18,13 @@ impl<const D: usize> State<D> {
         let mut out = Writer(MAGIC.to_vec());
         out.integer(tag);
         out.integer(self.steps);
+        out.numbers(&[self.time]);
+        out.integer(u64::from(self.pace.is_some()));
+        if let Some(Pace { clock: c, earliest_u }) = &self.pace {
+            [c.interval, c.part, c.parts, c.rejected].into_iter().for_each(|v| out.integer(v));
+            out.numbers(&[c.wanted, c.last, c.before]);
+            out.vectors(earliest_u);
+        }
         out.vectors(&self.flow.u);
         out.vectors(&self.earlier_u);
         out.numbers(&self.flow.p);
@@ -53,6 +61,12 @@ impl<const D: usize> State<D> {
         };
         let body = bytes.len().checked_sub(8).filter(|n| *n >= MAGIC.len()).ok_or_else(damaged)?;
         let (content, check) = bytes.split_at(body);
+        let (name, version) = MAGIC.split_at(MAGIC.len() - 1);
+        if content.starts_with(name) && !content[name.len()..].starts_with(version) {
+            return Err(Error::input("the checkpoint was written by another version of immersa")
+                .value(format!("format {}, this program writes {}", content[name.len()], version[0]))
+                .remedy("go on with the version that began the run, or start afresh in another folder with --out"));
+        }
         if !content.starts_with(MAGIC) || check != fnv1a(content).to_le_bytes() {
             return Err(damaged());
         }
@@ -66,6 +80,17 @@ impl<const D: usize> State<D> {
 
     fn read(from: &mut Reader<'_>) -> Option<State<D>> {
         let steps = from.integer()?;
+        let [time] = from.numbers()?.try_into().ok()?;
+        let pace = match from.integer()? {
+            0 => None,
+            _ => {
+                let [interval, part, parts, rejected] =
+                    [from.integer()?, from.integer()?, from.integer()?, from.integer()?];
+                let [wanted, last, before] = from.numbers()?.try_into().ok()?;
+                let clock = Clock { interval, part, parts, wanted, last, before, rejected };
+                Some(Pace { clock, earliest_u: from.vectors()? })
+            }
+        };
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let phi = from.list(Reader::numbers)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
@@ -83,7 +108,19 @@ impl<const D: usize> State<D> {
         let [initial, dissipated, work, exchanged] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged };
-        Some(State { steps, flow: FlowState { u, p }, phi, earlier_u, map, markers, factored, energies, budget })
+        Some(State {
+            steps,
+            time,
+            pace,
+            flow: FlowState { u, p },
+            phi,
+            earlier_u,
+            map,
+            markers,
+            factored,
+            energies,
+            budget,
+        })
     }
 }
 
@@ -141,6 +178,11 @@ mod tests {
     fn state() -> State<2> {
         State {
             steps: 7,
+            time: 0.7,
+            pace: Some(Pace {
+                clock: Clock { part: 1, parts: 4, last: 0.1, ..Clock::default() },
+                earliest_u: vec![SVector::<f64, 2>::new(0.1, 0.2)],
+            }),
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],

@@ -3,15 +3,18 @@
 mod budget;
 mod carrier;
 mod checkpoint;
+mod clock;
 mod lagged;
 mod markers;
 mod materials;
 mod passive;
 mod setup;
 mod step;
+mod stepper;
 
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};
+pub use clock::{Clock, Pacing};
 pub use markers::{polygon_area, polygon_length};
-pub use setup::{Contrast, Coupling, Factored, LevelSet, Materials, Settings, State, Structure};
+pub use setup::{Contrast, Coupling, Factored, LevelSet, Materials, Pace, Settings, State, Structure};
 pub use step::Simulation;

@@ -34,6 +34,8 @@ impl<const D: usize> Simulation<D> {
         let u = space.interpolate(|x| velocity(x, 0.0));
         let state = State {
             steps: 0,
+            time: 0.0,
+            pace: None,
             flow: FlowState { u, p: Vec::new() },
             phi: Vec::new(),
             earlier_u: Vec::new(),
@@ -51,6 +53,7 @@ impl<const D: usize> Simulation<D> {
             translations,
             carrier,
             predictors: Vec::new(),
+            pacing: None,
             fine: None,
             structures: Vec::new(),
             passive: Vec::new(),
@@ -160,6 +163,7 @@ impl<const D: usize> Simulation<D> {
         }
         self.state.flow.u = next;
         self.state.steps += 1;
+        self.state.time = self.state.steps as f64 * dt;
         Ok(StepReport { solve: SolveReport { residual: 0.0, refinements: 0, iterations: 0 }, refactored: false })
     }
 }

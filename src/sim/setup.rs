@@ -2,6 +2,7 @@
 
 use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
+use super::clock::Clock;
 use crate::base::{Error, Result};
 use crate::elastic::Membrane;
 use crate::fem::Conditions;
@@ -130,6 +131,15 @@ pub struct LevelSet<const D: usize> {
     pub markers: Vec<Point<D>>,
 }
 
+/// Where steps are that follow the error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace<const D: usize> {
+    /// The lengths of steps.
+    pub clock: Clock,
+    /// Velocity two steps earlier.
+    pub earliest_u: Vec<SVector<f64, D>>,
+}
+
 /// What the matrix was made of whose factor is kept while the matrix changes: with it a resumed run has the same factor, and goes on
 /// with the same bits.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,6 +159,10 @@ pub struct Factored {
 pub struct State<const D: usize> {
     /// Steps taken.
     pub steps: u64,
+    /// The time.
+    pub time: f64,
+    /// Where steps are that follow the error; `None` with steps of one length.
+    pub pace: Option<Pace<D>>,
     /// Velocity and pressure.
     pub flow: FlowState<D>,
     /// Level sets, one a structure, then the passive ones, which composed transport leaves empty:

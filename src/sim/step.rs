@@ -2,6 +2,7 @@
 
 use super::budget::{Budget, Energies};
 use super::carrier::Carrier;
+use super::clock::Pacing;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, Result};
@@ -26,6 +27,7 @@ pub struct Simulation<const D: usize> {
     pub(super) carrier: Carrier<D>,
     /// One a structure with the semi-implicit coupling, else none.
     pub(super) predictors: Vec<Predictor<D>>,
+    pub(super) pacing: Option<Pacing>,
     pub(super) fine: Option<Basis<D>>,
     pub(super) structures: Vec<Structure<D>>,
     pub(super) passive: Vec<LevelSet<D>>,
@@ -73,6 +75,8 @@ impl<const D: usize> Simulation<D> {
         flow.impose(0.0, &mut state_flow.u);
         let state = State {
             steps: 0,
+            time: 0.0,
+            pace: None,
             earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
@@ -90,6 +94,7 @@ impl<const D: usize> Simulation<D> {
             translations,
             carrier,
             predictors,
+            pacing: None,
             fine,
             structures,
             passive: Vec::new(),
@@ -120,6 +125,14 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
     pub fn step(&mut self) -> Result<StepReport> {
+        let Some(pacing) = self.pacing.take() else { return self.single_step() };
+        let result = self.paced_step(&pacing);
+        self.pacing = Some(pacing);
+        result
+    }
+
+    /// A step of the length that is set.
+    pub(super) fn single_step(&mut self) -> Result<StepReport> {
         let Some(mut flow) = self.flow.take() else { return self.drift() };
         let result = self.flow_step(&mut flow);
         self.flow = Some(flow);
@@ -129,6 +142,8 @@ impl<const D: usize> Simulation<D> {
     fn flow_step(&mut self, solver: &mut FlowSolver<D>) -> Result<StepReport> {
         let second = self.settings.order == 2 && self.state.steps > 0;
         let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
+        // Over the last step.
+        let ratio = self.state.pace.as_ref().map_or(1.0, |p| if p.clock.last > 0.0 { dt / p.clock.last } else { 1.0 });
         let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
         let convection = inertia && self.settings.convection;
         let current = self.state.flow.u.clone();
@@ -139,9 +154,12 @@ impl<const D: usize> Simulation<D> {
 
         // Where the fluid comes from.
         if convection && second {
-            let halfway = combine(1.5, &current, -0.5, &self.state.earlier_u);
+            let halfway = combine(1.0 + 0.5 * ratio, &current, -0.5 * ratio, &self.state.earlier_u);
             self.carrier.tracer.from_quadrature(&halfway, dt, solver.velocity(), &mut self.feet[0]);
-            self.carrier.tracer.from_quadrature(&current, 2.0 * dt, solver.velocity(), &mut self.feet[1]);
+            let (both, beyond) = (dt + dt / ratio, 0.5 * (ratio - 1.0));
+            let middle = (ratio != 1.0).then(|| combine(1.0 + beyond, &current, -beyond, &self.state.earlier_u));
+            let middle = middle.as_ref().unwrap_or(&current);
+            self.carrier.tracer.from_quadrature(middle, both, solver.velocity(), &mut self.feet[1]);
         } else if convection {
             self.carrier.tracer.from_quadrature(&current, dt, solver.velocity(), &mut self.feet[0]);
         }
@@ -159,12 +177,12 @@ impl<const D: usize> Simulation<D> {
             (false, _) => vec![],
             (true, false) => vec![History { weight: 1.0, u: &current, feet: feet(0) }],
             (true, true) => vec![
-                History { weight: 2.0, u: &current, feet: feet(0) },
-                History { weight: -0.5, u: &self.state.earlier_u, feet: feet(1) },
+                History { weight: 1.0 + ratio, u: &current, feet: feet(0) },
+                History { weight: -ratio * ratio / (1.0 + ratio), u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
         let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(|s| &s.membrane as _).collect();
-        let weight = if second { 1.5 } else { 1.0 };
+        let weight = if second { (1.0 + 2.0 * ratio) / (1.0 + ratio) } else { 1.0 };
         let step = Step {
             time,
             dt,
@@ -175,8 +193,9 @@ impl<const D: usize> Simulation<D> {
             body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
-        let mut flow = self.extrapolated(1.0);
+        let mut flow = self.extrapolated(ratio);
         let report = solver.step(&step, &mut flow)?;
+        let weight = step.weight;
         let wall_power = solver.wall_power(&step, &flow);
         self.reactions = self.wants_reactions.then(|| solver.reaction(&step, &flow, Cells::All));
         self.check_speed(&flow.u, time)?;
@@ -190,10 +209,11 @@ impl<const D: usize> Simulation<D> {
                 markers::follow(list, &self.carrier.tracer, [&current, &flow.u], dt, steps);
             }
         }
-        self.note_factor(solver, &report, if inertia { weight } else { 0.0 }, &predicted);
+        self.note_factor(solver, &report, weight, &predicted);
         self.state.flow = flow;
         self.state.earlier_u = current;
         self.state.steps += 1;
+        self.state.time = if self.state.pace.is_some() { time } else { self.state.steps as f64 * dt };
         if !self.has_constant_materials() {
             self.set_materials(solver, &self.state.phi);
         }
@@ -325,7 +345,7 @@ impl<const D: usize> Simulation<D> {
     }
     /// Current time.
     pub fn time(&self) -> f64 {
-        self.state.steps as f64 * self.settings.dt
+        self.state.time
     }
     /// Whether the flow has no inertia.
     pub fn is_stokes(&self) -> bool {
@@ -368,7 +388,7 @@ impl<const D: usize> Simulation<D> {
             let flow = [s.flow.u.len(), s.flow.p.len(), s.earlier_u.len()];
             (flow, level_sets.collect::<Vec<_>>(), markers.collect::<Vec<_>>(), maps.collect::<Vec<_>>())
         };
-        if sizes(&state) != sizes(&self.state) {
+        if sizes(&state) != sizes(&self.state) || state.pace.is_some() != self.state.pace.is_some() {
             return Err(Error::input("the checkpoint does not belong to this scene")
                 .value(format!("{:?} instead of {:?}", sizes(&state), sizes(&self.state)))
                 .remedy(

@@ -1,5 +1,6 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
+mod adaptive;
 mod book;
 mod broken_meshes;
 mod case;

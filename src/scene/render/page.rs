@@ -43,7 +43,11 @@ fn subtitle(run: &RunFolder) -> String {
     let time = &run.scene.time;
     let mut parts = Vec::new();
     parts.extend(run.summary.cells.map(|n| format!("{} cells", grouped(n))));
-    parts.extend(run.summary.steps.map(|n| format!("{} steps of {}", grouped(n), rounded(time.step, 6))));
+    let steps = |n| match time.tolerance {
+        Some(tolerance) => format!("{} steps that follow the error, tolerance {}", grouped(n), rounded(tolerance, 6)),
+        None => format!("{} steps of {}", grouped(n), rounded(time.step, 6)),
+    };
+    parts.extend(run.summary.steps.map(steps));
     if !run.scene.fluid.is_prescribed() {
         parts.push(format!("order {} in time", time.order));
     }

@@ -15,8 +15,8 @@ pub(super) type Column = (String, Vec<f64>);
 pub(super) struct Record {
     /// Rows of the series.
     pub rows: usize,
-    /// Steps whose fields were written.
-    pub fields: Vec<usize>,
+    /// Steps whose fields were written, and their times.
+    pub fields: Vec<(usize, f64)>,
     /// Profiles by name.
     pub profiles: BTreeMap<String, Vec<Column>>,
     /// Largest rise of kinetic and elastic energy in one step, over the initial energy; only what walls and forces did not put in.
