@@ -11,12 +11,14 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 struct Counting;
 
 static CALLS: AtomicUsize = AtomicUsize::new(0);
+static BYTES: AtomicUsize = AtomicUsize::new(0);
 static HELD: AtomicUsize = AtomicUsize::new(0);
 
 #[allow(unsafe_code, reason = "an allocator can be watched only from within; each call is handed on as it came")]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         CALLS.fetch_add(1, Relaxed);
+        BYTES.fetch_add(layout.size(), Relaxed);
         HELD.fetch_add(layout.size(), Relaxed);
         unsafe { System.alloc(layout) }
     }
@@ -85,6 +87,32 @@ fn a_step_allocates_no_more_often_on_a_finer_mesh() {
         // Lists that grow by doubling, and the queues of the threads, may ask a few times more.
         assert!(coarse < 60, "{coarse} allocations in a step");
         assert!(fine <= coarse + 15, "{coarse} allocations in a step on 512 cells, {fine} on 2048");
+    }
+}
+
+/// Less than a number for each node of the coarser mesh takes.
+const LITTLE: usize = 6_000;
+
+#[test]
+fn a_warmed_up_step_allocates_nothing_that_grows_with_the_mesh() {
+    let _alone = ALONE.lock();
+    // Lists are made for the first time, and threads start.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let first = format!("order = 1\n{MEMBRANE}");
+    let projected = format!("{MEMBRANE}transport = \"projected\"\n");
+    for (fluid, more) in [("", ""), ("density = 0", ""), ("", &first[..]), ("", MEMBRANE), ("", &projected)] {
+        for n in [16, 32] {
+            let mut model = cavity(n, fluid, more);
+            let bytes = pool.install(|| {
+                for _ in 0..4 {
+                    model.simulation.step().unwrap();
+                }
+                let before = BYTES.load(Relaxed);
+                model.simulation.step().unwrap();
+                BYTES.load(Relaxed) - before
+            });
+            assert!(bytes < LITTLE, "{bytes} bytes allocated in a step on {n} x {n} squares: {fluid} {more}");
+        }
     }
 }
 

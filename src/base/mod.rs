@@ -1,8 +1,13 @@
-//! What every layer may use: errors as values and deterministic parallel loops.
+//! What every layer may use: errors as values, deterministic parallel loops, and what a step spends its time on.
 
+mod bandwidth;
+pub mod bytes;
 mod error;
 mod hash;
 pub mod parallel;
+mod phases;
 
+pub use bandwidth::copy_bandwidth;
 pub use error::{Error, Kind, Result, Snippet, Warning};
 pub use hash::fnv1a;
+pub use phases::{PHASES, Phase, Phases};

@@ -13,21 +13,21 @@ pub fn fill<T: Send>(out: &mut [T], stride: usize, work: impl Fn(usize, &mut [T]
     out.par_chunks_mut(CHUNK * stride.max(1)).enumerate().for_each(|(k, part)| work(k * CHUNK, part));
 }
 
+/// Parts of a sum: their number does not grow with that of the terms, so that a sum needs no memory.
+const PARTS: usize = 64;
+
 /// Sum over `0..n` of `term`, as an array of `N` sums, bit-identical for any number of threads.
 pub fn sum<const N: usize>(n: usize, term: impl Fn(usize) -> [f64; N] + Sync) -> [f64; N] {
-    let parts: Vec<[f64; N]> = (0..n.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|k| {
-            let mut s = [0.0; N];
-            for i in k * CHUNK..((k + 1) * CHUNK).min(n) {
-                let t = term(i);
-                for j in 0..N {
-                    s[j] += t[j];
-                }
+    let size = n.div_ceil(PARTS).max(CHUNK);
+    let mut parts = [[0.0; N]; PARTS];
+    parts[..n.div_ceil(size)].par_iter_mut().enumerate().for_each(|(k, s)| {
+        for i in k * size..((k + 1) * size).min(n) {
+            let t = term(i);
+            for j in 0..N {
+                s[j] += t[j];
             }
-            s
-        })
-        .collect();
+        }
+    });
     let mut s = [0.0; N];
     for p in parts {
         for j in 0..N {

@@ -2,7 +2,7 @@
 
 use super::study::Common;
 use crate::base::{Error, Result};
-use crate::studies::{Bound, Comparison, Twin, compare as comparison};
+use crate::studies::{Bound, Comparison, Twin, compare as comparison, compare_meshes};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -13,6 +13,9 @@ pub(super) struct Arguments {
     /// The FreeFEM script; twin.edp beside the scene without it
     #[arg(long, value_name = "FILE")]
     twin: Option<PathBuf>,
+    /// Compare on several meshes, with these numbers of cells along the first side, and give the costs of all in one table
+    #[arg(long, value_name = "N1,N2,...", value_delimiter = ',', conflicts_with = "record")]
+    cells: Vec<NonZeroUsize>,
     /// How often both are run, in turn; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
@@ -33,7 +36,11 @@ pub(super) fn compare(arguments: &Arguments) -> Result<()> {
         record: arguments.record.clone(),
     };
     let scene = arguments.common.scene.load_after(twin.settings())?;
-    let found = arguments.common.conduct_with(&scene, "compare", |campaign| comparison(campaign, &twin, &told))?;
+    let cells: Vec<usize> = arguments.cells.iter().map(|n| n.get()).collect();
+    let found = arguments.common.conduct_with(&scene, "compare", |campaign| match cells[..] {
+        [] => comparison(campaign, &twin, &told),
+        _ => compare_meshes(campaign, &twin, &told, &cells),
+    })?;
     if found.alarms.is_empty() {
         return Ok(());
     }

@@ -1,9 +1,10 @@
 //! The membrane with an area law: the stress (3.16) on a renormalised band, explicit or implicit in the velocity.
 
 use super::area_law::AreaLaw;
-use crate::fem::{At, Basis, Cells, VectorForm, integrate};
+use crate::base::parallel;
+use crate::fem::{At, Basis, Cells, OnCell, VectorForm};
 use crate::flow::term::MomentumTerm;
-use crate::levelset as band;
+use crate::levelset::{self as band, Bounds};
 use crate::mesh::NONE;
 use nalgebra::{SMatrix, SVector};
 
@@ -46,6 +47,8 @@ pub struct Membrane<const D: usize> {
     cells: Vec<u32>,
     /// Position of a cell in `cells`; [`NONE`] for the others.
     slot: Vec<u32>,
+    /// For every cell whether the band may have a point in it.
+    near: Vec<bool>,
     band: Vec<BandPoint<D>>,
     implicit_step: Option<f64>,
 }
@@ -60,6 +63,7 @@ impl<const D: usize> Membrane<D> {
             points: 0,
             cells: Vec::new(),
             slot: Vec::new(),
+            near: Vec::new(),
             band: Vec::new(),
             implicit_step: None,
         }
@@ -81,18 +85,34 @@ impl<const D: usize> Membrane<D> {
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64], implicit_step: Option<f64>) {
         self.implicit_step = implicit_step;
         self.points = basis.rule().len();
-        self.cells.iter().for_each(|&c| self.slot[c as usize] = NONE);
-        self.slot.resize(basis.space().mesh().cell_count(), NONE);
-        self.cells = self.cells_of(basis, phi);
-        self.band.clear();
-        for (k, &c) in self.cells.iter().enumerate() {
-            self.slot[c as usize] = k as u32;
-            for q in 0..self.points {
-                let at = basis.at(c as usize, q);
-                let point = self.band_point(basis, &at, phi);
-                self.band.push(point);
+        self.find_cells(basis, phi);
+        let nowhere = BandPoint { n: SVector::zeros(), r: 0.0, w: 0.0 };
+        let mut band = std::mem::take(&mut self.band);
+        band.resize(self.cells.len() * self.points, nowhere);
+        parallel::fill(&mut band, self.points, |first, part| {
+            for (i, points) in part.chunks_exact_mut(self.points).enumerate() {
+                let c = self.cells[first + i] as usize;
+                let own = basis.space().on_cell(phi, c);
+                points.iter_mut().enumerate().for_each(|(q, p)| *p = self.band_point(basis, c, q, &own));
             }
+        });
+        self.band = band;
+    }
+    /// Lists the cells of the band.
+    fn find_cells(&mut self, basis: &Basis<D>, phi: &[f64]) {
+        let mut near = std::mem::take(&mut self.near);
+        near.resize(basis.space().mesh().cell_count(), false);
+        parallel::fill(&mut near, 1, |first, part| {
+            part.iter_mut().enumerate().for_each(|(i, near)| *near = self.is_near(basis, phi, first + i));
+        });
+        self.cells.iter().for_each(|&c| self.slot[c as usize] = NONE);
+        self.slot.resize(near.len(), NONE);
+        self.cells.clear();
+        for c in (0..near.len()).filter(|&c| near[c]) {
+            self.slot[c] = self.cells.len() as u32;
+            self.cells.push(c as u32);
         }
+        self.near = near;
     }
     /// What was found at a quadrature point; `None` outside the band.
     fn point(&self, at: &At<D>) -> Option<&BandPoint<D>> {
@@ -101,10 +121,16 @@ impl<const D: usize> Membrane<D> {
     }
     /// Elastic energy (3.12) of the membrane on `phi`. `basis` may have a finer rule than the flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64]) -> f64 {
-        let cells = self.cells_of(basis, phi);
-        let [energy] = integrate(basis, Cells::Some(&cells), |at| {
-            let b = self.band_point(basis, at, phi);
-            [self.law.energy(b.r) * b.w]
+        let [energy] = parallel::sum(basis.space().mesh().cell_count(), |c| {
+            if !self.is_near(basis, phi, c) {
+                return [0.0];
+            }
+            let own = basis.space().on_cell(phi, c);
+            let at = |q: usize| {
+                let b = self.band_point(basis, c, q, &own);
+                basis.weight(c, q) * self.law.energy(b.r) * b.w
+            };
+            [(0..basis.rule().len()).map(at).sum()]
         });
         energy
     }
@@ -112,27 +138,17 @@ impl<const D: usize> Membrane<D> {
     pub fn largest_tension(&self) -> f64 {
         self.band.iter().filter(|b| b.w > 0.0).map(|b| self.law.tension(b.r)).fold(0.0, f64::max)
     }
-    /// Cells that may hold a point of the band: by the values and the spread of `phi` at the nodes.
-    fn cells_of(&self, basis: &Basis<D>, phi: &[f64]) -> Vec<u32> {
-        let space = basis.space();
-        let mesh = space.mesh();
-        let near = |c: usize| {
-            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-            for &n in space.cell_nodes(c) {
-                lo = lo.min(phi[n as usize]);
-                hi = hi.max(phi[n as usize]);
-            }
-            // The local slope is at most a few times that over the cell.
-            let slope = self.slope.unwrap_or(4.0 * (hi - lo) / mesh.diameter(c));
-            let reach = slope * self.thickness + (hi - lo);
-            lo <= reach && hi >= -reach
-        };
-        (0..mesh.cell_count()).filter(|&c| near(c)).map(|c| c as u32).collect()
+    /// Whether the band may have a point in cell `c`.
+    fn is_near(&self, basis: &Basis<D>, phi: &[f64], c: usize) -> bool {
+        let bounds = Bounds::of_cell(basis.space(), phi, c);
+        bounds.meet(self.slope.unwrap_or(bounds.slope) * self.thickness)
     }
-    fn band_point(&self, basis: &Basis<D>, at: &At<D>, phi: &[f64]) -> BandPoint<D> {
-        let g = basis.gradient(at, phi);
+    /// What there is at point `q` of cell `c`, where the level set is `own`.
+    fn band_point(&self, basis: &Basis<D>, c: usize, q: usize, own: &OnCell<f64, D>) -> BandPoint<D> {
+        let inverse = &basis.space().mesh().map(c).inverse;
+        let g = inverse.tr_mul(&own.reference_gradient(basis.reference_gradients(q)));
         let r = g.norm();
-        let w = band::surface_weight(basis.value(at, phi), self.slope.unwrap_or(r), self.thickness);
+        let w = band::surface_weight(own.combined(basis.values(q)), self.slope.unwrap_or(r), self.thickness);
         let n = if r > 0.0 { g / r } else { SVector::zeros() };
         BandPoint { n, r, w }
     }

@@ -4,7 +4,7 @@
 use super::element::MAX_LOCAL;
 use super::numbering::Numbering;
 use super::quadrature::Rule;
-use super::space::{Space, Value};
+use super::space::{Space, Value, most_local};
 use crate::base::{Result, parallel};
 use crate::linalg::SymmetricMatrix;
 use crate::mesh::Point;
@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
 /// A quadrature point of a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct At<const D: usize> {
     /// The cell.
     pub cell: usize,
@@ -89,32 +89,37 @@ impl<const D: usize> Basis<D> {
         }
         At { cell: c, q, barycentric: l, x, weight: self.rule.weights[q] * mesh.map(c).volume }
     }
+    /// Values of the basis functions at point `q`; zero beyond the last.
+    #[inline]
+    pub fn values(&self, q: usize) -> &[f64; MAX_LOCAL] {
+        &self.values[q]
+    }
+    /// Gradients of the basis functions at point `q` in the coordinates of the reference cell; zero beyond the last.
+    #[inline]
+    pub fn reference_gradients(&self, q: usize) -> &[SVector<f64, D>; MAX_LOCAL] {
+        &self.gradients[q]
+    }
+    /// Weight times volume of the cell.
+    #[inline]
+    pub fn weight(&self, c: usize, q: usize) -> f64 {
+        self.rule.weights[q] * self.space.mesh().map(c).volume
+    }
     /// Value of a function of the space.
     #[inline]
     pub fn value<T: Value>(&self, at: &At<D>, f: &[T]) -> T {
-        let mut v = T::ZERO;
-        for (a, &node) in self.space.cell_nodes(at.cell).iter().enumerate() {
-            v = v + f[node as usize] * self.values[at.q][a];
-        }
-        v
+        self.space.on_cell(f, at.cell).combined(&self.values[at.q])
     }
     /// Gradient of a scalar function of the space.
     #[inline]
     pub fn gradient(&self, at: &At<D>, f: &[f64]) -> SVector<f64, D> {
-        let mut r = SVector::<f64, D>::zeros();
-        for (a, &node) in self.space.cell_nodes(at.cell).iter().enumerate() {
-            r += self.gradients[at.q][a] * f[node as usize];
-        }
-        self.space.mesh().map(at.cell).inverse.tr_mul(&r)
+        let g = self.space.on_cell(f, at.cell).reference_gradient(&self.gradients[at.q]);
+        self.space.mesh().map(at.cell).inverse.tr_mul(&g)
     }
     /// Gradient of a vector function of the space: row `i`, column `j` is `d f_i / d x_j`.
     #[inline]
     pub fn jacobian(&self, at: &At<D>, f: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
-        let mut r = SMatrix::<f64, D, D>::zeros();
-        for (a, &node) in self.space.cell_nodes(at.cell).iter().enumerate() {
-            r += f[node as usize] * self.gradients[at.q][a].transpose();
-        }
-        r * self.space.mesh().map(at.cell).inverse
+        self.space.on_cell(f, at.cell).reference_jacobian(&self.gradients[at.q])
+            * self.space.mesh().map(at.cell).inverse
     }
     /// Gradients of the local basis functions in physical coordinates.
     #[inline]
@@ -160,13 +165,49 @@ pub fn assemble_vector<const D: usize>(
     scratch: &mut Vec<SVector<f64, D>>,
     f: impl Fn(&At<D>) -> VectorForm<D> + Sync,
 ) {
-    assemble(basis, cells, out, scratch, SVector::<f64, D>::zeros(), |at, local| {
-        let (f0, f1) = f(at);
-        let g = basis.physical_gradients(at);
-        for (a, v) in local.iter_mut().enumerate() {
-            *v += (f0 * basis.values[at.q][a] + f1 * g[a]) * at.weight;
+    assemble(basis, cells, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
+        let inverse = &basis.space.mesh().map(c).inverse;
+        for q in 0..basis.rule.len() {
+            let at = basis.at(c, q);
+            let (f0, f1) = f(&at);
+            let (f0, f1) = (f0 * at.weight, f1 * inverse.transpose() * at.weight);
+            let (n, g) = (&basis.values[q], &basis.gradients[q]);
+            for a in 0..most_local(D) {
+                local[a] += f0 * n[a] + f1 * g[a];
+            }
         }
     });
+}
+
+/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with `f1 = 0`. `source(c, load)` gives
+/// the values of `f` at the quadrature points of cell `c` to `load`.
+pub fn assemble_source<const D: usize>(
+    basis: &Basis<D>,
+    out: &mut [SVector<f64, D>],
+    scratch: &mut Vec<SVector<f64, D>>,
+    source: impl Fn(usize, &mut CellLoad<'_, D>) + Sync,
+) {
+    assemble(basis, Cells::All, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
+        source(c, &mut CellLoad { basis, volume: basis.space.mesh().map(c).volume, local });
+    });
+}
+
+/// What a cell gives to a linear form.
+pub struct CellLoad<'a, const D: usize> {
+    basis: &'a Basis<D>,
+    volume: f64,
+    local: &'a mut [SVector<f64, D>; MAX_LOCAL],
+}
+
+impl<const D: usize> CellLoad<'_, D> {
+    /// Adds the value of `f` at point `q`.
+    #[inline]
+    pub fn add(&mut self, q: usize, f: SVector<f64, D>) {
+        let (f, n) = (f * (self.basis.rule.weights[q] * self.volume), &self.basis.values[q]);
+        for a in 0..most_local(D) {
+            self.local[a] += f * n[a];
+        }
+    }
 }
 
 /// Adds the linear form `f(at) = (f0, f1)`, which stands for `f0 q + f1 . grad q`, to `out` (one number a node).
@@ -177,33 +218,38 @@ pub fn assemble_scalar<const D: usize>(
     scratch: &mut Vec<f64>,
     f: impl Fn(&At<D>) -> (f64, SVector<f64, D>) + Sync,
 ) {
-    assemble(basis, cells, out, scratch, 0.0, |at, local| {
-        let (f0, f1) = f(at);
-        let g = basis.physical_gradients(at);
-        for (a, v) in local.iter_mut().enumerate() {
-            *v += (f0 * basis.values[at.q][a] + f1.dot(&g[a])) * at.weight;
+    assemble(basis, cells, out, scratch, 0.0, |c, local| {
+        let inverse = &basis.space.mesh().map(c).inverse;
+        for q in 0..basis.rule.len() {
+            let at = basis.at(c, q);
+            let (f0, f1) = f(&at);
+            let (f0, f1) = (f0 * at.weight, inverse * f1 * at.weight);
+            let (n, g) = (&basis.values[q], &basis.gradients[q]);
+            for a in 0..most_local(D) {
+                local[a] += f0 * n[a] + f1.dot(&g[a]);
+            }
         }
     });
 }
 
-/// The common loop of linear forms: cells into the buffer in parallel, then added up in order.
-fn assemble<const D: usize, T: Copy + Send + std::ops::AddAssign>(
+/// The common loop of linear forms: `cell` adds up what a cell gives, zero before; cells into the buffer in parallel, then added
+/// up in order.
+fn assemble<const D: usize, T: Copy + Send + Sync + std::ops::AddAssign>(
     basis: &Basis<D>,
     cells: Cells<'_>,
     out: &mut [T],
     scratch: &mut Vec<T>,
     zero: T,
-    point: impl Fn(&At<D>, &mut [T]) + Sync,
+    cell: impl Fn(usize, &mut [T; MAX_LOCAL]) + Sync,
 ) {
     let nb = basis.space.local_count();
     let count = cells.count(basis.space.mesh().cell_count());
-    scratch.clear();
     scratch.resize(count * nb, zero);
     parallel::fill(scratch, nb, |first, part| {
         for (i, local) in part.chunks_exact_mut(nb).enumerate() {
-            for q in 0..basis.rule.len() {
-                point(&basis.at(cells.get(first + i), q), local);
-            }
+            let mut sums = [zero; MAX_LOCAL];
+            cell(cells.get(first + i), &mut sums);
+            local.copy_from_slice(&sums[..nb]);
         }
     });
     for (i, local) in scratch.chunks_exact(nb).enumerate() {

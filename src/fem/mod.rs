@@ -7,22 +7,30 @@ mod assembly;
 mod condition;
 mod corner;
 mod element;
+mod hessian;
+mod mass;
 mod norms;
 mod numbering;
 mod periodic;
 mod projection;
 mod quadrature;
 mod space;
+mod supermesh;
+mod surface;
+mod transfer;
 
 pub use assembly::{
-    At, Basis, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix, assemble_vector,
-    integrate,
+    At, Basis, CellLoad, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix,
+    assemble_source, assemble_vector, integrate,
 };
 pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
+pub use hessian::hessians;
 pub use norms::{Errors, scalar_errors, vector_errors};
 pub use numbering::Numbering;
 pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
-pub use space::{Space, Value};
+pub use space::{OnCell, Space, Value};
+pub use surface::{SurfaceForm, SurfacePoint, add_surface_matrix, add_surface_vector, surface_solve};
+pub use transfer::{Interpolation, Projection};

@@ -1,6 +1,6 @@
 //! Finite-element spaces: which nodes a cell has, and values and gradients of functions.
 
-use super::element::{EDGES, Element};
+use super::element::{EDGES, Element, MAX_LOCAL};
 use crate::mesh::{Facet, Mesh, Point};
 use nalgebra::{ArrayStorage, SMatrix, SVector};
 use std::collections::HashMap;
@@ -105,35 +105,97 @@ impl<const D: usize> Space<D> {
     pub fn interpolate<T: Value>(&self, f: impl Fn(&Point<D>) -> T) -> Vec<T> {
         self.nodes.iter().map(f).collect()
     }
+    /// A function on cell `c`: its values at the nodes of the cell, gathered once.
+    #[inline(always)]
+    pub fn on_cell<T: Value>(&self, f: &[T], c: usize) -> OnCell<T, D> {
+        let (nodes, mut values) = (self.cell_nodes(c), [T::ZERO; MAX_LOCAL]);
+        if nodes.len() == most_local(D) {
+            (0..most_local(D)).for_each(|a| values[a] = f[nodes[a] as usize]);
+        } else {
+            nodes.iter().zip(&mut values).for_each(|(&n, v)| *v = f[n as usize]);
+        }
+        OnCell { element: self.element, values }
+    }
     /// Value of a function in cell `c` at barycentric coordinates `l`.
     #[inline]
     pub fn value<T: Value>(&self, f: &[T], c: usize, l: &[f64; 4]) -> T {
-        let n = self.element.values::<D>(l);
-        let mut v = T::ZERO;
-        for (a, &node) in self.cell_nodes(c).iter().enumerate() {
-            v = v + f[node as usize] * n[a];
-        }
-        v
+        self.on_cell(f, c).value(l)
     }
     /// Gradient of a scalar function in cell `c` at barycentric coordinates `l`.
     #[inline]
     pub fn gradient(&self, f: &[f64], c: usize, l: &[f64; 4]) -> SVector<f64, D> {
-        let g = self.element.reference_gradients::<D>(l);
-        let mut r = SVector::<f64, D>::zeros();
-        for (a, &node) in self.cell_nodes(c).iter().enumerate() {
-            r += g[a] * f[node as usize];
-        }
-        self.mesh.map(c).inverse.tr_mul(&r)
+        let g = self.on_cell(f, c).reference_gradient(&self.element.reference_gradients::<D>(l));
+        self.mesh.map(c).inverse.tr_mul(&g)
     }
     /// Gradient of a vector function: row `i`, column `j` is `d f_i / d x_j`.
     #[inline]
     pub fn jacobian(&self, f: &[SVector<f64, D>], c: usize, l: &[f64; 4]) -> SMatrix<f64, D, D> {
-        let g = self.element.reference_gradients::<D>(l);
-        let mut r = SMatrix::<f64, D, D>::zeros();
-        for (a, &node) in self.cell_nodes(c).iter().enumerate() {
-            r += f[node as usize] * g[a].transpose();
+        self.on_cell(f, c).reference_jacobian(&self.element.reference_gradients::<D>(l)) * self.mesh.map(c).inverse
+    }
+}
+
+/// Basis functions on a cell of dimension `d`, at most. Loops to this constant are unrolled; what an element has less is zero.
+pub(super) const fn most_local(d: usize) -> usize {
+    Element::P2.local_count(d)
+}
+
+/// A function on one cell, to be evaluated at several points.
+#[derive(Clone, Copy, Debug)]
+pub struct OnCell<T, const D: usize> {
+    element: Element,
+    values: [T; MAX_LOCAL],
+}
+
+impl<T: Value, const D: usize> OnCell<T, D> {
+    /// The values at the nodes of the cell, in the order of the local basis; zero beyond.
+    #[inline]
+    pub fn nodal(&self) -> &[T; MAX_LOCAL] {
+        &self.values
+    }
+    /// The value at barycentric coordinates `l`.
+    #[inline]
+    pub fn value(&self, l: &[f64; 4]) -> T {
+        match self.element {
+            Element::P1 => self.combined(&Element::P1.values::<D>(l)),
+            Element::P2 => self.combined(&Element::P2.values::<D>(l)),
         }
-        r * self.mesh.map(c).inverse
+    }
+    /// The value where the basis functions have the values `n`.
+    #[inline(always)]
+    pub fn combined(&self, n: &[f64; MAX_LOCAL]) -> T {
+        let mut v = self.values[0] * n[0];
+        for a in 1..most_local(D) {
+            v = v + self.values[a] * n[a];
+        }
+        v
+    }
+}
+
+impl<const D: usize> OnCell<f64, D> {
+    /// The gradient in the coordinates of the reference cell, where the basis functions have the gradients `g`.
+    #[inline(always)]
+    pub fn reference_gradient(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SVector<f64, D> {
+        let mut r = g[0] * self.values[0];
+        for a in 1..most_local(D) {
+            r += g[a] * self.values[a];
+        }
+        r
+    }
+}
+
+impl<const D: usize> OnCell<SVector<f64, D>, D> {
+    /// The derivative with respect to the coordinates of the reference cell, where the basis functions have the gradients `g`.
+    #[inline(always)]
+    pub fn reference_jacobian(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SMatrix<f64, D, D> {
+        let mut r = SMatrix::<f64, D, D>::zeros();
+        for a in 0..most_local(D) {
+            for j in 0..D {
+                for i in 0..D {
+                    r[(i, j)] += self.values[a][i] * g[a][j];
+                }
+            }
+        }
+        r
     }
 }
 

@@ -20,9 +20,14 @@ impl Coefficient {
     /// The value at a quadrature point.
     #[inline]
     pub fn at<const D: usize>(&self, at: &At<D>) -> f64 {
+        self.value(at.cell, at.q)
+    }
+    /// The value at quadrature point `q` of cell `c`.
+    #[inline]
+    pub fn value(&self, c: usize, q: usize) -> f64 {
         match self {
-            Coefficient::Constant(c) => *c,
-            Coefficient::Pointwise { points, values } => values[at.cell * points + at.q],
+            Coefficient::Constant(value) => *value,
+            Coefficient::Pointwise { points, values } => values[c * points + q],
         }
     }
     /// Whether the value never changes.

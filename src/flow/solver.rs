@@ -3,10 +3,10 @@
 use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use super::term::MomentumTerm;
-use crate::base::{Error, Result};
+use crate::base::{Error, PHASES, Phase, Phases, Result, parallel};
 use crate::fem::{
-    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, assemble_flow_matrix, assemble_scalar,
-    assemble_vector, integrate,
+    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, add_surface_matrix, add_surface_vector,
+    assemble_flow_matrix, assemble_scalar, assemble_source, assemble_vector,
 };
 use crate::linalg::{Change, Factor, LaggedFactor, LaggedReport, Ledger, Ordering, SymmetricMatrix};
 use crate::mesh::Mesh;
@@ -16,6 +16,8 @@ use std::sync::Arc;
 /// Assembles and solves the coupled system; keeps the factor while the matrix does not change.
 pub struct FlowSolver<const D: usize> {
     velocity: Basis<D>,
+    /// The velocity basis at the points of a rule that is exact for products of gradients.
+    gradients: Basis<D>,
     pressure: Basis<D>,
     numbering: Numbering<D>,
     /// Weight of the grad-div term, in units of viscosity.
@@ -38,6 +40,9 @@ pub struct FlowSolver<const D: usize> {
     expects_changes: bool,
     boundary_cells: Vec<u32>,
     work: Work<D>,
+    phases: Phases,
+    /// How often the factor was read, each time twice.
+    substitutions: u64,
 }
 
 /// Buffers of a step.
@@ -80,6 +85,7 @@ impl<const D: usize> FlowSolver<D> {
         numbering.prescribed_nodes().for_each(|n| prescribed[n as usize] = true);
         let touches = |c: usize| velocity.cell_nodes(c).iter().any(|&n| prescribed[n as usize]);
         let boundary_cells = (0..mesh.cell_count()).filter(|&c| touches(c)).map(|c| c as u32).collect();
+        let gradients = Basis::new(velocity, &Arc::new(Rule::simplex(D, 2)));
         let (velocity, pressure) = (Basis::new(velocity, rule), Basis::new(pressure, rule));
         let nodes = velocity.space().len();
         let mut pressure_mass = vec![0.0; pressure.space().len()];
@@ -98,6 +104,7 @@ impl<const D: usize> FlowSolver<D> {
         };
         Ok(FlowSolver {
             velocity,
+            gradients,
             pressure,
             numbering,
             grad_div,
@@ -113,6 +120,8 @@ impl<const D: usize> FlowSolver<D> {
             expects_changes: false,
             boundary_cells,
             work,
+            phases: Phases::default(),
+            substitutions: 0,
         })
     }
 
@@ -197,6 +206,10 @@ impl<const D: usize> FlowSolver<D> {
     pub fn ledger(&self) -> Ledger {
         self.factor.as_ref().map_or(Ledger::default(), LaggedFactor::ledger)
     }
+    /// Seconds of all processors by phase since it was asked last, and how often the factor was read since, each time twice.
+    pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        (self.phases.take(), std::mem::take(&mut self.substitutions))
+    }
     /// Fluid at rest.
     pub fn at_rest(&self) -> FlowState<D> {
         FlowState { u: vec![SVector::zeros(); self.velocity.space().len()], p: vec![0.0; self.pressure.space().len()] }
@@ -228,13 +241,16 @@ impl<const D: usize> FlowSolver<D> {
 
     /// Assembles the part of the matrix that stays, for `weight / dt`, and analyses it without factoring.
     pub fn analyse(&mut self, weight: f64) -> Result<()> {
+        self.phases.begin();
         self.assemble_base(weight)?;
+        self.phases.end(Phase::Assembly);
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         if self.factor.is_none() {
             let ordering = Ordering::saddle_point(base, self.numbering.first_pressure())?;
             self.factor = Some(LaggedFactor::analyse(base, ordering, self.tolerance)?);
             self.factor_is_base = false;
         }
+        self.phases.end(Phase::Factor);
         Ok(())
     }
 
@@ -272,7 +288,12 @@ impl<const D: usize> FlowSolver<D> {
                 &mut self.matrix,
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
+            let (space, numbering) = (self.velocity.space(), &self.numbering);
+            add_surface_matrix(space, numbering, term.surface(), &mut self.matrix, |p, grad| {
+                term.surface_stiffness(p, grad)
+            })?;
         }
+        self.phases.end(Phase::Assembly);
         let constant = !implicit && self.density.is_constant() && self.viscosity.is_constant();
         self.factor_is_base = constant && self.factored_plain && self.factored_weight == weight;
         if self.factor_is_base {
@@ -297,28 +318,20 @@ impl<const D: usize> FlowSolver<D> {
 
     /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
     fn assemble_load(&mut self, step: &Step<'_, D>) {
-        let (velocity, work) = (&self.velocity, &mut self.work);
-        let (load, scratch) = (&mut work.load, &mut work.vectors);
-        load.fill(SVector::zeros());
-        let points = velocity.rule().len();
-        let space = velocity.space();
-        let density = &self.density;
-        if step.weight > 0.0 || step.body_force.is_some() || step.gravity.norm() > 0.0 {
-            assemble_vector(velocity, Cells::All, load, scratch, |at| {
-                let mut inertia = SVector::<f64, D>::zeros();
-                for h in step.history {
-                    inertia += match h.feet {
-                        None => velocity.value(at, h.u),
-                        Some(feet) => {
-                            let foot = feet.get(at.cell * points + at.q);
-                            space.value(h.u, foot.cell as usize, &foot.barycentric)
-                        }
-                    } * (h.weight / step.dt);
+        self.work.load.fill(SVector::zeros());
+        self.assemble_inertia(step);
+        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
+        let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
+        if step.body_force.is_some() || step.gravity.norm() > 0.0 {
+            assemble_source(velocity, load, scratch, |c, cell| {
+                for q in 0..velocity.rule().len() {
+                    let at = velocity.at(c, q);
+                    let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
+                    cell.add(q, step.gravity * density.at(&at) + force);
                 }
-                let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
-                ((inertia + step.gravity) * density.at(at) + force, SMatrix::zeros())
             });
         }
+        self.phases.end(Phase::Assembly);
         for term in step.terms {
             assemble_vector(velocity, term.cells(), load, scratch, |at| {
                 let (f0, mut f1) = term.force(at);
@@ -327,7 +340,37 @@ impl<const D: usize> FlowSolver<D> {
                 }
                 (f0, f1)
             });
+            add_surface_vector(space, term.surface(), load, |p| {
+                let (f0, mut f1) = term.surface_force(p);
+                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
+                    f1 += term.surface_stiffness(p, &space.jacobian(u, p.at.cell, &p.at.barycentric));
+                }
+                (f0, f1)
+            });
         }
+        self.phases.end(Phase::Force);
+    }
+
+    /// `rho sum weight u o X / dt`, each earlier velocity gathered once a cell: most feet lie in the cell of their points.
+    fn assemble_inertia(&mut self, step: &Step<'_, D>) {
+        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
+        let (space, points) = (velocity.space(), velocity.rule().len());
+        if step.history.is_empty() {
+            return;
+        }
+        assemble_source(velocity, &mut work.load, &mut work.vectors, |c, cell| {
+            for h in step.history {
+                let own = space.on_cell(h.u, c);
+                for q in 0..points {
+                    let u = match h.feet.map(|feet| feet.get(c * points + q)) {
+                        None => own.combined(velocity.values(q)),
+                        Some(foot) if foot.cell as usize == c => own.value(&foot.barycentric),
+                        Some(foot) => space.value(h.u, foot.cell as usize, &foot.barycentric),
+                    };
+                    cell.add(q, u * (h.weight * density.value(c, q) / step.dt));
+                }
+            }
+        });
     }
 
     /// Takes one step and writes the new velocity and pressure into `state`, whose values iterations start from.
@@ -336,6 +379,7 @@ impl<const D: usize> FlowSolver<D> {
     /// A factorisation or a solve that fails, boundary values that let more fluid in than out.
     pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
         let change = self.prepare(step.weight / step.dt, step.terms)?;
+        self.phases.begin();
         self.assemble_load(step);
         let mut work = std::mem::replace(&mut self.work, Work::empty());
         let result = self.solve(step, change, &mut work, state);
@@ -346,6 +390,7 @@ impl<const D: usize> FlowSolver<D> {
             self.factor_is_base = step.terms.iter().all(|t| !t.is_implicit());
             self.factored_plain = self.factor_is_base;
         }
+        self.phases.end(Phase::Solve);
         Ok(StepReport { solve, refactored })
     }
 
@@ -371,6 +416,7 @@ impl<const D: usize> FlowSolver<D> {
             let place = format!("time {:.6}", step.time);
             if e.place().is_empty() { e.at(place) } else { e }
         })?;
+        self.substitutions += (1 + report.solve.refinements + report.solve.iterations) as u64;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         if !self.numbering.is_open() {
             let mass: f64 = work.pressure_mass.iter().sum();
@@ -427,21 +473,40 @@ impl<const D: usize> FlowSolver<D> {
 
     /// Power that the walls put into the flow through prescribed velocities: the sum over nodes of reaction times velocity,
     /// after [`step`](Self::step) with the same data.
-    pub fn wall_power(&self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
+    pub fn wall_power(&mut self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
         if self.numbering.is_homogeneous() {
             return 0.0;
         }
-        let reaction = self.reaction(step, state, Cells::Some(&self.boundary_cells));
-        self.numbering.prescribed_nodes().map(|n| reaction[n as usize].dot(&state.u[n as usize])).sum()
+        // The buffers of the solve are free now.
+        let mut r = std::mem::take(&mut self.work.residual);
+        let mut scratch = std::mem::take(&mut self.work.vectors);
+        self.find_reaction(step, state, Cells::Some(&self.boundary_cells), &mut r, &mut scratch);
+        let power = self.numbering.prescribed_nodes().map(|n| r[n as usize].dot(&state.u[n as usize])).sum();
+        (self.work.residual, self.work.vectors) = (r, scratch);
+        power
     }
 
     /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` whose support lies in `cells`: at nodes on
     /// a wall, the force of the wall on the fluid. Valid after [`step`](Self::step) with the same data.
     pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
-        let mut r: Vec<_> = self.work.load.iter().map(|f| -f).collect();
+        let mut r = self.work.load.clone();
+        self.find_reaction(step, state, cells, &mut r, &mut Vec::new());
+        r
+    }
+
+    /// [`reaction`](Self::reaction) in place of what `r` holds.
+    fn find_reaction(
+        &self,
+        step: &Step<'_, D>,
+        state: &FlowState<D>,
+        cells: Cells<'_>,
+        r: &mut [SVector<f64, D>],
+        scratch: &mut Vec<SVector<f64, D>>,
+    ) {
+        r.iter_mut().zip(&self.work.load).for_each(|(r, f)| *r = -f);
         let (velocity, pressure) = (&self.velocity, &self.pressure);
         let form = self.form(step.weight / step.dt);
-        assemble_vector(velocity, cells, &mut r, &mut Vec::new(), |at| {
+        assemble_vector(velocity, cells, r, scratch, |at| {
             let grad = velocity.jacobian(at, &state.u);
             let (f0, mut f1) = form(at, &velocity.value(at, &state.u), &grad);
             for term in step.terms.iter().filter(|t| t.is_implicit()) {
@@ -453,24 +518,30 @@ impl<const D: usize> FlowSolver<D> {
             }
             (f0, f1)
         });
-        r
     }
 
     /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
-    /// each integrated.
+    /// each integrated. With one viscosity the gradients are taken at the points of a rule of degree 2, which is exact.
     pub fn energies(&self, state: &FlowState<D>) -> [f64; 4] {
-        integrate(&self.velocity, Cells::All, |at| {
-            let u = self.velocity.value(at, &state.u);
-            let grad = self.velocity.jacobian(at, &state.u);
-            let strain = (grad + grad.transpose()) * 0.5;
-            let div2 = grad.trace().powi(2);
-            [
-                0.5 * self.density.at(at) * u.norm_squared(),
-                2.0 * self.viscosity.at(at) * strain.norm_squared(),
-                self.grad_div * div2,
-                div2,
-            ]
-        })
+        let values = &self.velocity;
+        let gradients = if self.viscosity.is_constant() { &self.gradients } else { values };
+        let mesh = values.space().mesh();
+        let [kinetic, dissipation, div2] = parallel::sum(mesh.cell_count(), |c| {
+            let (u, map) = (values.space().on_cell(&state.u, c), mesh.map(c));
+            let mut sums = [0.0; 3];
+            for q in 0..values.rule().len() {
+                let square = u.combined(values.values(q)).norm_squared();
+                sums[0] += 0.5 * values.weight(c, q) * self.density.value(c, q) * square;
+            }
+            for q in 0..gradients.rule().len() {
+                let grad = u.reference_jacobian(gradients.reference_gradients(q)) * map.inverse;
+                let (weight, strain) = (gradients.weight(c, q), (grad + grad.transpose()) * 0.5);
+                sums[1] += 2.0 * weight * self.viscosity.value(c, q) * strain.norm_squared();
+                sums[2] += weight * grad.trace().powi(2);
+            }
+            sums
+        });
+        [kinetic, dissipation, self.grad_div * div2, div2]
     }
 }
 

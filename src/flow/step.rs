@@ -7,12 +7,22 @@ use crate::transport::Feet;
 use nalgebra::SVector;
 
 /// Velocity (one vector a P2 node) and pressure (one number a P1 node).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct FlowState<const D: usize> {
     /// Velocity.
     pub u: Vec<SVector<f64, D>>,
     /// Pressure; of zero mean when no boundary is open.
     pub p: Vec<f64>,
+}
+
+impl<const D: usize> Clone for FlowState<D> {
+    fn clone(&self) -> Self {
+        FlowState { u: self.u.clone(), p: self.p.clone() }
+    }
+    fn clone_from(&mut self, other: &Self) {
+        self.u.clone_from(&other.u);
+        self.p.clone_from(&other.p);
+    }
 }
 
 /// Force per volume as a function of position and time.

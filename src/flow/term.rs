@@ -1,7 +1,7 @@
 //! What acts on the flow.
 
-use crate::fem::{At, Cells, VectorForm};
-use nalgebra::SMatrix;
+use crate::fem::{At, Cells, SurfacePoint, VectorForm};
+use nalgebra::{SMatrix, SVector};
 
 /// A force on the flow, integrated weakly.
 ///
@@ -18,4 +18,16 @@ pub trait MomentumTerm<const D: usize>: Sync {
     /// `C(u, v)` at a quadrature point of any cell (zero outside [`cells`](Self::cells)): the tensor that is tested with `grad v`,
     /// linear in `grad_u`.
     fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D>;
+    /// Points of a surface on which the term acts too, or instead, those of a cell one after the other.
+    fn surface(&self) -> &[SurfacePoint<D>] {
+        &[]
+    }
+    /// The explicit force per area of the surface, as [`force`](Self::force).
+    fn surface_force(&self, _: &SurfacePoint<D>) -> VectorForm<D> {
+        (SVector::zeros(), SMatrix::zeros())
+    }
+    /// `C(u, v)` per area of the surface, as [`stiffness`](Self::stiffness).
+    fn surface_stiffness(&self, _: &SurfacePoint<D>, _grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        SMatrix::zeros()
+    }
 }

@@ -4,8 +4,10 @@
 //! `|grad phi|` on the contour is the stretch of the membrane.
 
 mod band;
+mod bounds;
 mod chord;
 mod contour;
+mod cut;
 mod distance;
 mod ellipse;
 mod fine;
@@ -17,7 +19,9 @@ mod shape;
 mod union;
 
 pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
+pub use cut::surface;
 pub use ellipse::Ellipse;
 pub use fine::{Interface, Sample};
 pub use function::LevelFunction;

@@ -10,6 +10,7 @@ mod lagged;
 mod memory;
 mod metis;
 mod ordering;
+mod substitution;
 mod symmetric;
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
+pub mod adapt;
+mod bytes;
 pub mod freefem;
 mod generate;
 pub mod gmsh;
@@ -48,6 +50,18 @@ impl<const D: usize> Affine<D> {
             b[0] -= l[k];
         }
         b
+    }
+    /// Barycentric coordinates of the point at `step` from the one with the coordinates `l`, if it lies in the cell.
+    #[inline]
+    pub fn moved(&self, l: &[f64; 4], step: &SVector<f64, D>) -> Option<[f64; 4]> {
+        let dl = self.inverse * step;
+        let (mut b, mut inside) = (*l, true);
+        for k in 0..D {
+            b[k + 1] += dl[k];
+            b[0] -= dl[k];
+            inside &= b[k + 1] >= -TOLERANCE;
+        }
+        (inside && b[0] >= -TOLERANCE).then_some(b)
     }
     /// Gradient of barycentric coordinate `k`.
     pub fn gradient(&self, k: usize) -> SVector<f64, D> {

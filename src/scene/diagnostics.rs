@@ -31,6 +31,8 @@ const COMMON: [&str; 9] = [
 const PASSIVE: [&str; 3] = ["velocity_max", "divergence", "cfl"];
 /// The columns that composed transport adds.
 const COMPOSED: [&str; 2] = ["submaps", "map_error"];
+/// The columns that a mesh which follows adds.
+const ADAPTED: [&str; 2] = ["unknowns", "energy_transferred"];
 /// The columns that markers add to a level set.
 const MARKERS: [&str; 2] = ["markers_length", "markers_area"];
 
@@ -87,6 +89,9 @@ impl<'a> Diagnostics<'a> {
         if self.has_map() {
             names.extend(COMPOSED.iter().map(ToString::to_string));
         }
+        if self.scene.adapt.is_some() {
+            names.extend(ADAPTED.iter().map(ToString::to_string));
+        }
         for p in &self.scene.output.probes {
             names.extend(suffixes(p.of).iter().map(|c| format!("{}{c}", p.name)));
         }
@@ -141,6 +146,10 @@ impl<'a> Diagnostics<'a> {
         }
         if let Some((submaps, error)) = sim.map_error() {
             row.extend([submaps as f64, error]);
+        }
+        if self.scene.adapt.is_some() {
+            let unknowns = sim.flow().map_or(0, |flow| flow.numbering().order());
+            row.extend([unknowns as f64, state.budget.transferred]);
         }
         for (p, at) in self.scene.output.probes.iter().zip(&self.probes) {
             row.extend(values(sim, at, p.of));

@@ -1,5 +1,6 @@
 //! Scenes: what a run shall do, read from TOML with every value checked and every error placed.
 
+mod adapt;
 mod checks;
 mod diagnostics;
 mod document;

@@ -1,17 +1,19 @@
 //! From a scene to a simulation: the mesh, the smallest model that answers the scene, and every value that the scene left open.
 
 use super::Scene;
+use super::adapt::{Lengths, adapted_start};
 use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::expression::Expression;
 use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, prescribed};
+use super::plan::is_stepped;
 use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
-use crate::elastic::{self, AreaLaw, Band, Membrane};
+use crate::elastic::{self, AreaLaw, Band, Force, Membrane, SharpMembrane};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{
-    Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
+    self, Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::sim::{self, InitialFunction, Materials, Simulation, Structure};
@@ -24,6 +26,8 @@ const BAND: f64 = 2.5;
 /// would feed with energy, and of a flow alone, where more of it costs accuracy (driven cavity on 32 x 32, error of u_min:
 /// 6e-3 with a weight of 5, 2e-4 with 0.1).
 const GRAD_DIV: [f64; 2] = [5.0, 0.1];
+/// The same with a sharp membrane: the currents about a drop at rest fall like its inverse (n = 30: 9e-3 at 5, 9e-4 at 50).
+const GRAD_DIV_SHARP: f64 = 50.0;
 /// Weight of the grad-div term over the viscosity in a flow without inertia.
 const GRAD_DIV_STOKES: f64 = 10.0;
 /// Times at which prescribed velocities are sampled for the velocity scale.
@@ -52,6 +56,8 @@ pub struct Model {
     pub quality: mesh::Quality<2>,
     /// Nodes on the boundary, periodic sides left aside.
     pub(super) wall_nodes: Vec<u32>,
+    /// What an adapted mesh keeps to.
+    pub(super) lengths: Option<Lengths>,
 }
 
 impl Model {
@@ -69,7 +75,12 @@ impl Model {
         }
         let (mesh, mut warnings) = load_mesh(scene)?;
         // `walls` names every side: whether one lacks a condition is told by name and place when the unknowns are numbered.
-        let mesh = Arc::new(with_walls(mesh));
+        let given = with_walls(mesh);
+        let lengths = scene.adapt.as_ref().map(|a| Lengths::new(scene, a, &given)).transpose()?;
+        let mesh = Arc::new(match &lengths {
+            Some(lengths) => adapted_start(scene, given, lengths)?,
+            None => given,
+        });
         let (quality, found) = mesh::check(&mesh);
         warnings.extend(found);
         if quality.parts > 1 {
@@ -92,13 +103,12 @@ impl Model {
         warnings.extend(check_inflow(scene, &mesh, &pairs)?);
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
         if scene.fluid.is_prescribed() {
-            return prescribed(scene, model, conditions, quality);
+            return prescribed(scene, model, conditions, quality, lengths);
         }
         let (distances, functions) = model.distances()?;
         let thickness = model.thickness(&distances)?;
         let structures = model.structures(distances, thickness)?;
-        let edges = structures.iter().filter_map(|s| band_edges(&space, &s.phi, s.membrane.thickness()));
-        let edges = edges.map(|e| [e.smallest, e.largest]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let edges = edges_in_bands(&space, structures.iter().map(|s| (s, &s.phi[..])));
         let scales = [model.velocity_scale(), model.size()];
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
@@ -107,7 +117,7 @@ impl Model {
         let level_sets = model.level_sets()?;
         model.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         model.check_finite("force", &scene.fluid.force)?;
-        let wall_nodes = model.wall_nodes();
+        let wall_nodes = wall_nodes(&space, &model.pairs);
         let warnings = model.warnings;
         let initial = vector(&scene.fluid.initial_velocity);
         let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
@@ -123,6 +133,7 @@ impl Model {
             velocity_scale,
             quality,
             wall_nodes,
+            lengths,
         };
         model.explicit_limit = model.step_limit();
         if let Some(tolerance) = scene.time.tolerance {
@@ -147,8 +158,9 @@ impl Model {
             .structures()
             .iter()
             .map(|s| {
-                let tension = s.membrane.largest_tension();
-                elastic::explicit_step_limit(viscosity, s.membrane.thickness(), tension, edge)
+                // A force on the interface acts on what is about it: an edge on each side.
+                let thickness = if s.sharp.is_some() { edge } else { s.membrane.thickness() };
+                elastic::explicit_step_limit(viscosity, thickness, s.largest_tension(), edge)
             })
             .filter(|limit| limit.is_finite())
             .reduce(f64::min)
@@ -181,6 +193,15 @@ impl Draft<'_> {
             functions.push(Arc::new(move |x: &Point<2>| stretch * function(x)) as Arc<InitialFunction<2>>);
         }
         Ok((all, functions))
+    }
+
+    /// Signed distances of all interfaces at the nodes, those of membranes first.
+    pub(super) fn all_distances(&self) -> Result<Vec<Vec<f64>>> {
+        let mut all = self.distances()?.0;
+        for (k, s) in self.scene.level_sets.iter().enumerate() {
+            all.push(self.placed(&s.shape, &["level_set", &k.to_string(), "shape"])?.nodal);
+        }
+        Ok(all)
     }
 
     /// The distance to the nearest of the images that periodic sides make of a shape, so that the level set is periodic too.
@@ -219,14 +240,6 @@ impl Draft<'_> {
         Ok(Some(self.scene.numerics.thickness.unwrap_or(BAND * longest)))
     }
 
-    /// Nodes on the boundary, periodic sides left aside.
-    pub(super) fn wall_nodes(&self) -> Vec<u32> {
-        let mut wall = vec![true; self.mesh.facets().len()];
-        self.pairs.iter().for_each(|p| wall[p.facet as usize] = false);
-        let facets = self.mesh.facets().iter().zip(wall).filter(|(_, wall)| *wall);
-        facets.flat_map(|(f, _)| self.space.facet_nodes(f).collect::<Vec<_>>()).collect()
-    }
-
     /// A warning when two bands overlap: their stresses are added, and the fluid between them is not resolved.
     fn warn_of_overlaps(&mut self, distances: &[Vec<f64>], eps: f64) {
         for (k, a) in distances.iter().enumerate() {
@@ -256,11 +269,14 @@ impl Draft<'_> {
 
     fn structures(&mut self, distances: Vec<Vec<f64>>, thickness: Option<f64>) -> Result<Vec<Structure<2>>> {
         let mut structures = Vec::new();
-        let walls = self.wall_nodes();
+        let walls = wall_nodes(self.space, &self.pairs);
         self.warn_of_overlaps(&distances, thickness.unwrap_or(0.0));
         for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
             let eps = thickness.unwrap_or(0.0);
-            let check = check_band(self.space, &distance, eps).and_then(|warning| {
+            // A sharp force needs no band; a fluid that changes across the interface does.
+            let banded = m.force == Force::Smeared || is_stepped(self.scene);
+            let check = if banded { check_band(self.space, &distance, eps) } else { Ok(None) };
+            let check = check.and_then(|warning| {
                 self.warnings.extend(warning);
                 let margin = walls.iter().map(|&n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min);
                 if margin > eps {
@@ -278,10 +294,19 @@ impl Draft<'_> {
                 name: self.scene.membranes[k].name.clone(),
                 phi,
                 membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
+                sharp: self.sharp(m),
+                stretch: m.stretch,
                 surface_mass: m.mass,
             });
         }
         Ok(structures)
+    }
+
+    /// The membrane on the interface itself, if the scene asks for it.
+    fn sharp(&self, membrane: &schema::Membrane) -> Option<SharpMembrane<2>> {
+        let viscosity = self.scene.fluid.viscosity;
+        let mean = 0.5 * (viscosity.inside + viscosity.outside);
+        (membrane.force == Force::Sharp).then(|| SharpMembrane::new(membrane.area, mean, levelset::surface))
     }
 
     /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.
@@ -325,7 +350,8 @@ impl Draft<'_> {
             return GRAD_DIV_STOKES * viscosity;
         }
         let density = fluid.density.inside.max(fluid.density.outside);
-        let weight = GRAD_DIV[usize::from(self.scene.membranes.is_empty())];
+        let sharp = self.scene.membranes.iter().any(|m| m.force == Force::Sharp);
+        let weight = if sharp { GRAD_DIV_SHARP } else { GRAD_DIV[usize::from(self.scene.membranes.is_empty())] };
         (weight * density * speed * self.size()).max(viscosity)
     }
 
@@ -352,6 +378,24 @@ impl Draft<'_> {
     }
 }
 
+/// Shortest and longest edge in the bands of structures with these level sets.
+pub(super) fn edges_in_bands<'a>(
+    space: &Space<2>,
+    bands: impl Iterator<Item = (&'a Structure<2>, &'a [f64])>,
+) -> Option<[f64; 2]> {
+    let edges = bands.filter_map(|(s, phi)| band_edges(space, phi, s.membrane.thickness()));
+    edges.map(|e| [e.smallest, e.largest]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// Nodes on the boundary, periodic sides left aside.
+pub(super) fn wall_nodes(space: &Space<2>, pairs: &[fem::Translation<2>]) -> Vec<u32> {
+    let facets = space.mesh().facets();
+    let mut wall = vec![true; facets.len()];
+    pairs.iter().for_each(|p| wall[p.facet as usize] = false);
+    let facets = facets.iter().zip(wall).filter(|(_, wall)| *wall);
+    facets.flat_map(|(f, _)| space.facet_nodes(f).collect::<Vec<_>>()).collect()
+}
+
 fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
     let mesh = match &scene.mesh {
         MeshSource::File { path, refine, geometry } => {
@@ -374,7 +418,7 @@ fn with_walls(mut mesh: Mesh<2>) -> Mesh<2> {
     mesh
 }
 
-fn conditions(scene: &Scene, mesh: &Mesh<2>) -> Result<Conditions<2>> {
+pub(super) fn conditions(scene: &Scene, mesh: &Mesh<2>) -> Result<Conditions<2>> {
     let mut list = Conditions::new();
     for b in &scene.boundaries {
         let place = |e| scene.blame(&["boundary", &b.name], e);

@@ -1,7 +1,8 @@
 //! Level sets that act on nothing: their start, their markers, and scenes whose velocity is prescribed.
 
 use super::Scene;
-use super::model::{Draft, Model, vector};
+use super::adapt::Lengths;
+use super::model::{Draft, Model, vector, wall_nodes};
 use super::schema::Condition;
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Conditions, Translation};
@@ -118,13 +119,14 @@ pub(super) fn prescribed(
     draft: Draft<'_>,
     conditions: Conditions<2>,
     quality: mesh::Quality<2>,
+    lengths: Option<Lengths>,
 ) -> Result<Model> {
     let Some(velocity) = &scene.fluid.prescribed_velocity else {
         return Err(Error::internal("no velocity is prescribed"));
     };
     draft.check_finite("prescribed_velocity", velocity)?;
     let (level_sets, settings) = (draft.level_sets()?, draft.settings(conditions, 0.0));
-    let wall_nodes = draft.wall_nodes();
+    let wall_nodes = wall_nodes(draft.space, &draft.pairs);
     let velocity = Arc::new(vector(velocity));
     let mut simulation = Simulation::prescribed(draft.mesh, settings, velocity, level_sets)?;
     simulation.compose(Vec::new(), scene.numerics.remap);
@@ -137,6 +139,7 @@ pub(super) fn prescribed(
         velocity_scale: None,
         quality,
         wall_nodes,
+        lengths,
     })
 }
 

@@ -1,10 +1,11 @@
 //! The plan: what a scene solves, what it leaves out and why, and how large that is.
 
 use super::Scene;
+use super::adapt::Lengths;
 use super::model::{Model, band_of};
-use super::schema::{Condition, MeshSource};
+use super::schema::{Adapt, Condition, MeshSource};
 use crate::base::Result;
-use crate::elastic::{AreaLaw, Band};
+use crate::elastic::{AreaLaw, Band, Force};
 use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
@@ -46,12 +47,35 @@ fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
     };
     let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
     let q = &model.quality;
-    vec![
-        format!("{source}: {} triangles, {} points", mesh.cell_count(), mesh.points().len()),
+    let adapted = scene.adapt.as_ref().zip(model.lengths.as_ref());
+    let made = if adapted.is_some() { ", adapted" } else { "" };
+    let mut lines = vec![
+        format!("{source}{made}: {} triangles, {} points", mesh.cell_count(), mesh.points().len()),
         format!("from ({}, {}) to ({}, {})", lo[0], lo[1], hi[0], hi[1]),
         format!("edges up to {:.4}, smallest angle {:.1} degrees", q.greatest_diameter.value, q.smallest_angle.value),
         format!("boundary names: {}", names.join(", ")),
-    ]
+    ];
+    lines.extend(adapted.map(|(adapt, lengths)| follows(adapt, lengths)));
+    lines
+}
+
+/// How the mesh follows, in words.
+fn follows(adapt: &Adapt, lengths: &Lengths) -> String {
+    let Lengths { edge, along, width, longest } = lengths;
+    let when =
+        adapt.every.map_or("at the start alone".into(), |every| format!("at the start and looked at every {every}"));
+    let growth = adapt.gradation;
+    let mut text = format!(
+        "adapted {when}: edges of {edge:.4} across and {along:.4} along, up to {width:.4} from the interfaces, then growing by {growth} each to {longest:.4}"
+    );
+    if !adapt.fields.is_empty() {
+        let target = match adapt.vertices {
+            Some(count) => format!("{count} points"),
+            None => format!("an interpolation error of {}", adapt.error),
+        };
+        text += &format!("; by the second derivatives of {} field kinds for {target}", adapt.fields.len());
+    }
+    text
 }
 
 fn solved(model: &Model, scene: &Scene) -> Vec<String> {
@@ -209,11 +233,16 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
         let given = derived(scene.numerics.thickness.is_some());
         let edge =
             if coarse - fine > 1e-12 * coarse { format!("{fine:.4} to {coarse:.4}") } else { format!("{fine:.4}") };
-        lines.push(format!(
-            "band half-width {eps:.4}{given} on edges of {edge}: {:.2} edges; the error it makes is of first order in it",
-            eps / coarse
-        ));
+        let banded = is_stepped(scene) || scene.membranes.iter().any(|m| m.force == Force::Smeared);
+        lines.extend(banded.then(|| {
+            let edges = eps / coarse;
+            format!("band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the error it makes is of first order in it")
+        }));
         for m in &scene.membranes {
+            if m.force == Force::Sharp {
+                lines.push(format!("force of `{}` on the interface itself, with the stretch carried along it", m.name));
+                continue;
+            }
             let given = derived(scene.numerics.band.is_some());
             lines.push(match band_of(scene, m) {
                 Band::Renormalised => {
@@ -298,6 +327,12 @@ fn steps(model: &Model, scene: &Scene) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Whether density or viscosity change across a membrane, which needs a band.
+pub(super) fn is_stepped(scene: &Scene) -> bool {
+    let fluid = &scene.fluid;
+    !(fluid.density.is_uniform() && fluid.viscosity.is_uniform() && scene.membranes.iter().all(|m| m.mass == 0.0))
 }
 
 /// Whether some membrane has more than a constant tension.

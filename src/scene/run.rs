@@ -116,23 +116,46 @@ impl<'a> Run<'a> {
         let names: Vec<&str> = columns.iter().map(String::as_str).collect();
         let kept = if resume { folder.checkpoint(scene)? } else { None };
         let (series, record) = match kept {
-            Some((record, state)) => {
+            Some((record, mesh, state)) => {
+                if let (Some(mesh), Some(adapt)) = (mesh, &scene.adapt) {
+                    model.go_on(mesh, adapt.transfer)?;
+                }
                 model.simulation.restore(state)?;
                 (Series::resume(&folder.series(), &names, record.rows)?, record)
             }
             None => (Series::create(&folder.series(), &names)?, Record::default()),
         };
         let fresh = record.rows == 0;
+        let diagnostics = if fresh { diagnostics } else { Diagnostics::new(scene, &model)? };
         let mut run = Run { scene, folder, model, diagnostics, series, record, plan, saved: Instant::now() };
         if fresh {
+            run.record.note_mesh(&run.model);
             run.sample(0)?;
         }
         Ok(run)
     }
 
+    /// Makes the mesh anew when it is time to look at it and it no longer fits.
+    fn follow(&mut self) -> Result<()> {
+        let Some(every) = self.scene.adapt.as_ref().and_then(|a| a.every) else { return Ok(()) };
+        let due = (self.model.simulation.time() / every + 1e-9).floor() as u64;
+        if due <= self.record.looks {
+            return Ok(());
+        }
+        self.record.looks = due;
+        self.record.note_costs(&mut self.model.simulation);
+        if self.model.follow(self.scene)? {
+            self.diagnostics = Diagnostics::new(self.scene, &self.model)?;
+            self.model.simulation.keep_reactions(!self.scene.output.forces.is_empty());
+            self.record.note_mesh(&self.model);
+        }
+        Ok(())
+    }
+
     fn all_steps(&mut self, stop: &AtomicBool, observer: &mut dyn Observer) -> Result<()> {
         observer.phase("computing");
         while !self.is_done() {
+            self.timed("adaptation", Run::follow)?;
             if stop.load(Ordering::Relaxed) {
                 self.save()?;
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
@@ -223,7 +246,8 @@ impl<'a> Run<'a> {
     }
 
     fn save(&mut self) -> Result<()> {
-        self.folder.save(self.scene, &self.record, self.model.simulation.state())?;
+        self.record.note_costs(&mut self.model.simulation);
+        self.folder.save(self.scene, &self.record, &self.model.simulation)?;
         self.saved = Instant::now();
         Ok(())
     }
@@ -232,6 +256,7 @@ impl<'a> Run<'a> {
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
         let result = result.and_then(|()| self.save());
+        self.record.note_costs(&mut self.model.simulation);
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();
         let steps = self.model.simulation.state().steps as usize;

@@ -7,7 +7,7 @@ pub struct Energies {
     pub kinetic: f64,
     /// `int E(|grad phi|) zeta(phi/eps)/eps`, of all structures.
     pub elastic: f64,
-    /// Viscous dissipation rate `int 2 mu |D(u)|^2`.
+    /// Viscous dissipation rate `int 2 mu |D(u)|^2`, and that of the slip of sharp membranes.
     pub dissipation: f64,
     /// Rate taken by the grad-div term.
     pub grad_div: f64,
@@ -35,6 +35,8 @@ pub struct Budget {
     pub work: f64,
     /// What walls and body forces have exchanged since, without sign.
     pub exchanged: f64,
+    /// What bringing the fields to new meshes has added since; not taken out of the residual.
+    pub transferred: f64,
 }
 
 impl Budget {

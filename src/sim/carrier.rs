@@ -53,22 +53,21 @@ impl<const D: usize> Carrier<D> {
     pub fn new(tracer: Tracer<D>, projector: Option<Projector<D>>) -> Carrier<D> {
         Carrier { tracer, projector, remap: REMAP, initial: Vec::new(), feet: Feet::default() }
     }
-    /// Fields carried over one step by interpolation, nodal or projected.
-    pub fn moved(&mut self, fields: &[Vec<f64>], wind: &Wind<'_, D>, dt: f64) -> Result<Vec<Vec<f64>>> {
+    /// Carries fields over one step by interpolation, nodal or projected, into `moved`.
+    pub fn carry(&mut self, fields: &[Vec<f64>], wind: &Wind<'_, D>, dt: f64, moved: &mut Vec<Vec<f64>>) -> Result<()> {
         match &self.projector {
             Some(projector) => self.tracer.feet_of_quadrature(wind, dt, projector.basis(), &mut self.feet),
             None => self.tracer.feet_of_nodes(wind, dt, &mut self.feet),
         }
-        let mut moved = Vec::with_capacity(fields.len());
-        for phi in fields {
-            let mut out = vec![0.0; phi.len()];
+        moved.resize_with(fields.len(), Vec::new);
+        for (phi, out) in fields.iter().zip(moved) {
+            out.resize(phi.len(), 0.0);
             match &mut self.projector {
-                Some(projector) => carry_projected(projector, phi, &self.feet, &mut out)?,
-                None => carry_nodal(self.tracer.space(), phi, &self.feet, &mut out),
+                Some(projector) => carry_projected(projector, phi, &self.feet, out)?,
+                None => carry_nodal(self.tracer.space(), phi, &self.feet, out),
             }
-            moved.push(out);
         }
-        Ok(moved)
+        Ok(())
     }
     /// The backward map one step later.
     pub fn advance(&mut self, map: &mut CharacteristicMap<D>, wind: &Wind<'_, D>, dt: f64) {

@@ -3,11 +3,11 @@
 use super::budget::{Budget, Energies};
 use super::clock::Clock;
 use super::setup::{Factored, Pace, State};
+use crate::base::bytes::{Reader, Writer};
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
 use crate::linalg::Ledger;
 use crate::transport::CharacteristicMap;
-use nalgebra::SVector;
 
 /// First bytes of a checkpoint; the last one is the version.
 const MAGIC: &[u8; 8] = b"immersa\x03";
@@ -30,20 +30,24 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         out.integer(self.phi.len() as u64);
         self.phi.iter().for_each(|phi| out.numbers(phi));
+        out.integer(self.stretch.len() as u64);
+        self.stretch.iter().for_each(|s| out.numbers(s));
         let submaps = self.map.iter().flat_map(CharacteristicMap::submaps);
         out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
         submaps.for_each(|s| out.vectors(s));
         out.integer(self.markers.len() as u64);
         self.markers.iter().for_each(|m| out.vectors(m));
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { phi, weight, dt, ledger: l }) = &self.factored {
-            out.integer(phi.len() as u64);
-            phi.iter().for_each(|phi| out.numbers(phi));
+        if let Some(Factored { phi, stretch, weight, dt, ledger: l }) = &self.factored {
+            for lists in [phi, stretch] {
+                out.integer(lists.len() as u64);
+                lists.iter().for_each(|list| out.numbers(list));
+            }
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
         let (e, b) = (self.energies, self.budget);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
-        out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged]);
+        out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred]);
         let check = fnv1a(&out.0);
         out.integer(check);
         out.0
@@ -93,87 +97,31 @@ impl<const D: usize> State<D> {
         };
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let phi = from.list(Reader::numbers)?;
+        let stretch = from.list(Reader::numbers)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         let markers = from.list(Reader::vectors)?;
         let factored = match from.integer()? {
             0 => None,
             _ => {
-                let phi = from.list(Reader::numbers)?;
+                let (phi, stretch) = (from.list(Reader::numbers)?, from.list(Reader::numbers)?);
                 let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
                 let ledger = Ledger { solves, spent, last, hold, failures };
-                Some(Factored { phi, weight, dt, ledger })
+                Some(Factored { phi, stretch, weight, dt, ledger })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
-        let [initial, dissipated, work, exchanged] = from.numbers()?.try_into().ok()?;
+        let [initial, dissipated, work, exchanged, transferred] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
-        let budget = Budget { initial, dissipated, work, exchanged };
-        Some(State {
-            steps,
-            time,
-            pace,
-            flow: FlowState { u, p },
-            phi,
-            earlier_u,
-            map,
-            markers,
-            factored,
-            energies,
-            budget,
-        })
-    }
-}
-
-struct Writer(Vec<u8>);
-
-impl Writer {
-    fn integer(&mut self, v: u64) {
-        self.0.extend(v.to_le_bytes());
-    }
-    fn numbers(&mut self, list: &[f64]) {
-        self.integer(list.len() as u64);
-        list.iter().for_each(|v| self.0.extend(v.to_le_bytes()));
-    }
-    fn vectors<const D: usize>(&mut self, list: &[SVector<f64, D>]) {
-        self.integer(list.len() as u64);
-        list.iter().flat_map(|v| v.iter()).for_each(|v| self.0.extend(v.to_le_bytes()));
-    }
-}
-
-/// Reads from the front; `None` when the bytes are at an end.
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn integer(&mut self) -> Option<u64> {
-        let (word, rest) = self.0.split_first_chunk::<8>()?;
-        self.0 = rest;
-        Some(u64::from_le_bytes(*word))
-    }
-    fn number(&mut self) -> Option<f64> {
-        self.integer().map(f64::from_bits)
-    }
-    fn list<T>(&mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
-        let count =
-            usize::try_from(self.integer()?).ok().filter(|n| n.checked_mul(8).is_some_and(|b| b <= self.0.len()))?;
-        (0..count).map(|_| read(self)).collect()
-    }
-    fn numbers(&mut self) -> Option<Vec<f64>> {
-        self.list(Reader::number)
-    }
-    fn vectors<const D: usize>(&mut self) -> Option<Vec<SVector<f64, D>>> {
-        self.list(|from| {
-            let mut v = SVector::<f64, D>::zeros();
-            for c in v.iter_mut() {
-                *c = from.number()?;
-            }
-            Some(v)
-        })
+        let budget = Budget { initial, dissipated, work, exchanged, transferred };
+        let flow = FlowState { u, p };
+        Some(State { steps, time, pace, flow, phi, stretch, earlier_u, map, markers, factored, energies, budget })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::SVector;
 
     fn state() -> State<2> {
         State {
@@ -185,11 +133,13 @@ mod tests {
             }),
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
+            stretch: vec![vec![0.4], vec![]],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
             markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],
             factored: Some(Factored {
                 phi: vec![vec![0.5, -0.25]],
+                stretch: vec![vec![]],
                 weight: 1.5,
                 dt: 0.1,
                 ledger: Ledger { spent: 9.0, ..Ledger::default() },

@@ -5,7 +5,7 @@ use super::carrier::{Carrier, Initial, InitialFunction};
 use super::markers;
 use super::setup::{LevelSet, Settings, State};
 use super::step::Simulation;
-use crate::base::{Error, Result};
+use crate::base::{Error, Phase, Result};
 use crate::fem::{Basis, Element, Projector, Rule, Space, VelocityFunction, periodic_pairs};
 use crate::flow::{FlowState, StepReport};
 use crate::levelset::{Interface, Sample};
@@ -38,6 +38,7 @@ impl<const D: usize> Simulation<D> {
             pace: None,
             flow: FlowState { u, p: Vec::new() },
             phi: Vec::new(),
+            stretch: Vec::new(),
             earlier_u: Vec::new(),
             map: None,
             markers: Vec::new(),
@@ -61,6 +62,8 @@ impl<const D: usize> Simulation<D> {
             feet: Default::default(),
             wants_reactions: false,
             reactions: None,
+            phases: Default::default(),
+            work: Default::default(),
         };
         sim.with_passive(level_sets)
     }
@@ -155,7 +158,12 @@ impl<const D: usize> Simulation<D> {
         let fastest = |u: &[SVector<f64, D>]| self.carrier.tracer.courant(u, dt);
         let courant = fastest(&self.state.flow.u).max(fastest(&at(start + 0.5 * dt))).max(fastest(&next));
         let steps = ((0.5 * courant).ceil() as usize).clamp(1, 100);
-        self.carry(&Wind::Given { velocity: &velocity, arrival: start + dt, courant })?;
+        self.phases.begin();
+        let mut ahead = std::mem::take(&mut self.work.ahead);
+        let carried = self.carry(&Wind::Given { velocity: &velocity, arrival: start + dt, courant }, &mut ahead);
+        self.work.ahead = ahead;
+        carried?;
+        self.phases.end(Phase::Transport);
         for list in &mut self.state.markers {
             crate::base::parallel::fill(list, 1, |_, part| {
                 part.iter_mut().for_each(|x| *x = path(&velocity, *x, start, dt, steps));

@@ -4,8 +4,9 @@ use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
 use super::clock::Clock;
 use crate::base::{Error, Result};
-use crate::elastic::Membrane;
+use crate::elastic::{Membrane, SharpMembrane};
 use crate::fem::Conditions;
+use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, FlowState};
 use crate::linalg::Ledger;
 use crate::mesh::Point;
@@ -54,6 +55,7 @@ pub struct Materials {
 }
 
 /// What a simulation is told.
+#[derive(Clone)]
 pub struct Settings<const D: usize> {
     /// Time step.
     pub dt: f64,
@@ -90,6 +92,12 @@ impl<const D: usize> Settings<D> {
         if self.coupling != Coupling::SemiImplicit || structures.is_empty() {
             return Ok(());
         }
+        if structures.iter().any(|s| s.sharp.is_some()) {
+            let what = "the semi-implicit scheme (3.62)-(3.64) predicts the interface by diffusion in its band, and a sharp one has none";
+            return Err(Error::scene(what)
+                .value("force = \"sharp\"")
+                .remedy("take coupling = \"implicit\" or \"explicit\", or force = \"smeared\""));
+        }
         let Contrast { inside, outside } = self.materials.density;
         let (what, value, remedy) = if self.order != 1 {
             (
@@ -108,18 +116,38 @@ impl<const D: usize> Settings<D> {
 }
 
 /// A structure: its level set (one number a P2 node) and its law.
+#[derive(Clone)]
 pub struct Structure<const D: usize> {
     /// Name in the scene.
     pub name: String,
     /// Level set, negative inside; its slope at the interface is the stretch.
     pub phi: Vec<f64>,
-    /// The elastic membrane on its zero level.
+    /// The elastic membrane on its zero level, spread over a band; its law and the thickness of the band count for a sharp one too.
     pub membrane: Membrane<D>,
+    /// The membrane on the interface itself, which then acts in place of the smeared one.
+    pub sharp: Option<SharpMembrane<D>>,
+    /// Stretch at time 0, the same all over the interface.
+    pub stretch: f64,
     /// Mass per area at rest.
     pub surface_mass: f64,
 }
 
+impl<const D: usize> Structure<D> {
+    /// What acts on the flow.
+    pub fn term(&self) -> &dyn MomentumTerm<D> {
+        match &self.sharp {
+            Some(sharp) => sharp,
+            None => &self.membrane,
+        }
+    }
+    /// Largest tension `E'(r)` on what was prepared last; 0 when nothing is under tension.
+    pub fn largest_tension(&self) -> f64 {
+        self.sharp.as_ref().map_or_else(|| self.membrane.largest_tension(), SharpMembrane::largest_tension)
+    }
+}
+
 /// A level set that is carried and acts on nothing.
+#[derive(Clone)]
 pub struct LevelSet<const D: usize> {
     /// Name in the scene.
     pub name: String,
@@ -146,6 +174,8 @@ pub struct Pace<const D: usize> {
 pub struct Factored {
     /// Level sets of the structures.
     pub phi: Vec<Vec<f64>>,
+    /// Their stretches, where they are carried apart.
+    pub stretch: Vec<Vec<f64>>,
     /// Coefficient of the new velocity in the discrete time derivative, over the step.
     pub weight: f64,
     /// The step.
@@ -168,6 +198,8 @@ pub struct State<const D: usize> {
     /// Level sets, one a structure, then the passive ones, which composed transport leaves empty:
     /// [`Simulation::level_set`](super::Simulation::level_set) evaluates them.
     pub phi: Vec<Vec<f64>>,
+    /// Logarithms of the stretch at the nodes, one list a structure; empty for those that are not sharp.
+    pub stretch: Vec<Vec<f64>>,
     /// Velocity one step earlier; empty when the velocity is prescribed.
     pub earlier_u: Vec<SVector<f64, D>>,
     /// The backward map, with composed transport.

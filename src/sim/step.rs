@@ -5,11 +5,11 @@ use super::carrier::Carrier;
 use super::clock::Pacing;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Settings, State, Structure};
-use crate::base::{Error, Result};
-use crate::elastic::Predictor;
+use crate::base::{Error, PHASES, Phase, Phases, Result};
+use crate::elastic::{Predictor, SharpMembrane};
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{FlowSolver, History, Load, Step, StepReport, kinetic_outflow};
+use crate::flow::{FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, Wind};
 use nalgebra::SVector;
@@ -35,6 +35,21 @@ pub struct Simulation<const D: usize> {
     pub(super) feet: [Feet; 2],
     pub(super) wants_reactions: bool,
     pub(super) reactions: Option<Vec<SVector<f64, D>>>,
+    pub(super) phases: Phases,
+    pub(super) work: Work<D>,
+}
+
+/// Buffers of a step, which a warmed-up step fills again.
+#[derive(Default)]
+pub(super) struct Work<const D: usize> {
+    /// The velocity at the start of the step.
+    current: Vec<SVector<f64, D>>,
+    /// The mean of two velocities.
+    mean: Vec<SVector<f64, D>>,
+    /// The flow at the end of the step.
+    next: FlowState<D>,
+    /// Level sets one step ahead.
+    pub(super) ahead: Vec<Vec<f64>>,
 }
 
 /// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
@@ -80,6 +95,7 @@ impl<const D: usize> Simulation<D> {
             earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
+            stretch: Vec::new(),
             map: None,
             markers: Vec::new(),
             factored: None,
@@ -102,11 +118,13 @@ impl<const D: usize> Simulation<D> {
             feet: Default::default(),
             wants_reactions: false,
             reactions: None,
+            phases: Phases::default(),
+            work: Work::default(),
         };
         sim.set_materials(&mut flow, &sim.state.phi);
-        for (s, phi) in sim.structures.iter_mut().zip(&sim.state.phi) {
-            s.membrane.prepare(flow.velocity(), phi, None);
-        }
+        sim.begin_stretch();
+        let (phi, stretch) = (sim.state.phi.clone(), sim.state.stretch.clone());
+        sim.prepare_structures(&flow, &phi, &stretch, None)?;
         sim.state.energies = sim.measure(&flow, 0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
         sim.flow = Some(flow);
@@ -134,54 +152,69 @@ impl<const D: usize> Simulation<D> {
     /// A step of the length that is set.
     pub(super) fn single_step(&mut self) -> Result<StepReport> {
         let Some(mut flow) = self.flow.take() else { return self.drift() };
-        let result = self.flow_step(&mut flow);
-        self.flow = Some(flow);
+        let mut work = std::mem::take(&mut self.work);
+        let result = self.flow_step(&mut flow, &mut work);
+        (self.flow, self.work) = (Some(flow), work);
         result
     }
 
-    fn flow_step(&mut self, solver: &mut FlowSolver<D>) -> Result<StepReport> {
+    fn flow_step(&mut self, solver: &mut FlowSolver<D>, work: &mut Work<D>) -> Result<StepReport> {
         let second = self.settings.order == 2 && self.state.steps > 0;
         let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
         // Over the last step.
         let ratio = self.state.pace.as_ref().map_or(1.0, |p| if p.clock.last > 0.0 { dt / p.clock.last } else { 1.0 });
         let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
         let convection = inertia && self.settings.convection;
-        let current = self.state.flow.u.clone();
+        let Work { current, mean, next, ahead } = work;
+        current.clone_from(&self.state.flow.u);
+        self.phases.begin();
 
         // Where the interface will be.
-        let predicted = if second && structures { self.predicted(&current)? } else { self.state.phi.clone() };
-        let diffused = self.diffused(solver, &current)?;
+        let predicts = second && structures;
+        if predicts {
+            self.predict(current, ahead)?;
+        } else {
+            ahead.clone_from(&self.state.phi);
+        }
+        let stretch = if predicts && self.is_sharp() {
+            self.stretched(current, &self.state.phi.clone(), ahead)?
+        } else {
+            self.state.stretch.clone()
+        };
+        let diffused = self.diffused(solver, current)?;
+        self.phases.end(Phase::Transport);
 
         // Where the fluid comes from.
         if convection && second {
-            let halfway = combine(1.0 + 0.5 * ratio, &current, -0.5 * ratio, &self.state.earlier_u);
-            self.carrier.tracer.from_quadrature(&halfway, dt, solver.velocity(), &mut self.feet[0]);
+            combine(1.0 + 0.5 * ratio, current, -0.5 * ratio, &self.state.earlier_u, mean);
+            self.carrier.tracer.from_quadrature(mean, dt, solver.velocity(), &mut self.feet[0]);
             let (both, beyond) = (dt + dt / ratio, 0.5 * (ratio - 1.0));
-            let middle = (ratio != 1.0).then(|| combine(1.0 + beyond, &current, -beyond, &self.state.earlier_u));
-            let middle = middle.as_ref().unwrap_or(&current);
+            combine(1.0 + beyond, current, -beyond, &self.state.earlier_u, mean);
+            let middle: &[_] = if ratio == 1.0 { current } else { mean };
             self.carrier.tracer.from_quadrature(middle, both, solver.velocity(), &mut self.feet[1]);
         } else if convection {
-            self.carrier.tracer.from_quadrature(&current, dt, solver.velocity(), &mut self.feet[0]);
+            self.carrier.tracer.from_quadrature(current, dt, solver.velocity(), &mut self.feet[0]);
         }
+        self.phases.end(Phase::Feet);
 
         // Forces and materials there.
-        self.set_materials(solver, &predicted);
+        self.set_materials(solver, ahead);
+        self.phases.end(Phase::Assembly);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        for (s, phi) in self.structures.iter_mut().zip(diffused.as_ref().unwrap_or(&predicted)) {
-            s.membrane.prepare(solver.velocity(), phi, implicit);
-        }
+        self.prepare_structures(solver, diffused.as_deref().unwrap_or(ahead), &stretch, implicit)?;
+        self.phases.end(Phase::Force);
 
         // The coupled system of velocity and pressure.
         let feet = |k: usize| convection.then_some(&self.feet[k]);
         let history = match (inertia, second) {
             (false, _) => vec![],
-            (true, false) => vec![History { weight: 1.0, u: &current, feet: feet(0) }],
+            (true, false) => vec![History { weight: 1.0, u: current, feet: feet(0) }],
             (true, true) => vec![
-                History { weight: 1.0 + ratio, u: &current, feet: feet(0) },
+                History { weight: 1.0 + ratio, u: current, feet: feet(0) },
                 History { weight: -ratio * ratio / (1.0 + ratio), u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
-        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(|s| &s.membrane as _).collect();
+        let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(Structure::term).collect();
         let weight = if second { (1.0 + 2.0 * ratio) / (1.0 + ratio) } else { 1.0 };
         let step = Step {
             time,
@@ -193,51 +226,72 @@ impl<const D: usize> Simulation<D> {
             body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
-        let mut flow = self.extrapolated(ratio);
-        let report = solver.step(&step, &mut flow)?;
+        self.extrapolate(ratio, next);
+        let report = solver.step(&step, next)?;
         let weight = step.weight;
-        let wall_power = solver.wall_power(&step, &flow);
-        self.reactions = self.wants_reactions.then(|| solver.reaction(&step, &flow, Cells::All));
-        self.check_speed(&flow.u, time)?;
+        self.phases.begin();
+        let wall_power = solver.wall_power(&step, next);
+        self.reactions = self.wants_reactions.then(|| solver.reaction(&step, next, Cells::All));
+        self.check_speed(&next.u, time)?;
+        self.note_factor(solver, &report, weight, [ahead, &stretch]);
+        self.phases.end(Phase::Diagnostics);
 
         // The interface follows, and the fluids with it.
         if structures || !self.passive.is_empty() {
-            let mean = if second { combine(0.5, &current, 0.5, &flow.u) } else { flow.u.clone() };
-            self.carry(&Wind::Nodal(&mean))?;
-            let steps = (self.carrier.tracer.courant(&mean, dt).ceil() as usize).clamp(1, 100);
-            for list in &mut self.state.markers {
-                markers::follow(list, &self.carrier.tracer, [&current, &flow.u], dt, steps);
+            if second {
+                combine(0.5, current, 0.5, &next.u, mean)
+            } else {
+                mean.clone_from(&next.u)
             }
+            let before = self.is_sharp().then(|| self.state.phi.clone());
+            self.carry(&Wind::Nodal(mean), ahead)?;
+            if let Some(before) = before {
+                self.state.stretch = self.stretched(mean, &before, &self.state.phi.clone())?;
+            }
+            self.follow_markers([current, &next.u], mean);
         }
-        self.note_factor(solver, &report, weight, &predicted);
-        self.state.flow = flow;
-        self.state.earlier_u = current;
+        self.phases.end(Phase::Transport);
+        std::mem::swap(&mut self.state.flow, next);
+        std::mem::swap(&mut self.state.earlier_u, current);
         self.state.steps += 1;
         self.state.time = if self.state.pace.is_some() { time } else { self.state.steps as f64 * dt };
         if !self.has_constant_materials() {
             self.set_materials(solver, &self.state.phi);
         }
+        self.prepare_sharp()?;
+        self.phases.end(Phase::Assembly);
         let now = self.measure(solver, wall_power);
         self.state.budget.advance(&self.state.energies, &now, dt, if second { 2 } else { 1 });
         self.state.energies = now;
+        self.phases.end(Phase::Diagnostics);
         Ok(report)
     }
 
-    /// The level sets of the structures carried over one step with the velocity `w`, without any change of the state.
-    fn predicted(&mut self, w: &[SVector<f64, D>]) -> Result<Vec<Vec<f64>>> {
-        let (wind, dt, count) = (Wind::Nodal(w), self.settings.dt, self.structures.len());
-        let Some(mut ahead) = self.state.map.clone() else {
-            return self.carrier.moved(&self.state.phi[..count], &wind, dt);
-        };
-        self.carrier.advance(&mut ahead, &wind, dt);
-        Ok((0..count).map(|k| self.carrier.composed(&ahead, k)).collect())
+    /// Seconds of all processors by [phase](PHASES) that the steps since it was asked last took, and how often they read the factor of
+    /// the flow, each time twice.
+    pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        let (flow, substitutions) = self.flow.as_mut().map_or(Default::default(), FlowSolver::take_costs);
+        let mine = self.phases.take();
+        (std::array::from_fn(|k| mine[k] + flow[k]), substitutions)
     }
 
-    /// Carries all level sets over one step.
-    pub(super) fn carry(&mut self, wind: &Wind<'_, D>) -> Result<()> {
+    /// The level sets of the structures carried over one step with the velocity `w`, without any change of the state.
+    fn predict(&mut self, w: &[SVector<f64, D>], ahead: &mut Vec<Vec<f64>>) -> Result<()> {
+        let (wind, dt, count) = (Wind::Nodal(w), self.settings.dt, self.structures.len());
+        let Some(mut map) = self.state.map.clone() else {
+            return self.carrier.carry(&self.state.phi[..count], &wind, dt, ahead);
+        };
+        self.carrier.advance(&mut map, &wind, dt);
+        *ahead = (0..count).map(|k| self.carrier.composed(&map, k)).collect();
+        Ok(())
+    }
+
+    /// Carries all level sets over one step; `moved` is a buffer.
+    pub(super) fn carry(&mut self, wind: &Wind<'_, D>, moved: &mut Vec<Vec<f64>>) -> Result<()> {
         let dt = self.settings.dt;
         let Some(map) = &mut self.state.map else {
-            self.state.phi = self.carrier.moved(&self.state.phi, wind, dt)?;
+            self.carrier.carry(&self.state.phi, wind, dt, moved)?;
+            std::mem::swap(&mut self.state.phi, moved);
             return Ok(());
         };
         self.carrier.advance(map, wind, dt);
@@ -248,12 +302,25 @@ impl<const D: usize> Simulation<D> {
         Ok(())
     }
 
+    /// Moves the markers over a step with the velocities at its ends and their mean.
+    fn follow_markers(&mut self, ends: [&[SVector<f64, D>]; 2], mean: &[SVector<f64, D>]) {
+        if self.state.markers.iter().all(Vec::is_empty) {
+            return;
+        }
+        let dt = self.settings.dt;
+        let steps = (self.carrier.tracer.courant(mean, dt).ceil() as usize).clamp(1, 100);
+        for list in &mut self.state.markers {
+            markers::follow(list, &self.carrier.tracer, ends, dt, steps);
+        }
+    }
+
     /// The level sets whose force the semi-implicit coupling takes, from the velocity `u` of the current state; `None` with any other coupling.
     fn diffused(&mut self, flow: &FlowSolver<D>, u: &[SVector<f64, D>]) -> Result<Option<Vec<Vec<f64>>>> {
         if self.predictors.is_empty() {
             return Ok(None);
         }
-        let mut level_sets = self.predicted(u)?;
+        let mut level_sets = Vec::new();
+        self.predict(u, &mut level_sets)?;
         let (dt, density) = (self.settings.dt, flow.density());
         let parts = self.predictors.iter_mut().zip(&self.structures).zip(&self.state.phi).zip(&mut level_sets);
         for (((predictor, s), phi), carried) in parts {
@@ -263,25 +330,33 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Energies and rates of the current state.
-    fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
+    pub(super) fn measure(&self, flow: &FlowSolver<D>, wall_power: f64) -> Energies {
         let [kinetic, dissipation, grad_div, div2] = flow.energies(&self.state.flow);
         let elastic = match &self.fine {
-            Some(fine) => self.structures.iter().zip(&self.state.phi).map(|(s, p)| s.membrane.energy(fine, p)).sum(),
+            Some(fine) => {
+                let energy = |(s, phi): (&Structure<D>, &Vec<f64>)| {
+                    s.sharp.as_ref().map_or_else(|| s.membrane.energy(fine, phi), SharpMembrane::energy)
+                };
+                self.structures.iter().zip(&self.state.phi).map(energy).sum()
+            }
             None => 0.0,
         };
+        let slip: f64 = self.structures.iter().filter_map(|s| s.sharp.as_ref()).map(SharpMembrane::dissipation).sum();
         Energies {
             kinetic,
             elastic,
-            dissipation,
+            dissipation: dissipation + slip,
             grad_div,
-            power: wall_power + self.body_power(flow) - self.carried_out(),
+            power: wall_power + self.body_power(flow) - self.carried_out(flow),
             divergence: div2.sqrt(),
         }
     }
 
     /// Kinetic energy that the flow carries out through the boundary per time.
-    fn carried_out(&self) -> f64 {
-        if self.is_stokes() || !self.settings.convection {
+    fn carried_out(&self, flow: &FlowSolver<D>) -> f64 {
+        // Nothing leaves through walls that rest, or through one periodic side but what comes in at the other.
+        let closed = !flow.numbering().is_open() && flow.numbering().is_homogeneous();
+        if closed || self.is_stokes() || !self.settings.convection {
             return 0.0;
         }
         kinetic_outflow(&self.space, |cell, l| self.density_at(cell, l), &self.state.flow)
@@ -435,9 +510,16 @@ impl<const D: usize> Simulation<D> {
     }
 }
 
-/// `a x + b y`.
-fn combine<const D: usize>(a: f64, x: &[SVector<f64, D>], b: f64, y: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-    x.iter().zip(y).map(|(x, y)| x * a + y * b).collect()
+/// `out = a x + b y`.
+fn combine<const D: usize>(
+    a: f64,
+    x: &[SVector<f64, D>],
+    b: f64,
+    y: &[SVector<f64, D>],
+    out: &mut Vec<SVector<f64, D>>,
+) {
+    out.clear();
+    out.extend(x.iter().zip(y).map(|(x, y)| x * a + y * b));
 }
 
 /// Largest norm; NaN if any is NaN.

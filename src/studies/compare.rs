@@ -49,11 +49,22 @@ impl std::str::FromStr for Bound {
 }
 
 /// What a program cost.
-struct Cost {
-    who: String,
+pub(super) struct Cost {
+    pub who: String,
     steps: f64,
     first: f64,
-    per_step: f64,
+    /// CPU seconds of a step after the first.
+    pub per_step: f64,
+}
+
+/// What the programs cost on one mesh.
+pub(super) struct Costs {
+    /// Unknowns of velocity, pressure and level sets.
+    pub unknowns: f64,
+    /// Whether FreeFEM's times are recorded ones.
+    pub recorded: bool,
+    /// Ours, then those of FreeFEM's loops.
+    pub of: Vec<Cost>,
 }
 
 /// A quantity that both programs give.
@@ -84,6 +95,15 @@ impl Pair<'_> {
 /// A scene or a twin that cannot be run, or whose run failed; no quantity that both give; FreeFEM not installed and nothing recorded that
 /// fits.
 pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<Findings> {
+    compare_and_cost(campaign, twin, told).map(|(found, _)| found)
+}
+
+/// [`compare`], and what the programs cost.
+pub(super) fn compare_and_cost(
+    campaign: &mut Campaign<'_>,
+    twin: &Twin,
+    told: &Comparison,
+) -> Result<(Findings, Costs)> {
     let scene = campaign.scene();
     let case = Case::new(twin, scene)?;
     let (ours, readings) = runs(campaign, &case, twin.loops(), told.repeat.max(1))?;
@@ -113,7 +133,8 @@ pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> R
     found.alarms = alarms(&pairs, &told.bounds);
     found.notes = notes(&case, twin, reading, &pairs, outcome);
     found.headline = headline(&pairs, &costs, reading);
-    Ok(found)
+    let costs = Costs { unknowns: outcome.unknowns() as f64, recorded: reading.recorded.is_some(), of: costs };
+    Ok((found, costs))
 }
 
 /// All runs, in turn, so that a noisy machine favours nobody: ours, and FreeFEM's by loop.

@@ -7,6 +7,7 @@
 mod axis;
 mod campaign;
 mod compare;
+mod compare_meshes;
 pub mod convergence;
 mod findings;
 mod freefem;
@@ -20,6 +21,7 @@ mod twin;
 pub use axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
 pub use campaign::{Campaign, Listener};
 pub use compare::{Bound, Comparison, compare};
+pub use compare_meshes::compare_meshes;
 pub use findings::{Drawing, Findings};
 pub use freefem::{About, Case, Reading};
 pub use method::Method;

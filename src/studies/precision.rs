@@ -35,6 +35,8 @@ pub struct Precision {
     pub tolerances: Vec<f64>,
     /// FreeFEM's script, to be run on the same meshes with the same steps.
     pub twin: Option<Twin>,
+    /// Settings for the twin; none stands for those of the study.
+    pub twin_methods: Vec<Method>,
     /// How often everything is run; of the times the least counts.
     pub repeat: usize,
 }
@@ -139,6 +141,7 @@ pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Findin
     let mut points: Vec<Point> = Vec::new();
     let repeat = told.repeat.max(1);
     let of = repeat * settings.iter().map(|s| methods(told, s).len()).sum::<usize>();
+    let twin = told.twin.as_ref();
     let mut k = 0;
     for repetition in 0..repeat {
         for setting in &settings {
@@ -150,8 +153,9 @@ pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Findin
                 let outcome = campaign.run(&trial, k, of)?;
                 merge(&mut points, of_ours(&method.name, setting, &outcome, &quantities, &reference)?);
             }
-            if let Some(twin) = &told.twin {
-                merge(&mut points, of_freefem(campaign, twin, setting, repetition, &quantities, &reference)?);
+            for (twin, method) in twin.into_iter().flat_map(|twin| twin_methods(told, setting).map(move |m| (twin, m)))
+            {
+                merge(&mut points, of_freefem(campaign, twin, setting, &method, repetition, &quantities, &reference)?);
             }
         }
     }
@@ -188,7 +192,7 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
             .value(format!("{} values for {} quantities", values.len(), quantities.len()))
             .remedy("give --exact once for each --quantity, in the same order, or --reference"));
     }
-    let mut names: Vec<&str> = told.methods.iter().map(|m| m.name.as_str()).collect();
+    let mut names: Vec<&str> = told.methods.iter().chain(&told.twin_methods).map(|m| m.name.as_str()).collect();
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|w| w[0] == w[1]) {
         return Err(Error::scene("two methods have the same name")
@@ -201,8 +205,9 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
 
 /// The combinations of meshes, factors and steps, as they were given.
 fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
-    let own_cells = told.methods.iter().flat_map(|m| m.cells.iter().flatten().copied());
-    let own_steps = told.methods.iter().flat_map(|m| m.steps.iter().flatten().copied());
+    let all = || told.methods.iter().chain(&told.twin_methods);
+    let own_cells = all().flat_map(|m| m.cells.iter().flatten().copied());
+    let own_steps = all().flat_map(|m| m.steps.iter().flatten().copied());
     let cells = distinct(told.cells.iter().copied().chain(own_cells));
     let steps = distinct(told.steps.iter().copied().chain(own_steps));
     let step = |dt: &f64| Choice {
@@ -241,18 +246,27 @@ fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     })
 }
 
-/// The methods that are run in a setting: those that have no meshes or steps of their own take those of the study.
+/// The methods that are run in a setting.
 fn methods(told: &Precision, setting: &Setting) -> Vec<Method> {
-    let fits = |m: &&Method| {
-        let cells = m.cells.as_ref().unwrap_or(&told.cells);
-        let steps = m.steps.as_ref().unwrap_or(&told.steps);
-        setting.cells.is_none_or(|n| cells.is_empty() || cells.contains(&n))
-            && setting.step.is_none_or(|dt| steps.is_empty() || steps.contains(&dt))
-    };
     if told.methods.is_empty() {
         return vec![Method::default()];
     }
-    told.methods.iter().filter(fits).cloned().collect()
+    told.methods.iter().filter(|m| fits(m, told, setting)).cloned().collect()
+}
+
+/// The settings that the twin is run with in a setting.
+fn twin_methods(told: &Precision, setting: &Setting) -> impl Iterator<Item = Method> {
+    let plain = Method { name: "FreeFEM".into(), ..Method::default() };
+    let all = if told.twin_methods.is_empty() { vec![plain] } else { told.twin_methods.clone() };
+    all.into_iter().filter(move |m| fits(m, told, setting))
+}
+
+/// Whether a method is run in a setting: one that has no meshes or steps of its own takes those of the study.
+fn fits(method: &Method, told: &Precision, setting: &Setting) -> bool {
+    let cells = method.cells.as_ref().unwrap_or(&told.cells);
+    let steps = method.steps.as_ref().unwrap_or(&told.steps);
+    setting.cells.is_none_or(|n| cells.is_empty() || cells.contains(&n))
+        && setting.step.is_none_or(|dt| steps.is_empty() || steps.contains(&dt))
 }
 
 /// The right values; a reference run is run, and run coarser for its own error.
@@ -363,16 +377,17 @@ fn of_freefem(
     campaign: &mut Campaign<'_>,
     twin: &Twin,
     setting: &Setting,
+    method: &Method,
     again: usize,
     quantities: &[(String, f64)],
     reference: &Reference,
 ) -> Result<Point> {
-    let scene = campaign.scene().with(&[twin.settings(), &keep(campaign.scene(), setting)].concat())?;
+    let scene = campaign.scene().with(&[twin.settings(), &keep(campaign.scene(), setting), &method.set].concat())?;
     let runs = campaign.folder().join("runs");
     let work = twin.loops().first().cloned().unwrap_or_default();
     let run = Case::new(twin, &scene).and_then(|c| c.run(&work, scene.time.end, again, &runs, campaign.stop()));
     let mut point = Point {
-        method: "FreeFEM".into(),
+        method: method.name.clone(),
         setting: setting.words.clone(),
         values: setting.values.clone(),
         family: setting.family.clone(),
@@ -398,7 +413,7 @@ fn of_freefem(
         Err(e) if matches!(e.kind(), Kind::Computation | Kind::Scene) => point.end = "failed".into(),
         Err(e) => return Err(e),
     }
-    campaign.listener().note(&format!("FreeFEM, {}: {}", setting.words, point.end));
+    campaign.listener().note(&format!("{}, {}: {}", method.name, setting.words, point.end));
     Ok(point)
 }
 

@@ -1,7 +1,7 @@
 //! Feet of characteristics.
 
 use crate::base::parallel;
-use crate::fem::{Basis, Space, Translation, VelocityFunction};
+use crate::fem::{Basis, OnCell, Space, Translation, VelocityFunction};
 use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
 use std::sync::{Arc, OnceLock};
@@ -66,6 +66,8 @@ pub struct Tracer<const D: usize> {
     doors: Vec<(u32, u32, SVector<f64, D>)>,
     /// The different shifts of the doors.
     shifts: Vec<SVector<f64, D>>,
+    /// The shortest of the longest edges of the cells.
+    finest: f64,
     /// Finds cells where the straight way is barred; made when it is first needed.
     locator: OnceLock<Locator<D>>,
 }
@@ -97,7 +99,8 @@ impl<const D: usize> Tracer<D> {
                 shifts.push(*shift);
             }
         }
-        Tracer { space: Arc::clone(space), home, doors, shifts, locator: OnceLock::new() }
+        let finest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min);
+        Tracer { space: Arc::clone(space), home, doors, shifts, finest, locator: OnceLock::new() }
     }
     /// The space of the velocities.
     pub fn space(&self) -> &Arc<Space<D>> {
@@ -136,9 +139,16 @@ impl<const D: usize> Tracer<D> {
         let steps = self.steps(wind, dt);
         parallel::fill(&mut feet.0, points, |first, part| {
             for (i, feet) in part.chunks_exact_mut(points).enumerate() {
-                for (q, foot) in feet.iter_mut().enumerate() {
-                    let start = Location { cell: (first + i) as u32, barycentric: basis.rule().points[q] };
-                    *foot = self.foot(wind, dt, steps, start);
+                let c = first + i;
+                let start = |q: usize| Location { cell: c as u32, barycentric: basis.rule().points[q] };
+                match wind {
+                    Wind::Nodal(u) if steps == 1 => {
+                        let own = self.space.on_cell(u, c);
+                        for (q, foot) in feet.iter_mut().enumerate() {
+                            *foot = self.foot_of_short_step(u, dt, &own, own.combined(basis.values(q)), start(q));
+                        }
+                    }
+                    _ => feet.iter_mut().enumerate().for_each(|(q, foot)| *foot = self.foot(wind, dt, steps, start(q))),
                 }
             }
         });
@@ -149,16 +159,27 @@ impl<const D: usize> Tracer<D> {
         let steps = self.steps(wind, dt);
         parallel::fill(&mut feet.0, 1, |first, part| {
             for (i, foot) in part.iter_mut().enumerate() {
-                let start = self.home[first + i];
-                // A point that no cell uses carries nothing; any location will do.
-                *foot = if start.cell == NONE { self.home(first + i) } else { self.foot(wind, dt, steps, start) };
+                let n = first + i;
+                *foot = match (self.home[n], wind) {
+                    // A point that no cell uses carries nothing; any location will do.
+                    (Location { cell: NONE, .. }, _) => self.home(n),
+                    (start, Wind::Nodal(u)) if steps == 1 => {
+                        let own = self.space.on_cell(u, start.cell as usize);
+                        self.foot_of_short_step(u, dt, &own, u[n], start)
+                    }
+                    (start, _) => self.foot(wind, dt, steps, start),
+                };
             }
         });
     }
     /// Steps of the rule in one time step. The cap keeps a blown-up velocity from taking for ever.
     fn steps(&self, wind: &Wind<'_, D>, dt: f64) -> usize {
         let courant = match wind {
-            Wind::Nodal(u) => self.courant(u, dt),
+            // A bound that is cheap, and in most steps enough.
+            Wind::Nodal(u) => {
+                let fastest = u.iter().map(|v| v.norm_squared()).fold(0.0, f64::max).sqrt();
+                if fastest * dt <= self.finest { 1.0 } else { self.courant(u, dt) }
+            }
             Wind::Given { courant, .. } => 0.5 * courant,
         };
         (courant.ceil() as usize).clamp(1, 100)
@@ -171,6 +192,27 @@ impl<const D: usize> Tracer<D> {
                 let x = path(velocity, from, *arrival, -dt, steps);
                 self.displaced(start, x - from)
             }
+        }
+    }
+    /// One step of the midpoint rule from `start`, where the velocity is `w`; `own` is the velocity on that cell, which the
+    /// characteristic seldom leaves.
+    #[inline]
+    fn foot_of_short_step(
+        &self,
+        u: &[SVector<f64, D>],
+        dt: f64,
+        own: &OnCell<SVector<f64, D>, D>,
+        w: SVector<f64, D>,
+        start: Location,
+    ) -> Location {
+        let map = self.space.mesh().map(start.cell as usize);
+        let w = match map.moved(&start.barycentric, &(w * (-0.5 * dt))) {
+            Some(middle) => own.value(&middle),
+            None => self.velocity(u, &self.travel(start, -w * (0.5 * dt)).0),
+        };
+        match map.moved(&start.barycentric, &(w * -dt)) {
+            Some(barycentric) => Location { cell: start.cell, barycentric },
+            None => self.travel(start, -w * dt).0,
         }
     }
     fn foot_of_nodal(&self, u: &[SVector<f64, D>], dt: f64, steps: usize, start: Location) -> Location {
@@ -214,12 +256,7 @@ impl<const D: usize> Tracer<D> {
     }
     #[inline]
     fn velocity(&self, u: &[SVector<f64, D>], at: &Location) -> SVector<f64, D> {
-        let n = self.space.element().values::<D>(&at.barycentric);
-        let mut v = SVector::<f64, D>::zeros();
-        for (a, &node) in self.space.cell_nodes(at.cell as usize).iter().enumerate() {
-            v += u[node as usize] * n[a];
-        }
-        v
+        self.space.value(u, at.cell as usize, &at.barycentric)
     }
     /// Moves by `step`, through periodic sides.
     fn travel(&self, from: Location, step: SVector<f64, D>) -> (Location, bool) {

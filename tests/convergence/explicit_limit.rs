@@ -67,6 +67,8 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
         name: "film".into(),
         phi: space.interpolate(|x| x[1] - 0.5 - height(x[0])),
         membrane: membrane.clone(),
+        sharp: None,
+        stretch: 1.0,
         surface_mass: 0.0,
     };
     let uniform = Contrast::uniform;

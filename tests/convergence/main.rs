@@ -15,6 +15,7 @@ mod failures;
 mod freefem;
 mod relaxation;
 mod semi_implicit;
+mod sharp;
 mod space_order;
 mod study;
 mod time_order;

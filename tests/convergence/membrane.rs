@@ -1,9 +1,9 @@
 //! The membrane of the book's sections 3.5.3 and 3.6.1.1: an ellipse .75 / .5 in the box [0, 2]^2, stretched beforehand.
 
 use crate::tools::point;
-use immersa::elastic::{AreaLaw, Band, Membrane};
+use immersa::elastic::{AreaLaw, Band, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
-use immersa::levelset::{Contour, Ellipse, Measures, signed_distance};
+use immersa::levelset::{self, Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
 use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
 use immersa::transport::Method;
@@ -23,6 +23,8 @@ pub struct Case {
     pub modulus: f64,
     /// A drop, with a carried band, instead of a membrane.
     pub tension: bool,
+    /// The force on the interface itself instead of over a band.
+    pub sharp: bool,
     pub thickness: f64,
     pub viscosity: f64,
     pub grad_div: f64,
@@ -41,6 +43,7 @@ impl Case {
         diagonals: Diagonals::UnionJack,
         modulus: 1.0,
         tension: false,
+        sharp: false,
         thickness: 0.1,
         viscosity: 0.01,
         grad_div: 1.0,
@@ -67,6 +70,8 @@ impl Case {
             name: "membrane".into(),
             phi: signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect(),
             membrane: Membrane::new(law, self.thickness).with_band(band, self.stretch),
+            sharp: self.sharp.then(|| SharpMembrane::new(law, self.viscosity, levelset::surface)),
+            stretch: self.stretch,
             surface_mass: 0.0,
         };
         let settings = Settings {

@@ -81,6 +81,10 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
     let plan = explain(LISTING, &["numerics.coupling=explicit", "time.step=5e-3"]);
     says(&plan, &["matrix constant: factored once", "explicit step limit"]);
     assert!(!plan.contains("unstable"), "{plan}");
+    let sharp = ["membrane.0.force=sharp", "mesh.rectangle.cells=[24,24]"];
+    let plan = explain(LISTING, &sharp);
+    says(&plan, &["grad-div 50.0000", "on the interface itself, with the stretch carried along it"]);
+    assert!(!plan.contains("band half-width"), "{plan}");
     let semi = ["numerics.coupling=semi-implicit", "time.order=1"];
     let plan = explain(LISTING, &semi);
     says(

@@ -1,6 +1,9 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
+mod adapted;
 mod adaptive;
+mod adaptmesh;
+mod band;
 mod book;
 mod broken_meshes;
 mod case;

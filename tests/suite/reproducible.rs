@@ -1,8 +1,8 @@
 //! The same bits for any number of threads, and after a checkpoint.
 
-use immersa::elastic::{AreaLaw, Membrane};
+use immersa::elastic::{AreaLaw, Force, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
-use immersa::levelset::{Ellipse, signed_distance};
+use immersa::levelset::{Ellipse, signed_distance, surface};
 use immersa::mesh::{Diagonals, Point, rectangle};
 use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, State, Structure};
 use immersa::transport::Method;
@@ -10,14 +10,16 @@ use nalgebra::SVector;
 use std::sync::Arc;
 
 /// A drop with a stretched skin that falls: every part of the step is at work.
-fn simulation(transport: Method, coupling: Coupling, order: usize) -> Simulation<2> {
+fn simulation((transport, coupling, order, force): (Method, Coupling, usize, Force)) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [24; 2], Diagonals::UnionJack).unwrap());
     let space = Space::new(&mesh, Element::P2);
     let shape = Ellipse::new(Point::<2>::new(1.0, 1.1), Point::<2>::new(0.6, 0.4), 20.0).unwrap();
     let structure = Structure {
         name: "skin".into(),
         phi: signed_distance(&space, &shape).iter().map(|d| 1.2 * d).collect(),
-        membrane: Membrane::new(AreaLaw::Linear { modulus: 2.0 }, 0.2),
+        membrane: Membrane::new(LAW, 0.2),
+        sharp: (force == Force::Sharp).then(|| SharpMembrane::new(LAW, 0.1, surface)),
+        stretch: 1.2,
         surface_mass: 0.1,
     };
     let settings = Settings {
@@ -40,11 +42,16 @@ fn simulation(transport: Method, coupling: Coupling, order: usize) -> Simulation
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
-const CASES: [(Method, Coupling, usize); 4] = [
-    (Method::Nodal, Coupling::Explicit, 1),
-    (Method::Nodal, Coupling::SemiImplicit, 1),
-    (Method::Nodal, Coupling::Implicit, 2),
-    (Method::Projected, Coupling::Implicit, 2),
+const LAW: AreaLaw = AreaLaw::Linear { modulus: 2.0 };
+
+const CASES: [(Method, Coupling, usize, Force); 7] = [
+    (Method::Nodal, Coupling::Explicit, 1, Force::Smeared),
+    (Method::Nodal, Coupling::SemiImplicit, 1, Force::Smeared),
+    (Method::Nodal, Coupling::Implicit, 2, Force::Smeared),
+    (Method::Projected, Coupling::Implicit, 2, Force::Smeared),
+    (Method::Nodal, Coupling::Explicit, 1, Force::Sharp),
+    (Method::Nodal, Coupling::Implicit, 2, Force::Sharp),
+    (Method::Projected, Coupling::Implicit, 2, Force::Sharp),
 ];
 
 fn steps(sim: &mut Simulation<2>, count: usize) -> Vec<u8> {
@@ -57,25 +64,25 @@ fn steps(sim: &mut Simulation<2>, count: usize) -> Vec<u8> {
 
 #[test]
 fn one_thread_and_several_give_the_same_bits() {
-    for (transport, coupling, order) in CASES {
+    for case in CASES {
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| steps(&mut simulation(transport, coupling, order), 10))
+            pool.install(|| steps(&mut simulation(case), 10))
         };
         let one = run(1);
         // A drop of another viscosity: the matrix changes in each step, and an older factor must be among the bits.
         assert!(State::<2>::from_bytes(&one, 0).unwrap().factored.is_some_and(|f| f.ledger.solves >= 1.0));
-        assert!(run(2) == one && run(3) == one, "{transport:?}, {coupling:?}, order {order}");
+        assert!(run(2) == one && run(3) == one, "{case:?}");
     }
 }
 
 #[test]
 fn a_checkpoint_in_the_middle_changes_no_bit() {
-    for (transport, coupling, order) in CASES {
-        let straight = steps(&mut simulation(transport, coupling, order), 10);
-        let half = steps(&mut simulation(transport, coupling, order), 5);
-        let mut resumed = simulation(transport, coupling, order);
+    for case in CASES {
+        let straight = steps(&mut simulation(case), 10);
+        let half = steps(&mut simulation(case), 5);
+        let mut resumed = simulation(case);
         resumed.restore(State::from_bytes(&half, 0).unwrap()).unwrap();
-        assert!(steps(&mut resumed, 5) == straight, "{transport:?}, {coupling:?}, order {order}");
+        assert!(steps(&mut resumed, 5) == straight, "{case:?}");
     }
 }

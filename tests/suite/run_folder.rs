@@ -82,6 +82,8 @@ fn simulation(cells: usize) -> Simulation<2> {
         name: "membrane".into(),
         phi: signed_distance(&space, &ellipse).iter().map(|d| STRETCH * d).collect(),
         membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, THICKNESS),
+        sharp: None,
+        stretch: 1.0,
         surface_mass: 0.0,
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()

@@ -20,6 +20,13 @@ fn with_run(scene: &str) -> (TempDir, PathBuf, Duration) {
     (folder, whole, start.elapsed())
 }
 
+/// The scene on a mesh that is made anew at every look.
+fn adapted() -> String {
+    let scene = SCENE
+        .replace("[fluid]", "[mesh.adapt]\nevery = 0.05\nedge = 0.1\nfields = [\"pressure\"]\nerror = 0.05\n[fluid]");
+    scene.replace("thickness = 0.2", "thickness = 0.25")
+}
+
 fn resume(folder: &Path, out: &str) -> Ended {
     immersa(folder, &["run", "scene.toml", "--resume", "--out", out])
 }
@@ -43,7 +50,7 @@ fn interrupted(folder: &Path, out: &str, row: usize) -> Ended {
 
 #[test]
 fn runs_that_were_interrupted_end_as_if_they_had_not_been() {
-    for scene in [SCENE.to_string(), SCENE.replace("checkpoint = 0", "checkpoint = false")] {
+    for scene in [SCENE.to_string(), SCENE.replace("checkpoint = 0", "checkpoint = false"), adapted()] {
         let (folder, whole, _) = with_run(&scene);
         for row in [0, 1, 7, 15] {
             let out = format!("interrupted-{row}");
@@ -191,14 +198,21 @@ fn one_thread_and_two_give_the_same_bits() {
         let numerics = format!("thickness = 0.2\ntransport = \"{transport}\"\ncoupling = \"{coupling}\"");
         let scene = SCENE.replace("thickness = 0.2", &numerics).replace("[16, 16]", "[24, 24]");
         fs::write(folder.path().join("scene.toml"), scene).unwrap();
-        let [one, two] = ["1", "2"].map(|threads| {
-            let out = format!("{transport}-{threads}");
-            let options = ["--threads", threads, "--out", &out, "--set", "time.end=0.1"];
-            immersa(folder.path(), &[&["run", "scene.toml"][..], &options].concat()).expect(0, &["done: 10 steps"]);
-            folder.path().join(out)
-        });
-        assert_same(&one, &two);
+        same_on_two_threads(folder.path(), transport);
     }
+    fs::write(folder.path().join("scene.toml"), adapted()).unwrap();
+    same_on_two_threads(folder.path(), "adapted");
+    assert_eq!(summary(&folder.path().join("adapted-1"))["meshes"].as_array().unwrap().len(), 2);
+}
+
+fn same_on_two_threads(folder: &Path, name: &str) {
+    let [one, two] = ["1", "2"].map(|threads| {
+        let out = format!("{name}-{threads}");
+        let options = ["--threads", threads, "--out", &out, "--set", "time.end=0.1"];
+        immersa(folder, &[&["run", "scene.toml"][..], &options].concat()).expect(0, &["done: 10 steps"]);
+        folder.join(out)
+    });
+    assert_same(&one, &two);
 }
 
 #[test]

@@ -157,6 +157,9 @@ fn the_semi_implicit_coupling_is_refused_at_order_2_and_without_inertia() {
     let massless = first.replace("viscosity = 0.01", "viscosity = 0.01\ndensity = { inside = 0, outside = 1 }");
     let parts = ["numerics.coupling", "needs inertia", "density 0 inside, 1 outside", "take densities above 0"];
     assert_message(massless.as_bytes(), &explain, 2, &parts);
+    let sharp = first.replace("[[membrane]]", "[[membrane]]\nforce = \"sharp\"");
+    let parts = ["numerics.coupling", "a sharp one has none", "force = \"sharp\"", "coupling = \"implicit\""];
+    assert_message(sharp.as_bytes(), &explain, 2, &parts);
     // Without a membrane there is nothing to couple.
     let fluid = GOOD.split_once("[[membrane]]").zip(scene.split_once("[time]"));
     let fluid = fluid.map(|(head, tail)| format!("{}[time]{}", head.0, tail.1));

@@ -38,6 +38,9 @@ pub(in crate::cli) struct Arguments {
     /// Run the FreeFEM twin, twin.edp beside the scene, on the same meshes with the same steps
     #[arg(long)]
     twin: bool,
+    /// The same with settings of its own, as in "FreeFEM, thin: cells=60 steps=0.005 numerics.thickness=0.05"; once for each
+    #[arg(long, value_name = "NAME: KEY=VALUE ...")]
+    twin_method: Vec<Method>,
     /// How often everything is run; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
@@ -65,7 +68,12 @@ fn told(a: &Arguments) -> Result<Precision> {
         quantities: a.quantity.clone(),
         truth,
         tolerances: a.tolerance.clone(),
-        twin: if a.twin { Some(Twin::read(&Twin::beside(a.common.scene.path()))?) } else { None },
+        twin_methods: a.twin_method.clone(),
+        twin: if a.twin || !a.twin_method.is_empty() {
+            Some(Twin::read(&Twin::beside(a.common.scene.path()))?)
+        } else {
+            None
+        },
         repeat: a.repeat.get(),
     })
 }

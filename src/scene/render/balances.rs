@@ -1,6 +1,7 @@
 //! Tables of the page: what ought to be zero, the columns of the series, where the time went.
 
 use super::folder::RunFolder;
+use crate::base::{PHASES, Phase};
 use crate::output::{Listing, rounded};
 
 /// A fraction in per cent.
@@ -141,5 +142,34 @@ pub(super) fn solves(run: &RunFolder) -> Listing {
         caption:
             "An older factor serves as preconditioner of GMRES as long as, by count, that costs less than factoring."
                 .into(),
+    }
+}
+
+/// Seconds of the processors by phase of the steps, in their order.
+pub(super) fn steps(run: &RunFolder) -> Listing {
+    let spent = |name: &str| run.summary.step_seconds.get(name).copied().flatten().unwrap_or(0.0);
+    let total: f64 = PHASES.iter().map(|(_, name)| spent(name)).sum();
+    let count = run.summary.steps.unwrap_or(0).max(1) as f64;
+    let row = |(_, name): &(Phase, &str)| {
+        let s = spent(name);
+        vec![name.to_string(), rounded(s, 3), rounded(s / count, 3), per_cent(s / total)]
+    };
+    let rows = PHASES.iter().filter(|(_, name)| total > 0.0 && spent(name) > 0.0).map(row).collect();
+    let gigabytes = |v: f64| rounded(1e-9 * v, 3);
+    let caption = run.summary.bandwidth.as_ref().map_or_else(String::new, |b| {
+        format!(
+            "The factor of {} MB was read twice in each of {} substitutions: over the time of the solves {} GB/s. A copy of 64 MiB \
+             moved {} GB/s on the same machine.",
+            rounded(1e-6 * b.factor_bytes, 3),
+            b.substitutions,
+            gigabytes(b.achieved),
+            gigabytes(b.copy)
+        )
+    });
+    Listing {
+        title: "What the steps took".into(),
+        header: ["phase of a step", "CPU seconds", "a step", "share"].map(String::from).to_vec(),
+        rows,
+        caption,
     }
 }

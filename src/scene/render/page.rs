@@ -1,6 +1,6 @@
 //! The report page of a run.
 
-use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases, solves};
+use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases, solves, steps};
 use super::charts::Drawn;
 use super::folder::RunFolder;
 use super::pictures::Gallery;
@@ -9,7 +9,8 @@ use crate::output::{Content, Figure, Listing, Number, Report, Section, rounded};
 
 /// The page.
 pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Drawn>) -> Report {
-    let tables = [balances(run), columns(run), solves(run), phases(run)].into_iter().filter(|t| !t.rows.is_empty());
+    let tables = [balances(run), columns(run), solves(run), phases(run), steps(run)];
+    let tables = tables.into_iter().filter(|t| !t.rows.is_empty());
     let mut sections: Vec<Section> = tables.map(Section::Table).collect();
     sections.push(Section::Text("What was computed".into(), run.summary.plan.clone()));
     sections.push(Section::Text("Settings".into(), run.scene.to_toml()));

@@ -38,6 +38,10 @@ pub struct Summary {
     pub seconds: Numbers,
     /// Seconds of all processors by phase; those of `first_step` are a part of those of `steps`.
     pub cpu_seconds: Numbers,
+    /// Seconds of all processors by phase of the steps.
+    pub step_seconds: Numbers,
+    /// How fast the factor was read; of long runs alone.
+    pub bandwidth: Option<Bandwidth>,
     /// What goes against the balances.
     pub alarms: Vec<String>,
     /// What the user should know.
@@ -49,6 +53,20 @@ pub struct Summary {
     /// Last values by column of the series.
     #[serde(rename = "final")]
     pub last: Numbers,
+}
+
+/// How fast the factor was read, in bytes a second.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Bandwidth {
+    /// Bytes of the factor.
+    pub factor_bytes: f64,
+    /// How often it was read, each time twice.
+    pub substitutions: f64,
+    /// What was read of it, over the time of the solves.
+    pub achieved: f64,
+    /// Bytes read and written when a large block is copied on the same machine.
+    pub copy: f64,
 }
 
 /// What ought to be zero.

@@ -2,8 +2,8 @@
 
 use super::Options;
 use super::record::{Column, Record};
-use crate::base::{Error, Kind, Result, fnv1a};
-use crate::mesh::Point;
+use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
+use crate::mesh::{Mesh, Point};
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
 use crate::scene::{Model, Scene};
 use crate::sim::{Simulation, State};
@@ -70,19 +70,23 @@ impl Folder {
     }
 
     /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole: the length of the record and its
-    /// hash, 8 bytes each, the record as JSON, the state.
-    pub(super) fn save(&self, scene: &Scene, record: &Record, state: &State<2>) -> Result<()> {
+    /// hash, 8 bytes each, the record as JSON; the same of the mesh, which is empty unless it is adapted; the state.
+    pub(super) fn save(&self, scene: &Scene, record: &Record, sim: &Simulation<2>) -> Result<()> {
         let record =
             serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
-        let mut bytes = (record.len() as u64).to_le_bytes().to_vec();
-        bytes.extend(fnv1a(&record).to_le_bytes());
-        bytes.extend(record);
-        bytes.extend(state.to_bytes(tag(scene)));
+        let mesh = if scene.adapt.is_some() { sim.space().mesh().to_bytes() } else { Vec::new() };
+        let mut bytes = Vec::new();
+        for part in [record, mesh] {
+            bytes.extend((part.len() as u64).to_le_bytes());
+            bytes.extend(fnv1a(&part).to_le_bytes());
+            bytes.extend(part);
+        }
+        bytes.extend(sim.state().to_bytes(tag(scene)));
         write_file(&self.latest(), &bytes)
     }
 
-    /// The state that was kept last, if there is one.
-    pub(super) fn checkpoint(&self, scene: &Scene) -> Result<Option<(Record, State<2>)>> {
+    /// The state that was kept last, if there is one, and the mesh that it lives on where the scene adapts it.
+    pub(super) fn checkpoint(&self, scene: &Scene) -> Result<Option<(Record, Option<Mesh<2>>, State<2>)>> {
         let path = self.latest();
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -99,16 +103,12 @@ impl Folder {
                 .value(format!("{} bytes", bytes.len()))
                 .remedy("start afresh in another folder with --out")
         };
-        let (size, rest) = bytes.split_first_chunk::<8>().ok_or_else(damaged)?;
-        let (check, rest) = rest.split_first_chunk::<8>().ok_or_else(damaged)?;
-        let size = usize::try_from(u64::from_le_bytes(*size)).unwrap_or(usize::MAX);
-        let (record, state) = rest.split_at_checked(size).ok_or_else(damaged)?;
-        if fnv1a(record) != u64::from_le_bytes(*check) {
-            return Err(damaged());
-        }
+        let (record, rest) = part(&bytes).ok_or_else(damaged)?;
+        let (mesh, state) = part(rest).ok_or_else(damaged)?;
         let record = serde_json::from_slice(record).map_err(|_| damaged())?;
+        let mesh = if mesh.is_empty() { None } else { Some(Mesh::<2>::from_bytes(mesh).ok_or_else(damaged)?) };
         let state = State::from_bytes(state, tag(scene)).map_err(|e| e.at(path.display().to_string()))?;
-        Ok(Some((record, state)))
+        Ok(Some((record, mesh, state)))
     }
 
     /// Writes velocity, pressure and level sets of the current state.
@@ -176,10 +176,13 @@ impl Folder {
                 "pressure": numbering.map_or(0, |n| n.order()) - velocity,
                 "level_set": sim.space().len() * level_sets,
             },
+            "meshes": model.lengths.is_some().then_some(&record.meshes),
             "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
             "solves": record.solves,
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
+            "step_seconds": record.step_seconds,
+            "bandwidth": bandwidth(sim, record),
             "alarms": alarms,
             "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
@@ -196,6 +199,29 @@ impl Folder {
         write_file(&self.0.join("summary.json"), text.as_bytes())
     }
 }
+
+/// The part at the front that `Folder::save` wrote with its length and hash, and what follows; `None` when it is damaged.
+fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (size, rest) = bytes.split_first_chunk::<8>()?;
+    let (check, rest) = rest.split_first_chunk::<8>()?;
+    let (part, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*size)).ok()?)?;
+    (fnv1a(part) == u64::from_le_bytes(*check)).then_some((part, rest))
+}
+
+/// What the substitutions read of the factor, and how fast a large block of memory is copied on this machine, in bytes a second; not
+/// for a run so short that the measurement would show in its time.
+fn bandwidth(sim: &Simulation<2>, record: &Record) -> serde_json::Value {
+    let solve = record.step_seconds.get("solve").copied().unwrap_or_default();
+    let factor = sim.flow().and_then(|flow| flow.factor()).map_or(0, |f| 8 * f.nonzeros());
+    if solve < LONG_ENOUGH || factor == 0 {
+        return serde_json::Value::Null;
+    }
+    let read = 2.0 * factor as f64 * record.substitutions as f64;
+    json!({ "factor_bytes": factor, "substitutions": record.substitutions, "achieved": read / solve, "copy": copy_bandwidth() })
+}
+
+/// Seconds in solves from which on the bandwidth is measured, which takes some hundredths of a second.
+const LONG_ENOUGH: f64 = 0.5;
 
 fn field_file(step: usize) -> String {
     format!("fields/{step:06}.vtu")

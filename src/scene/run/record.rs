@@ -2,6 +2,7 @@
 
 use super::Clock;
 use super::solves::Solves;
+use crate::base::PHASES;
 use crate::scene::{Model, Scene};
 use crate::sim::Simulation;
 use serde::{Deserialize, Serialize};
@@ -34,17 +35,62 @@ pub(super) struct Record {
     /// How the linear systems were solved.
     #[serde(default)]
     pub solves: Solves,
+    /// Looks at the mesh, each of which may have made it anew.
+    pub looks: u64,
+    /// The meshes of an adapted run.
+    pub meshes: Vec<MeshRecord>,
     /// Seconds by phase, of all sessions of the run.
     pub seconds: BTreeMap<String, f64>,
     /// Seconds of all processors by phase, of all sessions of the run.
     pub cpu_seconds: BTreeMap<String, f64>,
+    /// Seconds of all processors by phase of the steps.
+    #[serde(default)]
+    pub step_seconds: BTreeMap<String, f64>,
+    /// How often the factor of the flow was read, each time twice.
+    #[serde(default)]
+    pub substitutions: u64,
+}
+
+/// A mesh of an adapted run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct MeshRecord {
+    /// When it was made.
+    pub time: f64,
+    /// Its triangles.
+    pub cells: usize,
+    /// Unknowns of velocity and pressure on it.
+    pub unknowns: usize,
+    /// Energy that bringing the fields to all meshes so far has added.
+    pub energy_transferred: f64,
 }
 
 impl Record {
+    /// Notes the mesh of a run that adapts it.
+    pub(super) fn note_mesh(&mut self, model: &Model) {
+        let sim = &model.simulation;
+        if model.lengths.is_some() {
+            self.meshes.push(MeshRecord {
+                time: sim.time(),
+                cells: sim.space().mesh().cell_count(),
+                unknowns: sim.flow().map_or(0, |flow| flow.numbering().order()),
+                energy_transferred: sim.state().budget.transferred,
+            });
+        }
+    }
+
     /// Counts the time since `start` for a phase.
     pub(super) fn spent(&mut self, phase: &str, start: &Clock) {
         *self.seconds.entry(phase.to_string()).or_default() += start.0.elapsed().as_secs_f64();
         *self.cpu_seconds.entry(phase.to_string()).or_default() += start.1.elapsed().as_secs_f64();
+    }
+
+    /// Counts what the steps cost since this was called last.
+    pub(super) fn note_costs(&mut self, sim: &mut Simulation<2>) {
+        let (seconds, substitutions) = sim.take_costs();
+        for ((_, name), s) in PHASES.iter().zip(seconds) {
+            *self.step_seconds.entry(name.to_string()).or_default() += s;
+        }
+        self.substitutions += substitutions;
     }
 
     /// Notes what the first step cost, a part of `steps`: with a constant matrix it alone factors.

@@ -1,10 +1,10 @@
 //! `[[membrane]]`: elastic interfaces.
 
-use super::keys::{Absent::*, Keys, Kind::*, row};
+use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::{self, Shape};
-use super::write::{Writer, key, number, text, vector};
+use super::write::{Writer, key, name as word, number, text, vector};
 use crate::base::Result;
-use crate::elastic::AreaLaw;
+use crate::elastic::{AreaLaw, Force};
 use crate::scene::item::{Context, Item};
 
 /// A closed elastic membrane.
@@ -18,6 +18,8 @@ pub struct Membrane {
     pub stretch: f64,
     /// The law of its elastic energy.
     pub area: AreaLaw,
+    /// Where its force acts.
+    pub force: Force,
     /// Mass per length (2-D) or area (3-D), >= 0.
     pub mass: f64,
     /// Lines along which the contour is measured.
@@ -35,6 +37,9 @@ pub struct Chord {
     pub direction: Vec<f64>,
 }
 
+const FORCES: [(&str, Force); 2] = [("smeared", Force::Smeared), ("sharp", Force::Sharp)];
+const FORCE_WORDS: [&str; FORCES.len()] = words(&FORCES);
+
 pub(super) static KEYS: Keys = Keys {
     about: "A closed elastic membrane.",
     keys: &[
@@ -42,6 +47,14 @@ pub(super) static KEYS: Keys = Keys {
         row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
         row("stretch", Value("number > 0"), "", Default("1.0"), "Stretch r at time 0: length over length at rest."),
         row("area", Table(&LAWS), "", Required, "The law of its elastic energy."),
+        row(
+            "force",
+            Choice(&FORCE_WORDS),
+            "",
+            Default("\"smeared\""),
+            "Where its force acts: over a band, whose half-width `numerics.thickness` makes an error of first order, or on the interface \
+             itself, cut out of the cells, with the stretch carried along it.",
+        ),
         row(
             "mass",
             Value("number >= 0"),
@@ -113,6 +126,7 @@ impl Membrane {
             shape: table.required("shape", shape, |i| Shape::read(i, context))?,
             stretch: table.optional("stretch", Item::positive)?.unwrap_or(1.0),
             area: table.required("area", law, AreaLaw::read)?,
+            force: table.optional("force", |i| i.choice(&FORCES))?.unwrap_or(Force::Smeared),
             mass: table.optional("mass", Item::non_negative)?.unwrap_or(0.0),
             chords: table
                 .optional("chords", |i| named(i, |name, i| Chord::read(name, i, context)))?
@@ -126,6 +140,7 @@ impl Membrane {
         out.entry("shape", self.shape.write());
         out.entry("stretch", number(self.stretch));
         out.entry("area", self.area.write());
+        out.entry("force", word(self.force, &FORCES));
         out.entry("mass", number(self.mass));
         for chord in &self.chords {
             let (through, direction) = (vector(&chord.through), vector(&chord.direction));

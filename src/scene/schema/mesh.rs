@@ -83,6 +83,13 @@ pub(super) static KEYS: Keys = Keys {
             Optional,
             "Curves that new points on named boundaries of a mesh file are moved onto when it is refined.",
         ),
+        row(
+            "adapt",
+            Table(&super::adapt::KEYS),
+            "",
+            Optional,
+            "Makes the mesh follow the interfaces and, if wanted, fields.",
+        ),
     ],
 };
 

@@ -1,5 +1,6 @@
 //! The tables of a scene: their types, defaults and checks, and how they are written.
 
+mod adapt;
 mod boundary;
 mod exact;
 mod fluid;
@@ -14,6 +15,7 @@ mod shape;
 mod time;
 mod write;
 
+pub use adapt::{Adapt, AdaptField};
 pub use boundary::{Boundary, Condition, WALLS};
 pub use exact::Exact;
 pub use fluid::Fluid;
@@ -29,6 +31,7 @@ pub use time::Time;
 use super::expression::is_reserved;
 use super::item::{self, Context, Item};
 use crate::base::Result;
+use crate::transport::Method;
 use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,6 +48,8 @@ pub struct Settings {
     pub constants: BTreeMap<String, f64>,
     /// Where the mesh comes from.
     pub mesh: MeshSource,
+    /// How the mesh follows what happens on it, if it does.
+    pub adapt: Option<Adapt>,
     /// What flows.
     pub fluid: Fluid,
     /// Conditions on the boundary, in the order of the scene; empty only when the velocity is prescribed.
@@ -108,6 +113,8 @@ impl Settings {
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
         let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
+        let adapt_item = scene.get("mesh").map(|i| i.open_table()).transpose()?.and_then(|t| t.get("adapt"));
+        let adapt = adapt_item.as_ref().map(Adapt::read).transpose()?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
         let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
@@ -120,15 +127,22 @@ impl Settings {
         let interfaces: Vec<&str> = taken.into_iter().chain(level_sets.iter().map(|s| s.name.as_str())).collect();
         let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
         let text = |i: &Item| i.text().map(str::to_string);
+        let numerics = Numerics::read(scene.get("numerics"))?;
+        if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
+            return Err(item
+                .key_error("a mesh that changes cannot carry the chain of maps of composed transport")
+                .remedy("take numerics.transport = \"nodal\" or \"projected\", or leave mesh.adapt out"));
+        }
         Ok(Settings {
             title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
             units: scene.optional("units", text)?.unwrap_or_default(),
             boundaries: boundary::read(scene.get("boundary"), fluid.is_prescribed(), &context)?,
-            numerics: Numerics::read(scene.get("numerics"))?,
+            numerics,
             output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), &context)?,
             exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,
+            adapt,
             fluid,
             membranes,
             level_sets,
@@ -154,6 +168,7 @@ impl Settings {
             }
         }
         self.mesh.write(&mut out);
+        self.adapt.iter().for_each(|a| a.write(&mut out));
         self.fluid.write(&mut out);
         boundary::write(&self.boundaries, &mut out);
         membrane::write(&self.membranes, &mut out);

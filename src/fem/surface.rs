@@ -1,0 +1,253 @@
+//! Weak forms on a surface that cuts through the cells, given by quadrature points.
+
+use super::assembly::{At, VectorForm};
+use super::element::{Element, MAX_LOCAL};
+use super::numbering::Numbering;
+use super::space::Space;
+use crate::base::Result;
+use crate::linalg::{Factor, Ordering, SymmetricMatrix};
+use crate::mesh::NONE;
+use nalgebra::{SMatrix, SVector};
+
+/// A quadrature point on a surface: its place in the mesh, the weight a length (3-D: an area), and the unit normal there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint<const D: usize> {
+    /// The point; `q` is its number in the list it came in.
+    pub at: At<D>,
+    /// Unit normal.
+    pub normal: SVector<f64, D>,
+}
+
+impl<const D: usize> SurfacePoint<D> {
+    /// `P a = a - n (n . a)`, the part along the surface.
+    pub fn tangential(&self, a: &SVector<f64, D>) -> SVector<f64, D> {
+        a - self.normal * self.normal.dot(a)
+    }
+    /// `P = I - n n`.
+    pub fn projection(&self) -> SMatrix<f64, D, D> {
+        SMatrix::identity() - self.normal * self.normal.transpose()
+    }
+}
+
+/// Gradients of the local basis functions at a point.
+fn gradients<const D: usize>(space: &Space<D>, element: Element, at: &At<D>) -> [SVector<f64, D>; MAX_LOCAL] {
+    let inverse = &space.mesh().map(at.cell).inverse;
+    element.reference_gradients::<D>(&at.barycentric).map(|g| inverse.tr_mul(&g))
+}
+
+/// Adds the linear form `f(point) = (f0, f1)`, which stands for `f0 . v + f1 : grad v`, summed over `points` with their weights, to
+/// `out` (one vector a node).
+pub fn add_surface_vector<const D: usize>(
+    space: &Space<D>,
+    points: &[SurfacePoint<D>],
+    out: &mut [SVector<f64, D>],
+    f: impl Fn(&SurfacePoint<D>) -> VectorForm<D>,
+) {
+    for point in points {
+        let at = &point.at;
+        let (n, g) = (space.element().values::<D>(&at.barycentric), gradients(space, space.element(), at));
+        let (f0, f1) = f(point);
+        for (a, &node) in space.cell_nodes(at.cell).iter().enumerate() {
+            out[node as usize] += (f0 * n[a] + f1 * g[a]) * at.weight;
+        }
+    }
+}
+
+/// Adds the symmetric form `f(point, grad u) : grad v`, summed over `points`, those of a cell one after the other, to the
+/// velocity block of `matrix`.
+///
+/// # Errors
+/// A cell whose unknowns the matrix does not couple.
+pub fn add_surface_matrix<const D: usize>(
+    space: &Space<D>,
+    numbering: &Numbering<D>,
+    points: &[SurfacePoint<D>],
+    matrix: &mut SymmetricMatrix,
+    f: impl Fn(&SurfacePoint<D>, &SMatrix<f64, D, D>) -> SMatrix<f64, D, D>,
+) -> Result<()> {
+    let nb = space.local_count();
+    let m = D * nb;
+    let (mut local, mut unknowns) = (vec![0.0; m * m], Vec::with_capacity(m));
+    for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
+        local.fill(0.0);
+        for point in group {
+            let g = gradients(space, space.element(), &point.at);
+            for (b, j) in (0..nb).flat_map(|b| (0..D).map(move |j| (b, j))) {
+                let mut grad = SMatrix::<f64, D, D>::zeros();
+                grad.set_row(j, &g[b].transpose());
+                let f1 = f(point, &grad) * point.at.weight;
+                for a in 0..nb {
+                    let v = f1 * g[a];
+                    (0..D).for_each(|i| local[(D * a + i) * m + D * b + j] += v[i]);
+                }
+            }
+        }
+        let nodes = space.cell_nodes(group[0].at.cell);
+        numbering.rotate_local(nodes, m, &mut local);
+        numbering.cell_unknowns(nodes, None, &mut unknowns);
+        matrix.add_group(&unknowns, &local)?;
+    }
+    Ok(())
+}
+
+/// What [`surface_solve`] integrates at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceForm<const D: usize> {
+    /// `k >= 0`: the diffusivity.
+    pub diffusivity: f64,
+    /// `g`: the source.
+    pub source: f64,
+    /// `f`: the flux; its normal part does not count.
+    pub flux: SVector<f64, D>,
+}
+
+/// Finds the P1 function `s` with `int s q + k grad_S s . grad_S q = int g q + f . grad_S q` for all P1 functions `q`, where `int` is the sum
+/// over `points` and `grad_S = P grad`; the first term is lumped. One number a vertex; NaN at the vertices of cells that the surface
+/// does not cut.
+///
+/// The lumped mass gives every vertex the average of what is near it, so without diffusion this is a filter of second order in the mesh
+/// size that reproduces constants, however little of a cell is cut off.
+///
+/// # Errors
+/// A matrix that cannot be factored.
+pub fn surface_solve<const D: usize>(
+    space: &Space<D>,
+    points: &[SurfacePoint<D>],
+    form: impl Fn(&SurfacePoint<D>) -> SurfaceForm<D>,
+) -> Result<Vec<f64>> {
+    let mesh = space.mesh();
+    let cells: Vec<&[SurfacePoint<D>]> = points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
+    let mut number = vec![NONE; mesh.points().len()];
+    let mut order = 0;
+    for &v in cells.iter().flat_map(|group| mesh.cell(group[0].at.cell)) {
+        if number[v as usize] == NONE {
+            number[v as usize] = order;
+            order += 1;
+        }
+    }
+    let group_of = |c: usize| mesh.cell(c).iter().map(|&v| number[v as usize]).collect::<Vec<u32>>();
+    let mut out = vec![f64::NAN; number.len()];
+    if order == 0 {
+        return Ok(out);
+    }
+    let mut matrix = SymmetricMatrix::from_groups(order as usize, cells.iter().map(|g| group_of(g[0].at.cell)))?;
+    let (m, mut rhs) = (D + 1, vec![0.0; order as usize]);
+    for cell in &cells {
+        let unknowns = group_of(cell[0].at.cell);
+        let mut local = vec![0.0; m * m];
+        for point in *cell {
+            let (at, form) = (&point.at, form(point));
+            let g = gradients(space, Element::P1, at).map(|g| point.tangential(&g));
+            for a in 0..m {
+                // A point that was lifted onto the surface may lie outside of its cell by a little.
+                let share = at.weight * at.barycentric[a].max(SMALLEST_SHARE);
+                local[a * m + a] += share;
+                rhs[unknowns[a] as usize] += share * form.source + at.weight * form.flux.dot(&g[a]);
+                (0..m).for_each(|b| local[a * m + b] += at.weight * form.diffusivity * g[a].dot(&g[b]));
+            }
+        }
+        matrix.add_group(&unknowns, &local)?;
+    }
+    let mut factor = Factor::analyse(&matrix, Ordering::plain(&matrix)?)?;
+    factor.refactor(&matrix)?;
+    let mut x = vec![0.0; order as usize];
+    factor.solve(&matrix, &rhs, &mut x)?;
+    for (out, &k) in out.iter_mut().zip(&number).filter(|(_, k)| **k != NONE) {
+        *out = x[k as usize];
+    }
+    Ok(out)
+}
+
+/// Least share of a point that each vertex of its cell gets, so that no vertex is left without any.
+const SMALLEST_SHARE: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonals, Point, rectangle};
+    use std::f64::consts::PI;
+    use std::sync::Arc;
+
+    /// Gauss points on the horizontal line `y = height` through the unit square, cell by cell.
+    fn line(space: &Space<2>, height: f64) -> Vec<SurfacePoint<2>> {
+        let mesh = space.mesh();
+        let mut points = Vec::new();
+        for c in 0..mesh.cell_count() {
+            let corners: Vec<Point<2>> = mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]).collect();
+            let mut ends: Vec<f64> = (0..3)
+                .filter_map(|k| {
+                    let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                    ((a[1] < height) != (b[1] < height)).then(|| a[0] + (b[0] - a[0]) * (height - a[1]) / (b[1] - a[1]))
+                })
+                .collect();
+            ends.sort_by(f64::total_cmp);
+            let [from, to] = ends[..] else { continue };
+            for (t, w) in crate::fem::gauss_legendre(3) {
+                let x = Point::<2>::new(from + t * (to - from), height);
+                let l = mesh.map(c).inverse * (x - corners[0]);
+                let at = At {
+                    cell: c,
+                    q: points.len(),
+                    barycentric: [1.0 - l[0] - l[1], l[0], l[1], 0.0],
+                    x,
+                    weight: w * (to - from),
+                };
+                points.push(SurfacePoint { at, normal: Point::<2>::new(0.0, 1.0) });
+            }
+        }
+        points
+    }
+    fn space(n: usize) -> Space<2> {
+        Space::new(&Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [n, n], Diagonals::UnionJack).unwrap()), Element::P2)
+    }
+
+    /// `s - k s'' = (1 + k pi^2) cos(pi x)` has the solution `cos(pi x)`; half of the right-hand side comes as a flux.
+    #[test]
+    fn diffusion_along_a_line_is_solved_to_second_order() {
+        let k = 0.05;
+        let error = |n: usize| {
+            let space = space(n);
+            let points = line(&space, 0.437);
+            let form = |p: &SurfacePoint<2>| SurfaceForm {
+                diffusivity: k,
+                source: (PI * p.at.x[0]).cos(),
+                flux: Point::<2>::new(-k * PI * (PI * p.at.x[0]).sin(), 7.0),
+            };
+            let s = surface_solve(&space, &points, form).unwrap();
+            let at = |p: &SurfacePoint<2>| {
+                let cell = space.mesh().cell(p.at.cell).iter().zip(p.at.barycentric);
+                cell.map(|(&v, l)| l * s[v as usize]).sum::<f64>()
+            };
+            let square = |p: &SurfacePoint<2>| p.at.weight * (at(p) - (PI * p.at.x[0]).cos()).powi(2);
+            points.iter().map(square).sum::<f64>().sqrt()
+        };
+        let errors = [8, 16, 32].map(error);
+        assert!(errors[2] < 4e-3, "{errors:?}");
+        assert!(errors[0] / errors[2] > 10.0, "{errors:?}");
+    }
+
+    #[test]
+    fn a_constant_stays_what_it_is_however_little_of_a_cell_is_cut() {
+        let space = space(10);
+        for height in [0.25, 0.3 + 1e-9, 0.3 - 1e-13] {
+            let points = line(&space, height);
+            let form = |_: &SurfacePoint<2>| SurfaceForm { diffusivity: 0.7, source: 3.0, flux: SVector::zeros() };
+            let s = surface_solve(&space, &points, form).unwrap();
+            let cut: Vec<f64> = s.into_iter().filter(|s| s.is_finite()).collect();
+            assert!(cut.len() >= 11 && cut.iter().all(|s| (s - 3.0).abs() < 1e-9), "{cut:?}");
+        }
+    }
+
+    /// The matrix and the vector of the same form belong together: `F(v) = C(u, v)` for `f1 = P grad u P`.
+    #[test]
+    fn surface_vectors_sum_what_the_form_says() {
+        let space = space(6);
+        let points = line(&space, 0.41);
+        let mut out = vec![SVector::<f64, 2>::zeros(); space.len()];
+        add_surface_vector(&space, &points, &mut out, |p| (Point::<2>::new(p.at.x[0], 0.0), p.projection()));
+        // v = (x^2, y): int x^3 + d v_x / dx over the unit interval.
+        let v = space.interpolate(|x| Point::<2>::new(x[0] * x[0], x[1]));
+        let sum: f64 = out.iter().zip(&v).map(|(f, v)| f.dot(v)).sum();
+        assert!((sum - 1.25).abs() < 1e-13, "{sum}");
+    }
+}

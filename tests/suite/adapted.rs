@@ -1,0 +1,128 @@
+//! Meshes that follow the interfaces and the fields, through scenes.
+
+use super::case::Case;
+use immersa::levelset::band_edges;
+use immersa::scene::{Model, Scene};
+use std::path::Path;
+
+const MEMBRANE: &str = r#"
+[mesh]
+rectangle = { min = [0, 0], max = [2, 2], cells = [8, 8], diagonals = "union-jack" }
+[fluid]
+viscosity = 0.01
+[[membrane]]
+name = "membrane"
+shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }
+stretch = 1.2625316
+area.linear = { modulus = 10.0 }
+[time]
+end = 0.3
+step = 0.01
+[numerics]
+thickness = 0.1
+grad_div = 5
+"#;
+
+/// With edges of .045 at the interface.
+fn adapted(more: &[&str]) -> Case {
+    let mut set = vec!["mesh.adapt.edge=0.045", "mesh.adapt.width=0.12"];
+    set.extend(more);
+    Case::with(MEMBRANE, &set)
+}
+
+fn unknowns(case: &Case) -> usize {
+    case.model.simulation.flow().unwrap().numbering().order()
+}
+
+/// Steps to the end and looks at the mesh every `interval` steps; how often it was made anew.
+fn follow(case: &mut Case, interval: usize) -> usize {
+    let mut count = 0;
+    for step in 0..case.scene.time.steps() {
+        if step > 0 && step % interval == 0 {
+            count += usize::from(case.model.follow(&case.scene).unwrap());
+        }
+        case.steps(1);
+    }
+    count
+}
+
+#[test]
+fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknowns() {
+    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[45, 45]"]);
+    let many = unknowns(&uniform);
+    let uniform = uniform.run();
+    let mut case = adapted(&[]);
+    let eps = case.model.thickness.unwrap();
+    let edges = |case: &Case| {
+        let sim = &case.model.simulation;
+        band_edges(sim.space(), &sim.state().phi[0], eps).unwrap().largest
+    };
+    assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
+    assert!(edges(&case) < 1.45 * 0.045, "{}", edges(&case));
+    let count = follow(&mut case, 5);
+    // The membrane has moved by more than the fine part of the first mesh reaches.
+    assert!((1..6).contains(&count), "{count} times");
+    assert!(edges(&case) < 1.6 * 0.045, "{}", edges(&case));
+    assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
+    for (column, bound) in [("membrane.extent_x", 2e-3), ("membrane.extent_y", 2e-3), ("energy_kinetic", 5e-3)] {
+        let (a, b) = (case.get(column), uniform.get(column));
+        assert!((a - b).abs() < bound * b, "{column}: {a}, uniform {b}");
+    }
+    let transferred = case.get("energy_transferred");
+    assert!(transferred != 0.0 && transferred.abs() < 1e-3, "{transferred}");
+    assert!(case.get("energy_balance").abs() < 0.03, "{}", case.get("energy_balance"));
+    assert_eq!(case.get("unknowns") as usize, unknowns(&case));
+}
+
+/// Bringing the fields to another mesh changes the energy less the finer the meshes are, whichever way they are brought.
+#[test]
+fn transfer_changes_the_energy_little_and_less_on_finer_meshes() {
+    for transfer in ["interpolation", "projection"] {
+        let change = |edge: f64| {
+            let edge = format!("mesh.adapt.edge={edge}");
+            let set = [
+                "mesh.adapt.fields=[\"velocity\"]",
+                "mesh.adapt.error=0.02",
+                &format!("mesh.adapt.transfer={transfer}"),
+                &edge,
+            ];
+            let mut case = adapted(&set);
+            case.steps(10);
+            let total = case.model.simulation.state().energies.total();
+            assert!(case.model.follow(&case.scene).unwrap());
+            case.get("energy_transferred").abs() / total
+        };
+        let [coarse, fine] = [0.045, 0.0225].map(change);
+        assert!(coarse < 3e-3 && fine < 0.3 * coarse, "{transfer}: {coarse:e}, {fine:e}");
+    }
+}
+
+#[test]
+fn what_cannot_be_adapted_is_refused_with_its_place() {
+    let refused = |set: &[&str]| {
+        let set: Vec<String> = set.iter().map(ToString::to_string).collect();
+        let scene = Scene::parse_with(MEMBRANE, Path::new("scene.toml"), &set);
+        match scene.and_then(|scene| Model::new(&scene).map(drop)) {
+            Ok(()) => panic!("{set:?} was not refused"),
+            Err(e) => {
+                assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");
+                e.to_string()
+            }
+        }
+    };
+    for (set, words) in [
+        (&["mesh.adapt.edge=0.06", "numerics.transport=composed"][..], "composed"),
+        (&["mesh.adapt.edge=0.06", "mesh.adapt.error=0.1"], "fields"),
+        (&["mesh.adapt.fields=[\"speed\"]"], "velocity"),
+        (&["mesh.adapt.fields=[\"velocity\", \"velocity\"]"], "twice"),
+        (&["mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.1", "mesh.adapt.vertices=100"], "both"),
+        (&["mesh.adapt.edge=0.06", "mesh.adapt.h_max=0.01"], "h_max"),
+        (&["mesh.adapt.edge=0.06", "mesh.adapt.gradation=1"], "at least 1.05"),
+        (&["mesh.adapt.every=0.1", "numerics.thickness=auto"], "mesh.adapt.edge"),
+        (&["mesh.adapt.edge=3"], "longer"),
+        (&["mesh.adapt.edge=0.14"], "1.5 h"),
+    ] {
+        let message = refused(set);
+        assert!(message.contains(words), "{set:?}: {message}");
+    }
+}
