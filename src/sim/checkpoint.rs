@@ -22,7 +22,7 @@ impl<const D: usize> State<D> {
         out.integer(u64::from(self.pace.is_some()));
         if let Some(Pace { clock: c, earliest_u }) = &self.pace {
             [c.interval, c.part, c.parts, c.rejected].into_iter().for_each(|v| out.integer(v));
-            out.numbers(&[c.wanted, c.last, c.before]);
+            out.numbers(&[c.wanted, c.last, c.before, c.speed]);
             out.vectors(earliest_u);
         }
         out.vectors(&self.flow.u);
@@ -90,8 +90,8 @@ impl<const D: usize> State<D> {
             _ => {
                 let [interval, part, parts, rejected] =
                     [from.integer()?, from.integer()?, from.integer()?, from.integer()?];
-                let [wanted, last, before] = from.numbers()?.try_into().ok()?;
-                let clock = Clock { interval, part, parts, wanted, last, before, rejected };
+                let [wanted, last, before, speed] = from.numbers()?.try_into().ok()?;
+                let clock = Clock { interval, part, parts, wanted, last, before, rejected, speed };
                 Some(Pace { clock, earliest_u: from.vectors()? })
             }
         };

@@ -39,6 +39,8 @@ pub struct Clock {
     pub before: f64,
     /// Steps that were rejected.
     pub rejected: u64,
+    /// The largest speed that has occurred.
+    pub speed: f64,
 }
 
 /// Largest growth from step to step; BDF2 is zero-stable to `1 + sqrt(2)`.

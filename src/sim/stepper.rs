@@ -80,6 +80,7 @@ impl<const D: usize> Simulation<D> {
                 Ok((report, error)) if clock.judge(dt, error) => {
                     let steps = if start { 2 } else { 1 };
                     (0..steps).for_each(|_| clock.advance(dt));
+                    clock.speed = clock.speed.max(largest(&self.state.flow.u));
                     self.state.time = clock.time(pacing);
                     let earliest_u = if start { before.flow.u } else { before.earlier_u };
                     self.state.pace = Some(Pace { clock, earliest_u });
@@ -117,7 +118,8 @@ impl<const D: usize> Simulation<D> {
         let [h1, h2] = pace.map_or([0.0; 2], |p| [p.clock.last, p.clock.before]);
         let earliest: &[SVector<f64, D>] = pace.map_or(&[], |p| &p.earliest_u);
         let (new, now) = (&self.state.flow.u, &self.state.earlier_u);
-        let speed = pacing.speed.max(largest(new)).max(f64::MIN_POSITIVE);
+        let fastest = pace.map_or(0.0, |p| p.clock.speed).max(largest(new));
+        let speed = pacing.speed.max(fastest).max(f64::MIN_POSITIVE);
         if start {
             let bend = greatest((0..new.len()).map(|n| new[n] - now[n] * 2.0 + before.flow.u[n]));
             let error = (0.5 * bend / speed).max(dt * bend / (6.0 * pacing.length));
