@@ -76,7 +76,8 @@ impl Simulation<2> {
         let (first, rest) = phi.split_at(self.structures.len());
         let structures = self.structures.iter().zip(first);
         let structures = structures.map(|(s, phi)| Structure { phi: phi.clone(), ..s.clone() }).collect();
-        let passive = self.passive.iter().zip(rest).map(|(s, phi)| LevelSet { phi: phi.clone(), ..s.clone() }).collect();
+        let passive =
+            self.passive.iter().zip(rest).map(|(s, phi)| LevelSet { phi: phi.clone(), ..s.clone() }).collect();
         let settings = self.settings.clone();
         let mut sim = match &self.given {
             Some(velocity) => Simulation::prescribed(mesh, settings, velocity.clone(), passive)?,
