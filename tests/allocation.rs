@@ -60,7 +60,7 @@ fn calls_of_a_step(mut model: Model, constant_matrix: bool) -> usize {
     }
     let before = CALLS.load(Relaxed);
     let report = model.simulation.step().unwrap();
-    assert_eq!(report.refactored, !constant_matrix);
+    assert_eq!(report.refactored || report.solve.iterations > 0, !constant_matrix);
     CALLS.load(Relaxed) - before
 }
 

@@ -177,6 +177,26 @@ impl<const D: usize> Numbering<D> {
             *p = if self.pressure[n] == NONE { 0.0 } else { x[self.pressure[n] as usize] };
         }
     }
+    /// The solution of the system that [`scatter`](Self::scatter) turns into these nodal values; where one pressure is fixed, all
+    /// are shifted by it.
+    pub fn restrict(&self, velocity: &[SVector<f64, D>], pressure: &[f64], lift: &[SVector<f64, D>], x: &mut [f64]) {
+        for (n, u) in velocity.iter().enumerate() {
+            let v = u - lift[n];
+            let v = self.frames.get(&(n as u32)).map_or(v, |f| f * v);
+            for i in 0..D {
+                if self.velocity[n][i] != NONE {
+                    x[self.velocity[n][i] as usize] = v[i];
+                }
+            }
+        }
+        let fixed = if self.open { None } else { self.pressure.iter().position(|&p| p == NONE) };
+        let shift = fixed.map_or(0.0, |n| pressure[n]);
+        for (n, p) in pressure.iter().enumerate() {
+            if self.pressure[n] != NONE {
+                x[self.pressure[n] as usize] = p - shift;
+            }
+        }
+    }
     /// One unknown for each group of identified nodes of a scalar space: the level set on a periodic domain.
     pub fn scalar_unknowns(space: &Space<D>, translations: &[Translation<D>]) -> (Vec<u32>, usize) {
         let masters = identify(space, translations);

@@ -2,12 +2,13 @@
 
 use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
+use super::term::MomentumTerm;
 use crate::base::{Error, PHASES, Phase, Phases, Result, parallel};
 use crate::fem::{
     At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, add_surface_matrix, add_surface_vector,
     assemble_flow_matrix, assemble_scalar, assemble_source, assemble_vector,
 };
-use crate::linalg::{Factor, Ordering, SolveReport, SymmetricMatrix};
+use crate::linalg::{Change, Factor, LaggedFactor, LaggedReport, Ledger, Ordering, SymmetricMatrix};
 use crate::mesh::Mesh;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -26,9 +27,17 @@ pub struct FlowSolver<const D: usize> {
     /// The part of the matrix that stays, and `weight / dt` that it was made with; NaN when it is stale.
     base: Option<(SymmetricMatrix, f64)>,
     matrix: SymmetricMatrix,
-    factor: Option<Factor>,
+    factor: Option<LaggedFactor>,
+    /// Relative residual of iterations with an old factor; 0 where every matrix is to be factored.
+    tolerance: f64,
     /// Whether `factor` belongs to `base` alone.
     factor_is_base: bool,
+    /// `weight / dt` of the matrix that was factored last.
+    factored_weight: f64,
+    /// Whether that matrix was `base` alone.
+    factored_plain: bool,
+    /// Whether the step will change.
+    expects_changes: bool,
     boundary_cells: Vec<u32>,
     work: Work<D>,
     phases: Phases,
@@ -104,7 +113,11 @@ impl<const D: usize> FlowSolver<D> {
             base: None,
             matrix,
             factor: None,
+            tolerance: 0.0,
             factor_is_base: false,
+            factored_weight: f64::NAN,
+            factored_plain: false,
+            expects_changes: false,
             boundary_cells,
             work,
             phases: Phases::default(),
@@ -112,12 +125,27 @@ impl<const D: usize> FlowSolver<D> {
         })
     }
 
+    /// Lets a matrix that changes from step to step be solved for by iterations with an old factor, to the relative residual
+    /// `tolerance`, where that is cheaper than factoring; 0 (as at the start) factors each. To be called before the first step.
+    pub fn iterate(&mut self, tolerance: f64) {
+        self.tolerance = tolerance;
+    }
+    /// Tells that the step will change, and with it the matrix: no change of it is taken to last.
+    pub fn expect_changes(&mut self) {
+        self.expects_changes = true;
+    }
+    /// Makes the next solve factor its matrix.
+    pub fn forget_factor(&mut self) {
+        (self.factor_is_base, self.factored_plain, self.factored_weight) = (false, false, f64::NAN);
+        self.factor.iter_mut().for_each(LaggedFactor::forget);
+    }
     /// Sets density and viscosity (dynamic); the matrix is made anew when they are not constant or have changed.
     pub fn set_materials(&mut self, density: Coefficient, viscosity: Coefficient) {
         if density != self.density || viscosity != self.viscosity || !density.is_constant() || !viscosity.is_constant()
         {
             // No weight equals NaN: the values are stale, the storage is kept.
             self.base.iter_mut().for_each(|(_, weight)| *weight = f64::NAN);
+            self.factored_plain = false;
         }
         self.density = density;
         self.viscosity = viscosity;
@@ -142,6 +170,10 @@ impl<const D: usize> FlowSolver<D> {
     pub fn viscosity(&self) -> &Coefficient {
         &self.viscosity
     }
+    /// Whether the factor in use is that of a matrix that stays.
+    pub fn is_constant(&self) -> bool {
+        !self.expects_changes && self.factor_is_base && self.density.is_constant() && self.viscosity.is_constant()
+    }
     /// Weight of the grad-div term.
     pub fn grad_div(&self) -> f64 {
         self.grad_div
@@ -152,7 +184,27 @@ impl<const D: usize> FlowSolver<D> {
     }
     /// The factor, once there is one.
     pub fn factor(&self) -> Option<&Factor> {
-        self.factor.as_ref()
+        self.factor.as_ref().map(LaggedFactor::factor)
+    }
+    /// How a matrix that changes from step to step is solved for, with a passive verb.
+    pub fn way_of_solving(&self) -> String {
+        match &self.factor {
+            Some(f) if f.may_iterate() => format!(
+                "solved by GMRES with an older factor to the relative residual {:e}, or factored anew, whichever is cheaper by count: \
+                 a factorisation costs {:.1} iterations",
+                self.tolerance,
+                f.cost()
+            ),
+            _ => "factored in each step on a kept pattern".into(),
+        }
+    }
+    /// Bytes of the factor and of the iterations with it.
+    pub fn factor_bytes(&self) -> usize {
+        self.factor.as_ref().map_or(0, LaggedFactor::bytes)
+    }
+    /// The books of the choice between iterations and a factorisation.
+    pub fn ledger(&self) -> Ledger {
+        self.factor.as_ref().map_or(Ledger::default(), LaggedFactor::ledger)
     }
     /// Seconds of all processors by phase since it was asked last, and how often the factor was read since, each time twice.
     pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
@@ -195,7 +247,7 @@ impl<const D: usize> FlowSolver<D> {
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         if self.factor.is_none() {
             let ordering = Ordering::saddle_point(base, self.numbering.first_pressure())?;
-            self.factor = Some(Factor::analyse(base, ordering)?);
+            self.factor = Some(LaggedFactor::analyse(base, ordering, self.tolerance)?);
             self.factor_is_base = false;
         }
         self.phases.end(Phase::Factor);
@@ -218,17 +270,16 @@ impl<const D: usize> FlowSolver<D> {
         Ok(())
     }
 
-    /// Makes the matrix and the factor fit the step. Returns whether a factorisation was made.
-    fn prepare(&mut self, step: &Step<'_, D>) -> Result<bool> {
-        let weight = step.weight / step.dt;
-        let implicit = step.terms.iter().any(|t| t.is_implicit());
+    /// Makes the matrix fit the step. Returns what that means for the factor.
+    fn prepare(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>]) -> Result<Change> {
+        let implicit = terms.iter().any(|t| t.is_implicit());
         self.analyse(weight)?;
         if self.factor_is_base && !implicit {
-            return Ok(false);
+            return Ok(Change::None);
         }
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         self.matrix.copy_values_from(base)?;
-        for term in step.terms.iter().filter(|t| t.is_implicit()) {
+        for term in terms.iter().filter(|t| t.is_implicit()) {
             assemble_flow_matrix(
                 &self.velocity,
                 None,
@@ -243,12 +294,26 @@ impl<const D: usize> FlowSolver<D> {
             })?;
         }
         self.phases.end(Phase::Assembly);
-        if let Some(factor) = &mut self.factor {
-            factor.refactor(&self.matrix)?;
+        let constant = !implicit && self.density.is_constant() && self.viscosity.is_constant();
+        self.factor_is_base = constant && self.factored_plain && self.factored_weight == weight;
+        if self.factor_is_base {
+            return Ok(Change::None);
         }
-        self.phases.end(Phase::Factor);
-        self.factor_is_base = !implicit;
-        Ok(true)
+        // The formula begins with another coefficient than it goes on with: a factor of the first step would serve badly ever after.
+        let lasting = !self.expects_changes && (constant || self.factored_weight != weight);
+        Ok(if lasting { Change::Lasting } else { Change::Passing })
+    }
+
+    /// Makes the factor that a run had when it was interrupted: of `weight / dt`, the materials that were set last and `terms`.
+    ///
+    /// # Errors
+    /// A factorisation that fails.
+    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], ledger: Ledger) -> Result<()> {
+        self.prepare(weight, terms)?;
+        let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
+        self.factored_weight = weight;
+        self.factored_plain = terms.iter().all(|t| !t.is_implicit());
+        factor.restore(&self.matrix, ledger)
     }
 
     /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
@@ -308,22 +373,34 @@ impl<const D: usize> FlowSolver<D> {
         });
     }
 
-    /// Takes one step and writes the new velocity and pressure into `state`.
+    /// Takes one step and writes the new velocity and pressure into `state`, whose values iterations start from.
     ///
     /// # Errors
     /// A factorisation or a solve that fails, boundary values that let more fluid in than out.
     pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
-        let refactored = self.prepare(step)?;
+        let change = self.prepare(step.weight / step.dt, step.terms)?;
         self.phases.begin();
         self.assemble_load(step);
         let mut work = std::mem::replace(&mut self.work, Work::empty());
-        let result = self.solve(step, &mut work, state);
+        let result = self.solve(step, change, &mut work, state);
         self.work = work;
+        let LaggedReport { solve, refactored } = result?;
+        if refactored {
+            self.factored_weight = step.weight / step.dt;
+            self.factor_is_base = step.terms.iter().all(|t| !t.is_implicit());
+            self.factored_plain = self.factor_is_base;
+        }
         self.phases.end(Phase::Solve);
-        Ok(StepReport { solve: result?, refactored })
+        Ok(StepReport { solve, refactored })
     }
 
-    fn solve(&mut self, step: &Step<'_, D>, work: &mut Work<D>, state: &mut FlowState<D>) -> Result<SolveReport> {
+    fn solve(
+        &mut self,
+        step: &Step<'_, D>,
+        change: Change,
+        work: &mut Work<D>,
+        state: &mut FlowState<D>,
+    ) -> Result<LaggedReport> {
         work.residual.copy_from_slice(&work.load);
         work.continuity.fill(0.0);
         work.lift.fill(SVector::zeros());
@@ -332,11 +409,14 @@ impl<const D: usize> FlowSolver<D> {
         }
         self.numbering.gather(&work.residual, &work.continuity, &mut work.rhs);
         let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not factored")) };
-        let report = factor.solve(&self.matrix, &work.rhs, &mut work.x).map_err(|e| {
+        if change == Change::Passing {
+            self.numbering.restrict(&state.u, &state.p, &work.lift, &mut work.x);
+        }
+        let report = factor.solve(&self.matrix, change, &work.rhs, &mut work.x).map_err(|e| {
             let place = format!("time {:.6}", step.time);
             if e.place().is_empty() { e.at(place) } else { e }
         })?;
-        self.substitutions += 1 + report.refinements as u64;
+        self.substitutions += (1 + report.solve.refinements + report.solve.iterations) as u64;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         if !self.numbering.is_open() {
             let mass: f64 = work.pressure_mass.iter().sum();

@@ -5,6 +5,8 @@
 //! [`Factor::solve`] as often as needed.
 
 mod direct;
+mod gmres;
+mod lagged;
 mod memory;
 mod metis;
 mod ordering;
@@ -15,5 +17,6 @@ mod symmetric;
 mod testing;
 
 pub use direct::{Factor, SolveReport};
+pub use lagged::{Change, LaggedFactor, LaggedReport, Ledger};
 pub use ordering::Ordering;
 pub use symmetric::{CONSTRAINED, SymmetricMatrix};

@@ -102,6 +102,9 @@ impl<'a> Diagnostics<'a> {
         }
         names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
         names.extend(errors::columns(&self.scene.exact));
+        if self.scene.time.tolerance.is_some() {
+            names.push("step".into());
+        }
         names
     }
 
@@ -166,6 +169,9 @@ impl<'a> Diagnostics<'a> {
             row.push(flux(space, &state.flow, &f.boundary)?);
         }
         row.extend(errors::row(&self.scene.exact, sim));
+        if self.scene.time.tolerance.is_some() {
+            row.push(sim.settings().dt);
+        }
         Ok(row)
     }
 

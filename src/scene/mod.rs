@@ -10,6 +10,7 @@ mod item;
 mod model;
 pub(crate) mod nearest;
 mod overrides;
+mod pacing;
 mod passive;
 mod plan;
 pub mod reference;

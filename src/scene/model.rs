@@ -4,6 +4,7 @@ use super::Scene;
 use super::adapt::{Lengths, adapted_start};
 use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::expression::Expression;
+use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, prescribed};
 use super::plan::is_stepped;
 use super::refined::refined;
@@ -108,6 +109,7 @@ impl Model {
         let thickness = model.thickness(&distances)?;
         let structures = model.structures(distances, thickness)?;
         let edges = edges_in_bands(&space, structures.iter().map(|s| (s, &s.phi[..])));
+        let scales = [model.velocity_scale(), model.size()];
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| model.grad_div(velocity_scale.unwrap_or(0.0)));
         let settings = model.settings(conditions, grad_div);
@@ -134,6 +136,10 @@ impl Model {
             lengths,
         };
         model.explicit_limit = model.step_limit();
+        if let Some(tolerance) = scene.time.tolerance {
+            let pacing = pacing(scene, tolerance, scales);
+            model.simulation.pace(pacing).map_err(|e| scene.blame(&["time", "tolerance"], e))?;
+        }
         Ok(model)
     }
 
@@ -362,6 +368,7 @@ impl Draft<'_> {
             coupling: numerics.coupling,
             convection: numerics.convection.unwrap_or(fluid.has_inertia()),
             grad_div,
+            solve_tolerance: numerics.solve_tolerance,
             quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
             materials: Materials { density: fluid.density, viscosity: fluid.viscosity },
             conditions,

@@ -144,9 +144,9 @@ fn unknowns(model: &Model) -> Vec<String> {
     let implicit = sim.settings().coupling == Coupling::Implicit && !sim.structures().is_empty();
     let constant = flow.density().is_constant() && flow.viscosity().is_constant();
     let (kind, why) = match (constant, implicit) {
-        (true, false) => ("constant", "factored once"),
-        (true, true) => ("changes with the interface (implicit coupling)", "factored in each step on a kept pattern"),
-        (false, _) => ("changes with density or viscosity", "factored in each step on a kept pattern"),
+        (true, false) => ("constant", "factored once".to_string()),
+        (true, true) => ("changes with the interface (implicit coupling)", flow.way_of_solving()),
+        (false, _) => ("changes with density or viscosity", flow.way_of_solving()),
     };
     lines.push(format!("matrix {kind}: {why}"));
     if let Some(factor) = flow.factor() {
@@ -300,7 +300,12 @@ fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
 
 fn steps(model: &Model, scene: &Scene) -> Vec<String> {
     let time = &scene.time;
-    let mut lines = vec![format!("{} steps of {} to t = {}", time.steps(), time.step, time.end)];
+    let mut lines = vec![match time.tolerance {
+        Some(tolerance) => {
+            format!("steps that follow the error, tolerance {tolerance}, the first {}, to t = {}", time.step, time.end)
+        }
+        None => format!("{} steps of {} to t = {}", time.steps(), time.step, time.end),
+    }];
     let Some(limit) = model.explicit_limit else { return lines };
     let ratio = time.step / limit;
     let coupling = model.simulation.settings().coupling;

@@ -2,8 +2,10 @@
 
 mod folder;
 mod record;
+mod solves;
 
 pub use folder::Folder;
+pub use solves::Solves;
 
 use super::Scene;
 use super::diagnostics::Diagnostics;
@@ -151,9 +153,8 @@ impl<'a> Run<'a> {
     }
 
     fn all_steps(&mut self, stop: &AtomicBool, observer: &mut dyn Observer) -> Result<()> {
-        let steps = self.scene.time.steps();
         observer.phase("computing");
-        for step in self.model.simulation.state().steps as usize + 1..=steps {
+        while !self.is_done() {
             self.timed("adaptation", Run::follow)?;
             if stop.load(Ordering::Relaxed) {
                 self.save()?;
@@ -162,19 +163,43 @@ impl<'a> Run<'a> {
                     .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
             }
             let before = self.model.simulation.state().energies.total();
-            self.timed("steps", |run| run.model.simulation.step().map(drop))?;
-            if step == 1 {
+            let first = self.model.simulation.state().steps == 0;
+            self.timed("steps", |run| {
+                let report = run.model.simulation.step()?;
+                run.record.solves.note(&report);
+                Ok(())
+            })?;
+            if first {
                 self.record.note_first_step();
             }
             self.record.note_rise(before, &self.model.simulation);
-            self.timed("output", |run| run.sample(step))?;
+            self.timed("output", |run| run.sample(run.model.simulation.state().steps as usize))?;
             let due = self.scene.output.checkpoint.is_some_and(|s| self.saved.elapsed().as_secs_f64() >= s);
-            if due && step < steps {
+            if due && !self.is_done() {
                 self.timed("output", Run::save)?;
             }
-            observer.progress(step, steps, self.model.simulation.time());
+            let [done, all] = self.progress();
+            observer.progress(done, all, self.model.simulation.time());
         }
         Ok(())
+    }
+
+    fn is_done(&self) -> bool {
+        let sim = &self.model.simulation;
+        match self.scene.time.tolerance {
+            Some(_) => sim.is_done(),
+            None => sim.state().steps as usize >= self.scene.time.steps(),
+        }
+    }
+
+    /// Steps made and to be made, as far as they are known.
+    fn progress(&self) -> [usize; 2] {
+        let (sim, time) = (&self.model.simulation, &self.scene.time);
+        let done = sim.state().steps as usize;
+        match time.tolerance {
+            Some(_) => [done, done + ((time.end - sim.time()).max(0.0) / sim.settings().dt).ceil() as usize],
+            None => [done, time.steps()],
+        }
     }
 
     fn timed(&mut self, phase: &str, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
@@ -187,11 +212,15 @@ impl<'a> Run<'a> {
     /// Writes what is due after `step`.
     fn sample(&mut self, step: usize) -> Result<()> {
         let (output, time) = (&self.scene.output, &self.scene.time);
-        let last = step == time.steps();
-        let due = |interval: f64| {
-            last || step == 0 || time.step_at((step as f64 * time.step / interval + 1e-9).floor() * interval) == step
-        };
         let now = self.model.simulation.time();
+        let (last, paced) = (self.is_done(), time.tolerance.is_some());
+        let at_instant = self.model.simulation.is_at_instant();
+        let near = |t: f64| at_instant && (now - t).abs() <= 1e-9 * time.end;
+        let due = |interval: f64| match paced {
+            _ if last || step == 0 => true,
+            true => near((now / interval).round() * interval),
+            false => time.step_at((step as f64 * time.step / interval + 1e-9).floor() * interval) == step,
+        };
         if due(output.every) {
             let row = self.diagnostics.row(&self.model)?;
             self.series.append(now, &row)?;
@@ -201,11 +230,11 @@ impl<'a> Run<'a> {
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
             self.folder.write_fields(&self.model.simulation, step)?;
-            self.record.fields.push(step);
-            self.folder.write_collection(&self.record, time.step)?;
+            self.record.fields.push((step, now));
+            self.folder.write_collection(&self.record)?;
         }
         for (k, p) in output.profiles.iter().enumerate() {
-            if p.times.iter().any(|&t| time.step_at(t) == step) {
+            if p.times.iter().any(|&t| if paced { near(t) } else { time.step_at(t) == step }) {
                 let values = self.diagnostics.profile(&self.model.simulation, k);
                 let columns = values.into_iter().map(|(suffix, v)| (format!("t={now}{suffix}"), v));
                 self.record.profiles.entry(p.name.clone()).or_default().extend(columns);
@@ -240,9 +269,9 @@ impl<'a> Run<'a> {
     fn keep_last_state(&mut self) -> Result<()> {
         let step = self.model.simulation.state().steps as usize;
         self.folder.write_fields(&self.model.simulation, step)?;
-        if self.record.fields.last() != Some(&step) {
-            self.record.fields.push(step);
-            self.folder.write_collection(&self.record, self.scene.time.step)?;
+        if self.record.fields.last().is_none_or(|last| last.0 != step) {
+            self.record.fields.push((step, self.model.simulation.time()));
+            self.folder.write_collection(&self.record)?;
         }
         self.save()
     }

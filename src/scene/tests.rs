@@ -269,7 +269,7 @@ fn a_later_error_can_be_placed_in_the_scene() {
 
 #[test]
 fn steps_are_found_from_times() {
-    let t = Time { end: 0.3, step: 0.1, order: 2 };
+    let t = Time { end: 0.3, step: 0.1, order: 2, tolerance: None, step_min: None, step_max: None };
     assert_eq!([0.0, 0.1, 0.15, 0.1 + 0.2, 0.3].map(|x| t.step_at(x)), [0, 1, 2, 3, 3]);
 }
 

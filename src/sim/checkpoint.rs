@@ -1,10 +1,12 @@
 //! A state as bytes, and back, bit by bit.
 
 use super::budget::{Budget, Energies};
-use super::setup::State;
+use super::clock::Clock;
+use super::setup::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
+use crate::linalg::Ledger;
 use crate::transport::CharacteristicMap;
 
 /// First bytes of a checkpoint; the last one is the version.
@@ -16,6 +18,13 @@ impl<const D: usize> State<D> {
         let mut out = Writer(MAGIC.to_vec());
         out.integer(tag);
         out.integer(self.steps);
+        out.numbers(&[self.time]);
+        out.integer(u64::from(self.pace.is_some()));
+        if let Some(Pace { clock: c, earliest_u }) = &self.pace {
+            [c.interval, c.part, c.parts, c.rejected].into_iter().for_each(|v| out.integer(v));
+            out.numbers(&[c.wanted, c.last, c.before, c.speed]);
+            out.vectors(earliest_u);
+        }
         out.vectors(&self.flow.u);
         out.vectors(&self.earlier_u);
         out.numbers(&self.flow.p);
@@ -28,6 +37,14 @@ impl<const D: usize> State<D> {
         submaps.for_each(|s| out.vectors(s));
         out.integer(self.markers.len() as u64);
         self.markers.iter().for_each(|m| out.vectors(m));
+        out.integer(u64::from(self.factored.is_some()));
+        if let Some(Factored { phi, stretch, weight, dt, ledger: l }) = &self.factored {
+            for lists in [phi, stretch] {
+                out.integer(lists.len() as u64);
+                lists.iter().for_each(|list| out.numbers(list));
+            }
+            out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
+        }
         let (e, b) = (self.energies, self.budget);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred]);
@@ -48,6 +65,12 @@ impl<const D: usize> State<D> {
         };
         let body = bytes.len().checked_sub(8).filter(|n| *n >= MAGIC.len()).ok_or_else(damaged)?;
         let (content, check) = bytes.split_at(body);
+        let (name, version) = MAGIC.split_at(MAGIC.len() - 1);
+        if content.starts_with(name) && !content[name.len()..].starts_with(version) {
+            return Err(Error::input("the checkpoint was written by another version of immersa")
+                .value(format!("format {}, this program writes {}", content[name.len()], version[0]))
+                .remedy("go on with the version that began the run, or start afresh in another folder with --out"));
+        }
         if !content.starts_with(MAGIC) || check != fnv1a(content).to_le_bytes() {
             return Err(damaged());
         }
@@ -61,16 +84,37 @@ impl<const D: usize> State<D> {
 
     fn read(from: &mut Reader<'_>) -> Option<State<D>> {
         let steps = from.integer()?;
+        let [time] = from.numbers()?.try_into().ok()?;
+        let pace = match from.integer()? {
+            0 => None,
+            _ => {
+                let [interval, part, parts, rejected] =
+                    [from.integer()?, from.integer()?, from.integer()?, from.integer()?];
+                let [wanted, last, before, speed] = from.numbers()?.try_into().ok()?;
+                let clock = Clock { interval, part, parts, wanted, last, before, rejected, speed };
+                Some(Pace { clock, earliest_u: from.vectors()? })
+            }
+        };
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let phi = from.list(Reader::numbers)?;
         let stretch = from.list(Reader::numbers)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         let markers = from.list(Reader::vectors)?;
+        let factored = match from.integer()? {
+            0 => None,
+            _ => {
+                let (phi, stretch) = (from.list(Reader::numbers)?, from.list(Reader::numbers)?);
+                let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
+                let ledger = Ledger { solves, spent, last, hold, failures };
+                Some(Factored { phi, stretch, weight, dt, ledger })
+            }
+        };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
         let [initial, dissipated, work, exchanged, transferred] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged, transferred };
-        Some(State { steps, flow: FlowState { u, p }, phi, stretch, earlier_u, map, markers, energies, budget })
+        let flow = FlowState { u, p };
+        Some(State { steps, time, pace, flow, phi, stretch, earlier_u, map, markers, factored, energies, budget })
     }
 }
 
@@ -82,12 +126,24 @@ mod tests {
     fn state() -> State<2> {
         State {
             steps: 7,
+            time: 0.7,
+            pace: Some(Pace {
+                clock: Clock { part: 1, parts: 4, last: 0.1, ..Clock::default() },
+                earliest_u: vec![SVector::<f64, 2>::new(0.1, 0.2)],
+            }),
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
             stretch: vec![vec![0.4], vec![]],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
             markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],
+            factored: Some(Factored {
+                phi: vec![vec![0.5, -0.25]],
+                stretch: vec![vec![]],
+                weight: 1.5,
+                dt: 0.1,
+                ledger: Ledger { spent: 9.0, ..Ledger::default() },
+            }),
             energies: Energies { kinetic: 1.5, ..Energies::default() },
             budget: Budget { work: 0.25, ..Budget::default() },
         }

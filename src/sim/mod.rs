@@ -3,17 +3,21 @@
 mod budget;
 mod carrier;
 mod checkpoint;
+mod clock;
+mod lagged;
 mod markers;
 mod materials;
 mod passive;
 mod remesh;
 mod setup;
 mod step;
+mod stepper;
 mod stretch;
 
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};
+pub use clock::{Clock, Pacing};
 pub use markers::{polygon_area, polygon_length};
 pub use remesh::Transfer;
-pub use setup::{Contrast, Coupling, LevelSet, Materials, Settings, State, Structure};
+pub use setup::{Contrast, Coupling, Factored, LevelSet, Materials, Pace, Settings, State, Structure};
 pub use step::Simulation;

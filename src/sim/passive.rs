@@ -34,12 +34,15 @@ impl<const D: usize> Simulation<D> {
         let u = space.interpolate(|x| velocity(x, 0.0));
         let state = State {
             steps: 0,
+            time: 0.0,
+            pace: None,
             flow: FlowState { u, p: Vec::new() },
             phi: Vec::new(),
             stretch: Vec::new(),
             earlier_u: Vec::new(),
             map: None,
             markers: Vec::new(),
+            factored: None,
             energies: Energies::default(),
             budget: Budget::default(),
         };
@@ -51,6 +54,7 @@ impl<const D: usize> Simulation<D> {
             translations,
             carrier,
             predictors: Vec::new(),
+            pacing: None,
             fine: None,
             structures: Vec::new(),
             passive: Vec::new(),
@@ -167,7 +171,8 @@ impl<const D: usize> Simulation<D> {
         }
         self.state.flow.u = next;
         self.state.steps += 1;
-        Ok(StepReport { solve: SolveReport { residual: 0.0, refinements: 0 }, refactored: false })
+        self.state.time = self.state.steps as f64 * dt;
+        Ok(StepReport { solve: SolveReport { residual: 0.0, refinements: 0, iterations: 0 }, refactored: false })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Going on with a simulation on another mesh of the same domain.
 
-use super::setup::{LevelSet, State, Structure};
+use super::setup::{LevelSet, Pace, State, Structure};
 use super::step::Simulation;
 use crate::base::Result;
 use crate::fem::{Element, Interpolation, Projection, Space, Translation, periodic_pairs};
@@ -92,7 +92,15 @@ impl Simulation<2> {
         };
         let flow = FlowState { u: bring.vector(&old.flow.u)?, p };
         let (stretch, earlier_u) = (bring.scalars(&old.stretch)?, bring.vector(&old.earlier_u)?);
-        sim.state = State { flow, phi, stretch, earlier_u, ..old.clone() };
+        let pace = match &old.pace {
+            Some(pace) => Some(Pace { earliest_u: bring.vector(&pace.earliest_u)?, ..pace.clone() }),
+            None => None,
+        };
+        sim.state = State { flow, phi, stretch, earlier_u, pace, factored: None, ..old.clone() };
+        sim.pacing.clone_from(&self.pacing);
+        if let (Some(flow), true) = (&mut sim.flow, sim.pacing.is_some()) {
+            flow.expect_changes();
+        }
         sim.wants_reactions = self.wants_reactions;
         sim.recount_energies(old.energies.power)?;
         Ok(sim)

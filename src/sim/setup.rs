@@ -2,11 +2,13 @@
 
 use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
+use super::clock::Clock;
 use crate::base::{Error, Result};
 use crate::elastic::{Membrane, SharpMembrane};
 use crate::fem::Conditions;
 use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, FlowState};
+use crate::linalg::Ledger;
 use crate::mesh::Point;
 use crate::transport::{CharacteristicMap, Method};
 use nalgebra::SVector;
@@ -67,6 +69,8 @@ pub struct Settings<const D: usize> {
     pub convection: bool,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: f64,
+    /// Relative residual at which iterations with an old factor stop, where the matrix changes from step to step; 0 factors each.
+    pub solve_tolerance: f64,
     /// Degree of the quadrature rule.
     pub quadrature: usize,
     /// The fluids.
@@ -155,11 +159,40 @@ pub struct LevelSet<const D: usize> {
     pub markers: Vec<Point<D>>,
 }
 
+/// Where steps are that follow the error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace<const D: usize> {
+    /// The lengths of steps.
+    pub clock: Clock,
+    /// Velocity two steps earlier.
+    pub earliest_u: Vec<SVector<f64, D>>,
+}
+
+/// What the matrix was made of whose factor is kept while the matrix changes: with it a resumed run has the same factor, and goes on
+/// with the same bits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factored {
+    /// Level sets of the structures.
+    pub phi: Vec<Vec<f64>>,
+    /// Their stretches, where they are carried apart.
+    pub stretch: Vec<Vec<f64>>,
+    /// Coefficient of the new velocity in the discrete time derivative, over the step.
+    pub weight: f64,
+    /// The step.
+    pub dt: f64,
+    /// The books of the choice between iterations and a factorisation.
+    pub ledger: Ledger,
+}
+
 /// All that changes in time; a checkpoint holds it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<const D: usize> {
     /// Steps taken.
     pub steps: u64,
+    /// The time.
+    pub time: f64,
+    /// Where steps are that follow the error; `None` with steps of one length.
+    pub pace: Option<Pace<D>>,
     /// Velocity and pressure.
     pub flow: FlowState<D>,
     /// Level sets, one a structure, then the passive ones, which composed transport leaves empty:
@@ -173,6 +206,8 @@ pub struct State<const D: usize> {
     pub map: Option<CharacteristicMap<D>>,
     /// Markers, one list a passive level set.
     pub markers: Vec<Vec<Point<D>>>,
+    /// What the factor of the flow was made of, where it outlives its matrix.
+    pub factored: Option<Factored>,
     /// Energies now.
     pub energies: Energies,
     /// The energy budget.

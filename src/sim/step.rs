@@ -2,6 +2,7 @@
 
 use super::budget::{Budget, Energies};
 use super::carrier::Carrier;
+use super::clock::Pacing;
 use super::markers;
 use super::setup::{Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
@@ -26,6 +27,7 @@ pub struct Simulation<const D: usize> {
     pub(super) carrier: Carrier<D>,
     /// One a structure with the semi-implicit coupling, else none.
     pub(super) predictors: Vec<Predictor<D>>,
+    pub(super) pacing: Option<Pacing>,
     pub(super) fine: Option<Basis<D>>,
     pub(super) structures: Vec<Structure<D>>,
     pub(super) passive: Vec<LevelSet<D>>,
@@ -72,6 +74,7 @@ impl<const D: usize> Simulation<D> {
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let mut flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
+        flow.iterate(settings.solve_tolerance);
         let translations = flow.numbering().translations().to_vec();
         let projected = settings.transport == Method::Projected && !structures.is_empty();
         let projector = if projected { Some(Projector::new(flow.velocity().clone(), &translations)?) } else { None };
@@ -87,12 +90,15 @@ impl<const D: usize> Simulation<D> {
         flow.impose(0.0, &mut state_flow.u);
         let state = State {
             steps: 0,
+            time: 0.0,
+            pace: None,
             earlier_u: state_flow.u.clone(),
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
             stretch: Vec::new(),
             map: None,
             markers: Vec::new(),
+            factored: None,
             energies: Energies::default(),
             budget: Budget::default(),
         };
@@ -104,6 +110,7 @@ impl<const D: usize> Simulation<D> {
             translations,
             carrier,
             predictors,
+            pacing: None,
             fine,
             structures,
             passive: Vec::new(),
@@ -136,6 +143,14 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
     pub fn step(&mut self) -> Result<StepReport> {
+        let Some(pacing) = self.pacing.take() else { return self.single_step() };
+        let result = self.paced_step(&pacing);
+        self.pacing = Some(pacing);
+        result
+    }
+
+    /// A step of the length that is set.
+    pub(super) fn single_step(&mut self) -> Result<StepReport> {
         let Some(mut flow) = self.flow.take() else { return self.drift() };
         let mut work = std::mem::take(&mut self.work);
         let result = self.flow_step(&mut flow, &mut work);
@@ -146,6 +161,8 @@ impl<const D: usize> Simulation<D> {
     fn flow_step(&mut self, solver: &mut FlowSolver<D>, work: &mut Work<D>) -> Result<StepReport> {
         let second = self.settings.order == 2 && self.state.steps > 0;
         let (dt, time) = (self.settings.dt, self.time() + self.settings.dt);
+        // Over the last step.
+        let ratio = self.state.pace.as_ref().map_or(1.0, |p| if p.clock.last > 0.0 { dt / p.clock.last } else { 1.0 });
         let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
         let convection = inertia && self.settings.convection;
         let Work { current, mean, next, ahead } = work;
@@ -169,9 +186,12 @@ impl<const D: usize> Simulation<D> {
 
         // Where the fluid comes from.
         if convection && second {
-            combine(1.5, current, -0.5, &self.state.earlier_u, mean);
+            combine(1.0 + 0.5 * ratio, current, -0.5 * ratio, &self.state.earlier_u, mean);
             self.carrier.tracer.from_quadrature(mean, dt, solver.velocity(), &mut self.feet[0]);
-            self.carrier.tracer.from_quadrature(current, 2.0 * dt, solver.velocity(), &mut self.feet[1]);
+            let (both, beyond) = (dt + dt / ratio, 0.5 * (ratio - 1.0));
+            combine(1.0 + beyond, current, -beyond, &self.state.earlier_u, mean);
+            let middle: &[_] = if ratio == 1.0 { current } else { mean };
+            self.carrier.tracer.from_quadrature(middle, both, solver.velocity(), &mut self.feet[1]);
         } else if convection {
             self.carrier.tracer.from_quadrature(current, dt, solver.velocity(), &mut self.feet[0]);
         }
@@ -190,12 +210,12 @@ impl<const D: usize> Simulation<D> {
             (false, _) => vec![],
             (true, false) => vec![History { weight: 1.0, u: current, feet: feet(0) }],
             (true, true) => vec![
-                History { weight: 2.0, u: current, feet: feet(0) },
-                History { weight: -0.5, u: &self.state.earlier_u, feet: feet(1) },
+                History { weight: 1.0 + ratio, u: current, feet: feet(0) },
+                History { weight: -ratio * ratio / (1.0 + ratio), u: &self.state.earlier_u, feet: feet(1) },
             ],
         };
         let terms: Vec<&dyn MomentumTerm<D>> = self.structures.iter().map(Structure::term).collect();
-        let weight = if second { 1.5 } else { 1.0 };
+        let weight = if second { (1.0 + 2.0 * ratio) / (1.0 + ratio) } else { 1.0 };
         let step = Step {
             time,
             dt,
@@ -206,12 +226,14 @@ impl<const D: usize> Simulation<D> {
             body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
-        next.clone_from(&self.state.flow);
+        self.extrapolate(ratio, next);
         let report = solver.step(&step, next)?;
+        let weight = step.weight;
         self.phases.begin();
         let wall_power = solver.wall_power(&step, next);
         self.reactions = self.wants_reactions.then(|| solver.reaction(&step, next, Cells::All));
         self.check_speed(&next.u, time)?;
+        self.note_factor(solver, &report, weight, [ahead, &stretch]);
         self.phases.end(Phase::Diagnostics);
 
         // The interface follows, and the fluids with it.
@@ -232,6 +254,7 @@ impl<const D: usize> Simulation<D> {
         std::mem::swap(&mut self.state.flow, next);
         std::mem::swap(&mut self.state.earlier_u, current);
         self.state.steps += 1;
+        self.state.time = if self.state.pace.is_some() { time } else { self.state.steps as f64 * dt };
         if !self.has_constant_materials() {
             self.set_materials(solver, &self.state.phi);
         }
@@ -397,7 +420,7 @@ impl<const D: usize> Simulation<D> {
     }
     /// Current time.
     pub fn time(&self) -> f64 {
-        self.state.steps as f64 * self.settings.dt
+        self.state.time
     }
     /// Whether the flow has no inertia.
     pub fn is_stokes(&self) -> bool {
@@ -440,18 +463,20 @@ impl<const D: usize> Simulation<D> {
             let flow = [s.flow.u.len(), s.flow.p.len(), s.earlier_u.len()];
             (flow, level_sets.collect::<Vec<_>>(), markers.collect::<Vec<_>>(), maps.collect::<Vec<_>>())
         };
-        if sizes(&state) != sizes(&self.state) {
+        if sizes(&state) != sizes(&self.state) || state.pace.is_some() != self.state.pace.is_some() {
             return Err(Error::input("the checkpoint does not belong to this scene")
                 .value(format!("{:?} instead of {:?}", sizes(&state), sizes(&self.state)))
                 .remedy(
                     "resume with the scene that the run was started with, or start afresh in another folder with --out",
                 ));
         }
-        if let Some(mut flow) = self.flow.take() {
-            self.set_materials(&mut flow, &state.phi);
-            self.flow = Some(flow);
-        }
         self.state = state;
+        if let Some(mut flow) = self.flow.take() {
+            let made = self.restore_factor(&mut flow);
+            self.set_materials(&mut flow, &self.state.phi);
+            self.flow = Some(flow);
+            made?;
+        }
         Ok(())
     }
     /// Largest speed at a node.
@@ -479,7 +504,7 @@ impl<const D: usize> Simulation<D> {
     }
     /// Bytes of the factors that are held.
     pub fn factor_bytes(&self) -> usize {
-        let flow = self.flow.as_ref().and_then(FlowSolver::factor).map_or(0, |f| f.bytes());
+        let flow = self.flow.as_ref().map_or(0, FlowSolver::factor_bytes);
         let predictors = self.predictors.iter().map(Predictor::bytes).sum::<usize>();
         flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes) + predictors
     }

@@ -81,6 +81,7 @@ impl Case {
             coupling: self.coupling,
             convection: true,
             grad_div: self.grad_div,
+            solve_tolerance: 1e-10,
             quadrature: 5,
             materials: Materials { density: uniform(1.0), viscosity: uniform(self.viscosity) },
             conditions: vec![],

@@ -1,6 +1,7 @@
 //! Fast tests of whole capabilities; unit tests live beside the code.
 
 mod adapted;
+mod adaptive;
 mod adaptmesh;
 mod band;
 mod book;
@@ -14,6 +15,7 @@ mod explain;
 mod failures;
 mod flow;
 mod fluid;
+mod krylov;
 mod layers;
 mod meshes;
 mod passive;

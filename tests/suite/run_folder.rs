@@ -71,6 +71,7 @@ fn simulation(cells: usize) -> Simulation<2> {
         coupling: Coupling::Implicit,
         convection: true,
         grad_div: 5.0,
+        solve_tolerance: 1e-10,
         quadrature: 5,
         materials: Materials { density: both(1.0), viscosity: both(0.01) },
         conditions: Vec::new(),

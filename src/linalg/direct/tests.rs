@@ -206,3 +206,16 @@ proptest! {
         }
     }
 }
+
+/// A dense matrix has columns of length n, n - 1, ... 1.
+#[test]
+fn the_operations_of_a_dense_factor_are_counted_exactly() {
+    let n = 40;
+    let all: Vec<u32> = (0..n).collect();
+    let mut a = SymmetricMatrix::from_groups(n as usize, [&all].into_iter()).unwrap();
+    for i in 0..n {
+        a.add_group(&[i], &[1.0]).unwrap();
+    }
+    let factor = Factor::analyse(&a, Ordering::plain(&a).unwrap()).unwrap();
+    assert_eq!(factor.operations(), f64::from(n * (n + 1) * (2 * n + 1) / 6));
+}

@@ -122,6 +122,29 @@ pub(super) fn phases(run: &RunFolder) -> Listing {
     }
 }
 
+/// How the linear systems were solved; empty where there was none.
+pub(super) fn solves(run: &RunFolder) -> Listing {
+    let s = &run.summary.solves;
+    let rows = [
+        ("factorisations", s.factorisations.to_string()),
+        ("solved by iterations with an older factor", s.krylov.to_string()),
+        ("iterations given up, then factored", s.given_up.to_string()),
+        ("iterations of a solve: mean", rounded(s.mean_iterations, 3)),
+        ("iterations of a solve: most", s.most_iterations.to_string()),
+        ("largest relative residual", rounded(s.worst_residual, 2)),
+    ];
+    let keep = if s.krylov + s.given_up > 0 { rows.len() } else { usize::from(s.factorisations > 0) };
+    let rows = rows.into_iter().take(keep).map(|(what, value)| vec![what.to_string(), value]).collect();
+    Listing {
+        title: "Linear systems".into(),
+        header: ["", "in the run"].map(String::from).to_vec(),
+        rows,
+        caption:
+            "An older factor serves as preconditioner of GMRES as long as, by count, that costs less than factoring."
+                .into(),
+    }
+}
+
 /// Seconds of the processors by phase of the steps, in their order.
 pub(super) fn steps(run: &RunFolder) -> Listing {
     let spent = |name: &str| run.summary.step_seconds.get(name).copied().flatten().unwrap_or(0.0);

@@ -1,6 +1,6 @@
 //! The report page of a run.
 
-use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases, steps};
+use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases, solves, steps};
 use super::charts::Drawn;
 use super::folder::RunFolder;
 use super::pictures::Gallery;
@@ -9,7 +9,8 @@ use crate::output::{Content, Figure, Listing, Number, Report, Section, rounded};
 
 /// The page.
 pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Drawn>) -> Report {
-    let tables = [balances(run), columns(run), phases(run), steps(run)].into_iter().filter(|t| !t.rows.is_empty());
+    let tables = [balances(run), columns(run), solves(run), phases(run), steps(run)];
+    let tables = tables.into_iter().filter(|t| !t.rows.is_empty());
     let mut sections: Vec<Section> = tables.map(Section::Table).collect();
     sections.push(Section::Text("What was computed".into(), run.summary.plan.clone()));
     sections.push(Section::Text("Settings".into(), run.scene.to_toml()));
@@ -43,7 +44,11 @@ fn subtitle(run: &RunFolder) -> String {
     let time = &run.scene.time;
     let mut parts = Vec::new();
     parts.extend(run.summary.cells.map(|n| format!("{} cells", grouped(n))));
-    parts.extend(run.summary.steps.map(|n| format!("{} steps of {}", grouped(n), rounded(time.step, 6))));
+    let steps = |n| match time.tolerance {
+        Some(tolerance) => format!("{} steps that follow the error, tolerance {}", grouped(n), rounded(tolerance, 6)),
+        None => format!("{} steps of {}", grouped(n), rounded(time.step, 6)),
+    };
+    parts.extend(run.summary.steps.map(steps));
     if !run.scene.fluid.is_prescribed() {
         parts.push(format!("order {} in time", time.order));
     }

@@ -2,6 +2,7 @@
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
+use crate::scene::run::Solves;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -31,6 +32,8 @@ pub struct Summary {
     pub memory: Option<u64>,
     /// Unknowns by field.
     pub unknowns: BTreeMap<String, u64>,
+    /// How the linear systems were solved.
+    pub solves: Solves,
     /// Seconds by phase.
     pub seconds: Numbers,
     /// Seconds of all processors by phase; those of `first_step` are a part of those of `steps`.

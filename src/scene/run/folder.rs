@@ -127,8 +127,8 @@ impl Folder {
         write_vtu(&self.0.join(field_file(step)), sim.space(), sim.time(), &fields)
     }
 
-    pub(super) fn write_collection(&self, record: &Record, step: f64) -> Result<()> {
-        let entries: Vec<_> = record.fields.iter().map(|&k| (k as f64 * step, field_file(k))).collect();
+    pub(super) fn write_collection(&self, record: &Record) -> Result<()> {
+        let entries: Vec<_> = record.fields.iter().map(|&(k, time)| (time, field_file(k))).collect();
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
@@ -166,6 +166,7 @@ impl Folder {
             "status": status,
             "error": result.as_ref().err().filter(|e| e.kind() != Kind::Interrupted).map(ToString::to_string),
             "steps": sim.state().steps,
+            "rejected_steps": sim.state().pace.as_ref().map(|p| p.clock.rejected),
             "end_time": sim.time(),
             "cells": sim.space().mesh().cell_count(),
             "edge": model.quality.greatest_diameter.value,
@@ -177,6 +178,7 @@ impl Folder {
             },
             "meshes": model.lengths.is_some().then_some(&record.meshes),
             "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
+            "solves": record.solves,
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
             "step_seconds": record.step_seconds,

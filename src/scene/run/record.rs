@@ -1,6 +1,7 @@
 //! What a run has put into its folder so far; a checkpoint holds it beside the state.
 
 use super::Clock;
+use super::solves::Solves;
 use crate::base::PHASES;
 use crate::scene::{Model, Scene};
 use crate::sim::Simulation;
@@ -15,8 +16,8 @@ pub(super) type Column = (String, Vec<f64>);
 pub(super) struct Record {
     /// Rows of the series.
     pub rows: usize,
-    /// Steps whose fields were written.
-    pub fields: Vec<usize>,
+    /// Steps whose fields were written, and their times.
+    pub fields: Vec<(usize, f64)>,
     /// Profiles by name.
     pub profiles: BTreeMap<String, Vec<Column>>,
     /// Largest rise of kinetic and elastic energy in one step, over the initial energy; only what walls and forces did not put in.
@@ -31,6 +32,9 @@ pub(super) struct Record {
     pub at_wall: BTreeMap<String, f64>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
+    /// How the linear systems were solved.
+    #[serde(default)]
+    pub solves: Solves,
     /// Looks at the mesh, each of which may have made it anew.
     pub looks: u64,
     /// The meshes of an adapted run.

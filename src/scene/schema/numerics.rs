@@ -25,6 +25,8 @@ pub struct Numerics {
     pub coupling: Coupling,
     /// Whether velocity carries itself.
     pub convection: Option<bool>,
+    /// Relative residual of iterations with an old factor; 0 factors every matrix.
+    pub solve_tolerance: f64,
     /// Degree of polynomials that quadrature integrates exactly.
     pub quadrature: Option<usize>,
 }
@@ -38,6 +40,8 @@ const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
 const TRANSPORT_WORDS: [&str; TRANSPORTS.len()] = words(&TRANSPORTS);
 const COUPLING_WORDS: [&str; COUPLINGS.len()] = words(&COUPLINGS);
 const MOST_DEGREE: usize = 20;
+const SOLVE_TOLERANCE: f64 = 1e-10;
+const LARGEST_SOLVE_TOLERANCE: f64 = 1e-6;
 
 pub(super) static KEYS: Keys = Keys {
     about: "How the equations are solved. What \"auto\" stands for is printed by `immersa explain SCENE`.",
@@ -95,6 +99,14 @@ pub(super) static KEYS: Keys = Keys {
             "Whether velocity carries itself. \"auto\": where there is inertia.",
         ),
         row(
+            "solve_tolerance",
+            Value("number from 0 to 1e-6"),
+            "",
+            Default("1e-10"),
+            "Where the matrix changes from step to step, it is solved for by GMRES with an older factor, to this relative residual, as long \
+             as that costs less than factoring. 0 factors every matrix.",
+        ),
+        row(
             "quadrature",
             Value("whole number from 1 to 20"),
             "",
@@ -114,6 +126,7 @@ impl Numerics {
             remap: None,
             coupling: Coupling::Implicit,
             convection: None,
+            solve_tolerance: SOLVE_TOLERANCE,
             quadrature: None,
         };
         let Some(item) = item else { return Ok(numerics) };
@@ -126,6 +139,7 @@ impl Numerics {
         numerics.remap = table.optional("remap", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.coupling = table.optional("coupling", |i| i.choice(&COUPLINGS))?.unwrap_or(numerics.coupling);
         numerics.convection = table.optional("convection", |i| i.unless_auto(Item::boolean))?.flatten();
+        numerics.solve_tolerance = table.optional("solve_tolerance", solve_tolerance)?.unwrap_or(SOLVE_TOLERANCE);
         numerics.quadrature = table.optional("quadrature", |i| i.unless_auto(degree))?.flatten();
         Ok(numerics)
     }
@@ -139,6 +153,17 @@ impl Numerics {
         out.entry("remap", or_auto(self.remap, number));
         out.entry("coupling", name(self.coupling, &COUPLINGS));
         out.entry("convection", or_auto(self.convection, |c| c.to_string()));
+        out.entry("solve_tolerance", number(self.solve_tolerance));
         out.entry("quadrature", or_auto(self.quadrature, |d| d.to_string()));
     }
+}
+
+fn solve_tolerance(item: &Item) -> Result<f64> {
+    let tolerance = item.non_negative()?;
+    if tolerance <= LARGEST_SOLVE_TOLERANCE {
+        return Ok(tolerance);
+    }
+    Err(item
+        .error(format!("a relative residual of {tolerance} is too large: it would be the largest error of a step"))
+        .remedy(format!("give a number up to {LARGEST_SOLVE_TOLERANCE:e}, or leave it out for {SOLVE_TOLERANCE:e}")))
 }

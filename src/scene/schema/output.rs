@@ -122,7 +122,13 @@ const QUANTITY_WORDS: [&str; 5] = words(&QUANTITIES);
 pub(super) static KEYS: Keys = Keys {
     about: "What is written, and when. What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`.",
     keys: &[
-        row("every", Value("number > 0"), "s", Derived("`time.step`"), "Time between rows of `series.csv`."),
+        row(
+            "every",
+            Value("number > 0"),
+            "s",
+            Derived("`time.step`; with `time.tolerance` a 200th of `time.end`"),
+            "Time between rows of `series.csv`.",
+        ),
         row(
             "fields",
             Value("number > 0 or false"),
@@ -252,7 +258,9 @@ impl Output {
             (film, _) => Ok(film),
         })?;
         let output = Output {
-            every: source.optional("every", Item::positive)?.unwrap_or(time.step),
+            every: source
+                .optional("every", Item::positive)?
+                .unwrap_or(time.tolerance.map_or(time.step, |_| time.end / ROWS)),
             fields,
             pictures,
             film: film.unwrap_or(pictures.is_some()),
@@ -317,6 +325,9 @@ struct Source<'a> {
     context: &'a Context,
 }
 
+/// Rows of the series of steps that follow the error, where the scene does not say.
+const ROWS: f64 = 200.0;
+
 impl<'a> Source<'a> {
     fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
         self.table.as_ref().map_or(Ok(None), |t| t.optional(key, read))
@@ -329,7 +340,9 @@ impl<'a> Source<'a> {
     /// An interval or `false`; by default the run is cut into `parts`.
     fn interval_or_none(&self, key: &str, parts: f64) -> Result<Option<f64>> {
         let given = self.optional(key, |i| unless_false(i, Item::positive))?;
-        Ok(given.unwrap_or_else(|| Some((self.time.end / parts).max(self.time.step))))
+        Ok(given.unwrap_or_else(|| {
+            Some((self.time.end / parts).max(if self.time.tolerance.is_some() { 0.0 } else { self.time.step }))
+        }))
     }
 
     fn quantity(&self, item: &Item) -> Result<Quantity> {

@@ -1,0 +1,26 @@
+//! From a scene to steps that follow the error.
+
+use super::Scene;
+use crate::sim::Pacing;
+
+/// How the steps are chosen: the scene's bounds, and all times at which something is written.
+pub(super) fn pacing(scene: &Scene, tolerance: f64, [speed, length]: [f64; 2]) -> Pacing {
+    let (time, output) = (&scene.time, &scene.output);
+    let [least, most] = time.bounds();
+    let mut instants = vec![time.end];
+    for interval in [Some(output.every), output.fields, output.pictures].into_iter().flatten() {
+        let count = (time.end / interval * (1.0 + ROUNDING)).floor() as usize;
+        instants.extend((1..=count).map(|k| k as f64 * interval));
+    }
+    instants.extend(output.profiles.iter().flat_map(|p| p.times.iter().copied()));
+    instants.retain(|&t| t > ROUNDING * time.end && t <= time.end * (1.0 + ROUNDING));
+    instants.sort_by(f64::total_cmp);
+    instants.dedup_by(|later, earlier| *later - *earlier <= ROUNDING * time.end);
+    if let Some(last) = instants.last_mut() {
+        *last = time.end;
+    }
+    Pacing { tolerance, first: time.step, least, most, instants, speed, length }
+}
+
+/// Times that are closer than this part of the end are one.
+const ROUNDING: f64 = 1e-9;

@@ -1,0 +1,186 @@
+//! The lengths of steps that follow the error.
+
+use crate::base::{Error, Result};
+
+/// How steps are chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pacing {
+    /// What the errors of all steps may add up to, relative: a step `dt` may make the error `tolerance dt / end`.
+    pub tolerance: f64,
+    /// Length of the first two steps, if the error allows.
+    pub first: f64,
+    /// Shortest step.
+    pub least: f64,
+    /// Longest step.
+    pub most: f64,
+    /// Times after 0, ascending, at which a step must end; the last is the end.
+    pub instants: Vec<f64>,
+    /// Speed that errors of the velocity are related to, or the largest that occurs if it is larger.
+    pub speed: f64,
+    /// Length that errors of positions are related to.
+    pub length: f64,
+}
+
+/// Where a run is between the instants, and the step that it wants. The interval between two instants is cut into `2^k` or `3 2^k` equal
+/// parts, and `k` changes inside: instants are hit exactly, and the matrix takes few values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// Number of the interval.
+    pub interval: u64,
+    /// Parts of it that are done.
+    pub part: u64,
+    /// Parts that it is cut into.
+    pub parts: u64,
+    /// The step that the error allows.
+    pub wanted: f64,
+    /// The last step; 0 before it.
+    pub last: f64,
+    /// The one before; 0 before it.
+    pub before: f64,
+    /// Steps that were rejected.
+    pub rejected: u64,
+    /// The largest speed that has occurred.
+    pub speed: f64,
+}
+
+/// Largest growth from step to step; BDF2 is zero-stable to `1 + sqrt(2)`.
+const GROWTH: f64 = 2.0;
+/// Part of the step that is predicted to have just the allowed error.
+const SAFETY: f64 = 0.9;
+/// A longer step is taken when it is this much longer.
+const WORTHWHILE: f64 = 1.4;
+const ROUNDING: f64 = 1.0 + 1e-10;
+
+impl Clock {
+    /// The clock at time 0.
+    pub fn new(pacing: &Pacing) -> Clock {
+        Clock { wanted: pacing.first, parts: 1, ..Clock::default() }
+    }
+    /// Whether the end is reached.
+    pub fn is_done(&self, pacing: &Pacing) -> bool {
+        self.interval as usize >= pacing.instants.len()
+    }
+    fn bounds(&self, pacing: &Pacing) -> [f64; 2] {
+        let k = self.interval as usize;
+        [if k == 0 { 0.0 } else { pacing.instants[k - 1] }, pacing.instants[k]]
+    }
+    /// The next step, at most `limit`, of which `count` fit before the next instant.
+    ///
+    /// # Errors
+    /// It would be shorter than the shortest that is allowed.
+    pub fn propose(&mut self, pacing: &Pacing, limit: f64, count: u64) -> Result<f64> {
+        let [from, to] = self.bounds(pacing);
+        let length = to - from;
+        let growth = if self.last > 0.0 { GROWTH * self.last } else { f64::INFINITY };
+        let most = self.wanted.min(limit).min(pacing.most).min(growth) * ROUNDING;
+        if !(most >= pacing.least) {
+            return Err(Error::computation("the step that the error allows is shorter than the shortest one")
+                .at(format!("time {:.6}", self.time(pacing)))
+                .value(format!("step {most:.3e}, time.step_min {:.3e}", pacing.least))
+                .remedy("give a larger time.tolerance or a smaller time.step_min; an abrupt force or boundary value has no short enough step"));
+        }
+        if self.part == 0 {
+            self.parts = 1;
+            while length / self.parts as f64 > most || self.parts < count {
+                self.parts = if self.parts.is_power_of_two() && self.parts > 1 {
+                    self.parts / 2 * 3
+                } else {
+                    (self.parts * 4 / 3).max(2)
+                };
+            }
+        }
+        while self.part.is_multiple_of(2)
+            && self.parts.is_multiple_of(2)
+            && length / (self.parts / 2) as f64 <= most
+            && self.part > 0
+        {
+            (self.part, self.parts) = (self.part / 2, self.parts / 2);
+        }
+        while length / self.parts as f64 > most {
+            (self.part, self.parts) = (2 * self.part, 2 * self.parts);
+        }
+        Ok(rounded(length / self.parts as f64))
+    }
+    /// The time: exactly an instant at its end.
+    pub fn time(&self, pacing: &Pacing) -> f64 {
+        if self.part == 0 {
+            return if self.interval == 0 { 0.0 } else { pacing.instants[self.interval as usize - 1] };
+        }
+        let [from, to] = self.bounds(pacing);
+        from + (to - from) * (self.part as f64 / self.parts as f64)
+    }
+    /// A step was made.
+    pub fn advance(&mut self, dt: f64) {
+        self.part += 1;
+        if self.part == self.parts {
+            (self.interval, self.part, self.parts) = (self.interval + 1, 0, 1);
+        }
+        (self.before, self.last) = (self.last, dt);
+    }
+    /// The step that a step `dt` with the error `error`, over the allowed one and of order `dt^2`, suggests; whether it is accepted.
+    pub fn judge(&mut self, dt: f64, error: f64) -> bool {
+        let ideal = if error.is_finite() { dt * (SAFETY / error.sqrt()).clamp(0.2, 10.0) } else { 0.5 * dt };
+        let accepted = error <= 1.0;
+        self.wanted = match accepted {
+            true if ideal >= WORTHWHILE * dt => ideal,
+            true => dt.min(ideal / SAFETY),
+            false => ideal.min(0.7 * dt),
+        };
+        accepted
+    }
+}
+
+/// A step without the last bits, in which equal parts of equal intervals differ: so that their matrices do not.
+fn rounded(dt: f64) -> f64 {
+    const LOST: u64 = 1 << 16;
+    f64::from_bits((dt.to_bits() + LOST / 2) & !(LOST - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pacing() -> Pacing {
+        let instants = vec![0.1, 0.2, 0.25, 1.0];
+        Pacing { tolerance: 1e-3, first: 0.004, least: 1e-6, most: 0.3, instants, speed: 1.0, length: 1.0 }
+    }
+
+    /// Steps of all sizes that are wanted in turn: each instant is a time of the clock to the last bit, no step is longer than wanted,
+    /// allowed or than twice the last, and the times are the sum of the steps.
+    #[test]
+    fn instants_are_hit_exactly_and_growth_is_bounded() {
+        let p = pacing();
+        let mut clock = Clock::new(&p);
+        let (mut hit, mut sum, mut k) = (vec![], 0.0, 0);
+        while !clock.is_done(&p) {
+            clock.wanted = [0.004, 0.05, 0.0013, 0.7, 0.02][k / 3 % 5];
+            let dt = clock.propose(&p, 0.06, 1).unwrap();
+            assert!(
+                dt <= clock.wanted.min(0.06) * ROUNDING && (clock.last == 0.0 || dt <= 2.0 * clock.last * ROUNDING)
+            );
+            clock.advance(dt);
+            sum += dt;
+            assert!((clock.time(&p) - sum).abs() < 1e-10);
+            if clock.part == 0 {
+                hit.push(clock.time(&p));
+            }
+            k += 1;
+            assert!(k < 2000);
+        }
+        assert_eq!(hit, p.instants);
+    }
+
+    #[test]
+    fn a_step_that_is_too_wrong_is_rejected_and_a_shorter_one_proposed_until_the_least() {
+        let p = pacing();
+        let mut clock = Clock::new(&p);
+        let dt = clock.propose(&p, f64::INFINITY, 1).unwrap();
+        assert!(!clock.judge(dt, 4.0) && clock.wanted < 0.5 * dt);
+        assert!(!clock.judge(dt, f64::INFINITY) && clock.wanted <= 0.5 * dt);
+        assert!(clock.judge(dt, 0.9) && clock.wanted <= dt);
+        assert!(clock.judge(dt, 0.01) && clock.wanted > 5.0 * dt);
+        clock.wanted = 1e-7;
+        let e = clock.propose(&p, f64::INFINITY, 1).unwrap_err();
+        assert!(e.to_string().contains("time.step_min"), "{e}");
+    }
+}
