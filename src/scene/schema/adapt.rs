@@ -97,7 +97,7 @@ pub(super) static KEYS: Keys = Keys {
             "fields",
             Value("list of \"velocity\", \"pressure\", \"level_set\""),
             "",
-            Default("[]"),
+            Optional,
             "Fields whose second derivatives shape the mesh too (anisotropic metric).",
         ),
         row(
