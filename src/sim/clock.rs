@@ -73,7 +73,7 @@ impl Clock {
         let length = to - from;
         let growth = if self.last > 0.0 { GROWTH * self.last } else { f64::INFINITY };
         let most = self.wanted.min(limit).min(pacing.most).min(growth) * ROUNDING;
-        if !(most >= pacing.least) {
+        if most < pacing.least || most.is_nan() {
             return Err(Error::computation("the step that the error allows is shorter than the shortest one")
                 .at(format!("time {:.6}", self.time(pacing)))
                 .value(format!("step {most:.3e}, time.step_min {:.3e}", pacing.least))

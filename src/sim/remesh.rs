@@ -21,7 +21,7 @@ pub enum Transfer {
 /// A [`Transfer`] from one space to another, ready for any number of fields.
 enum Bring<'a> {
     Interpolation(&'a Space<2>, Interpolation),
-    Projection(&'a Space<2>, Projection),
+    Projection(&'a Space<2>, Box<Projection>),
 }
 
 impl<'a> Bring<'a> {
@@ -33,7 +33,7 @@ impl<'a> Bring<'a> {
     ) -> Result<Bring<'a>> {
         Ok(match transfer {
             Transfer::Interpolation => Bring::Interpolation(from, Interpolation::new(from.mesh(), to)?),
-            Transfer::Projection => Bring::Projection(from, Projection::new(from.mesh(), to, translations)?),
+            Transfer::Projection => Bring::Projection(from, Box::new(Projection::new(from.mesh(), to, translations)?)),
         })
     }
     /// A field with one number a node; an empty one stays empty.

@@ -23,9 +23,9 @@ thickness = 0.1
 grad_div = 5
 "#;
 
-/// With edges of .045 at the interface.
+/// With edges of .035 across the interface and .07 along it.
 fn adapted(more: &[&str]) -> Case {
-    let mut set = vec!["mesh.adapt.edge=0.045", "mesh.adapt.width=0.12"];
+    let mut set = vec!["mesh.adapt.edge=0.035", "mesh.adapt.along=0.07", "mesh.adapt.width=0.125"];
     set.extend(more);
     Case::with(MEMBRANE, &set)
 }
@@ -48,7 +48,7 @@ fn follow(case: &mut Case, interval: usize) -> usize {
 
 #[test]
 fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknowns() {
-    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[45, 45]"]);
+    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[57, 57]"]);
     let many = unknowns(&uniform);
     let uniform = uniform.run();
     let mut case = adapted(&[]);
@@ -58,13 +58,13 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
         band_edges(sim.space(), &sim.state().phi[0], eps).unwrap().largest
     };
     assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
-    assert!(edges(&case) < 1.45 * 0.045, "{}", edges(&case));
+    assert!(edges(&case) < 1.9 * 0.035, "{}", edges(&case));
     let count = follow(&mut case, 5);
     // The membrane has moved by more than the fine part of the first mesh reaches.
     assert!((1..6).contains(&count), "{count} times");
-    assert!(edges(&case) < 1.6 * 0.045, "{}", edges(&case));
+    assert!(edges(&case) < 2.3 * 0.035, "{}", edges(&case));
     assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
-    for (column, bound) in [("membrane.extent_x", 2e-3), ("membrane.extent_y", 2e-3), ("energy_kinetic", 5e-3)] {
+    for (column, bound) in [("membrane.extent_x", 2e-3), ("membrane.extent_y", 2e-3), ("energy_kinetic", 1e-2)] {
         let (a, b) = (case.get(column), uniform.get(column));
         assert!((a - b).abs() < bound * b, "{column}: {a}, uniform {b}");
     }
@@ -74,26 +74,17 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
     assert_eq!(case.get("unknowns") as usize, unknowns(&case));
 }
 
-/// Bringing the fields to another mesh changes the energy less the finer the meshes are, whichever way they are brought.
 #[test]
-fn transfer_changes_the_energy_little_and_less_on_finer_meshes() {
+fn transfer_changes_the_energy_by_less_than_a_ten_thousandth_whichever_way_fields_are_brought() {
     for transfer in ["interpolation", "projection"] {
-        let change = |edge: f64| {
-            let edge = format!("mesh.adapt.edge={edge}");
-            let set = [
-                "mesh.adapt.fields=[\"velocity\"]",
-                "mesh.adapt.error=0.02",
-                &format!("mesh.adapt.transfer={transfer}"),
-                &edge,
-            ];
-            let mut case = adapted(&set);
-            case.steps(10);
-            let total = case.model.simulation.state().energies.total();
-            assert!(case.model.follow(&case.scene).unwrap());
-            case.get("energy_transferred").abs() / total
-        };
-        let [coarse, fine] = [0.045, 0.0225].map(change);
-        assert!(coarse < 3e-3 && fine < 0.3 * coarse, "{transfer}: {coarse:e}, {fine:e}");
+        let transfer = format!("mesh.adapt.transfer={transfer}");
+        let mut case = adapted(&["mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.02", &transfer]);
+        case.steps(10);
+        let total = case.model.simulation.state().energies.total();
+        let before = case.get("membrane.area");
+        assert!(case.model.follow(&case.scene).unwrap());
+        let [energy, area] = [case.get("energy_transferred") / total, case.get("membrane.area") / before - 1.0];
+        assert!(energy != 0.0 && energy.abs() < 1e-4 && area.abs() < 1e-4, "{transfer}: {energy:e}, area {area:e}");
     }
 }
 
@@ -117,7 +108,7 @@ fn what_cannot_be_adapted_is_refused_with_its_place() {
         (&["mesh.adapt.fields=[\"velocity\", \"velocity\"]"], "twice"),
         (&["mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.1", "mesh.adapt.vertices=100"], "both"),
         (&["mesh.adapt.edge=0.06", "mesh.adapt.h_max=0.01"], "h_max"),
-        (&["mesh.adapt.edge=0.06", "mesh.adapt.gradation=1"], "at least 1.05"),
+        (&["mesh.adapt.edge=0.06", "mesh.adapt.gradation=1"], "above 1"),
         (&["mesh.adapt.every=0.1", "numerics.thickness=auto"], "mesh.adapt.edge"),
         (&["mesh.adapt.edge=3"], "longer"),
         (&["mesh.adapt.edge=0.14"], "1.5 h"),

@@ -118,7 +118,7 @@ pub(super) static KEYS: Keys = Keys {
         row("h_max", Value("number > 0"), "m", Derived("the longest edge of the mesh as given"), "Longest edge."),
         row(
             "gradation",
-            Value("number >= 1.05"),
+            Value("number > 1"),
             "",
             Default(GRADATION),
             "Largest ratio of the lengths of neighbouring edges.",
@@ -156,8 +156,8 @@ impl Adapt {
             vertices: table.optional("vertices", |i| i.count(10, MOST_VERTICES))?,
             h_min: positive("h_min")?,
             h_max: positive("h_max")?,
-            gradation: at_least(&table, "gradation", 1.05)?.unwrap_or(DEFAULT_GRADATION),
-            anisotropy: at_least(&table, "anisotropy", 1.0)?.unwrap_or(DEFAULT_ANISOTROPY),
+            gradation: table.optional("gradation", |i| above_one(i, |v| v > 1.0))?.unwrap_or(DEFAULT_GRADATION),
+            anisotropy: table.optional("anisotropy", |i| above_one(i, |v| v >= 1.0))?.unwrap_or(DEFAULT_ANISOTROPY),
             transfer: table.optional("transfer", |i| i.choice(&TRANSFERS))?.unwrap_or(Transfer::Interpolation),
         };
         adapt.check(&table)?;
@@ -225,13 +225,11 @@ fn fields(item: &Item) -> Result<Vec<AdaptField>> {
     Ok(found)
 }
 
-/// A number that must be at least `least`.
-fn at_least(table: &Table<'_>, key: &str, least: f64) -> Result<Option<f64>> {
-    table.optional(key, |item| {
-        let v = item.number()?;
-        if v >= least {
-            return Ok(v);
-        }
-        Err(item.error(format!("`{}` must be at least {least}", item.key)).remedy(format!("give {least} or more")))
-    })
+/// A ratio that is large enough.
+fn above_one(item: &Item, large_enough: impl Fn(f64) -> bool) -> Result<f64> {
+    let v = item.number()?;
+    if large_enough(v) {
+        return Ok(v);
+    }
+    Err(item.error(format!("`{}` must be above 1", item.key)).remedy("give a ratio above 1, such as 1.5"))
 }

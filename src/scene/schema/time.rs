@@ -71,7 +71,7 @@ impl Time {
 
     fn check(&self, end: &Item) -> Result<()> {
         let ratio = self.end / self.step;
-        if self.tolerance.is_some() && ratio >= 1.0 && ratio <= MOST_STEPS {
+        if self.tolerance.is_some() && (1.0..=MOST_STEPS).contains(&ratio) {
             return Ok(());
         }
         if ratio > MOST_STEPS {
