@@ -60,6 +60,7 @@ fn course<const D: usize>(mut sim: Simulation<D>, steps: usize) -> (Vec<SVector<
 }
 
 /// Both ways of solving come to the same flow; the one with iterations factors less often than it steps.
+#[allow(clippy::print_stdout, reason = "prints what was measured, with --nocapture")]
 fn both_ways_agree<const D: usize>(mesh: &Mesh<D>, coupling: Coupling, dt: f64, steps: usize) -> f64 {
     let (direct, each, none, slow) = course(squeezed(mesh.clone(), coupling, 0.0, dt), steps);
     let (iterated, factored, iterations, fast) = course(squeezed(mesh.clone(), coupling, 1e-10, dt), steps);
