@@ -10,7 +10,7 @@ use super::plan::is_stepped;
 use super::refined::refined;
 use super::schema::{self, Condition, MeshSource, Shape};
 use crate::base::{Error, Kind, Result, Warning};
-use crate::elastic::{self, AreaLaw, Band, Force, Membrane, SharpMembrane};
+use crate::elastic::{AreaLaw, Band, Force, Membrane, SharpMembrane};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{
     self, Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
@@ -157,11 +157,7 @@ impl Model {
         self.simulation
             .structures()
             .iter()
-            .map(|s| {
-                // A force on the interface acts on what is about it: an edge on each side.
-                let thickness = if s.sharp.is_some() { edge } else { s.membrane.thickness() };
-                elastic::explicit_step_limit(viscosity, thickness, s.largest_tension(), edge)
-            })
+            .map(|s| s.step_limit(viscosity, edge))
             .filter(|limit| limit.is_finite())
             .reduce(f64::min)
     }

@@ -8,9 +8,7 @@ use crate::levelset as band;
 
 impl<const D: usize> Simulation<D> {
     pub(super) fn has_constant_materials(&self) -> bool {
-        let Materials { density, viscosity } = self.settings.materials;
-        let heavy = self.structures.iter().any(|s| s.surface_mass > 0.0);
-        density.is_uniform() && viscosity.is_uniform() && !heavy
+        self.settings.has_constant_materials(&self.structures)
     }
 
     /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.

@@ -4,7 +4,7 @@ use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
 use super::clock::Clock;
 use crate::base::{Error, Result};
-use crate::elastic::{Membrane, SharpMembrane};
+use crate::elastic::{Membrane, SharpMembrane, explicit_step_limit};
 use crate::fem::Conditions;
 use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, FlowState};
@@ -84,6 +84,11 @@ pub struct Settings<const D: usize> {
 }
 
 impl<const D: usize> Settings<D> {
+    /// Whether density and viscosity are the same everywhere at any time.
+    pub fn has_constant_materials(&self, structures: &[Structure<D>]) -> bool {
+        let Materials { density, viscosity } = self.materials;
+        density.is_uniform() && viscosity.is_uniform() && structures.iter().all(|s| s.surface_mass == 0.0)
+    }
     /// Whether the coupling can be had with these settings.
     ///
     /// # Errors
@@ -143,6 +148,12 @@ impl<const D: usize> Structure<D> {
     /// Largest tension `E'(r)` on what was prepared last; 0 when nothing is under tension.
     pub fn largest_tension(&self) -> f64 {
         self.sharp.as_ref().map_or_else(|| self.membrane.largest_tension(), SharpMembrane::largest_tension)
+    }
+    /// Largest stable step of the explicit coupling (1.54) for the current tension, on edges of the length `edge`.
+    pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        // A force on the interface acts on what is about it: an edge on each side.
+        let thickness = if self.sharp.is_some() { edge } else { self.membrane.thickness() };
+        explicit_step_limit(viscosity, thickness, self.largest_tension(), edge)
     }
 }
 

@@ -74,7 +74,11 @@ impl<const D: usize> Simulation<D> {
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let mut flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
-        flow.iterate(settings.solve_tolerance);
+        let implicit = settings.coupling == Coupling::Implicit && !structures.is_empty();
+        // A matrix that stays is factored once.
+        if implicit || !settings.has_constant_materials(&structures) {
+            flow.iterate(settings.solve_tolerance);
+        }
         let translations = flow.numbering().translations().to_vec();
         let projected = settings.transport == Method::Projected && !structures.is_empty();
         let projector = if projected { Some(Projector::new(flow.velocity().clone(), &translations)?) } else { None };

@@ -4,7 +4,6 @@ use super::clock::{Clock, Pacing};
 use super::setup::{Coupling, Pace, State};
 use super::step::{Simulation, largest};
 use crate::base::{Error, Kind, Result};
-use crate::elastic;
 use crate::flow::{FlowSolver, StepReport};
 use crate::levelset::band_edges;
 use nalgebra::SVector;
@@ -31,6 +30,7 @@ impl<const D: usize> Simulation<D> {
                 .value(format!("order {}", self.settings.order))
                 .remedy("take time.order = 2 and a flow that is solved for, or leave out time.tolerance for steps of one length"));
         };
+        flow.iterate(self.settings.solve_tolerance);
         flow.expect_changes();
         self.state.pace = Some(Pace { clock: Clock::new(&pacing), earliest_u: Vec::new() });
         self.pacing = Some(pacing);
@@ -54,11 +54,13 @@ impl<const D: usize> Simulation<D> {
         let viscosity = viscosity.inside.min(viscosity.outside);
         let mut limit = f64::INFINITY;
         for (s, phi) in self.structures.iter_mut().zip(&self.state.phi) {
-            s.membrane.prepare(flow.velocity(), phi, None);
-            let thickness = s.membrane.thickness();
-            if let Some(edges) = band_edges(&self.space, phi, thickness) {
-                let tension = s.membrane.largest_tension();
-                limit = limit.min(elastic::explicit_step_limit(viscosity, thickness, tension, edges.smallest));
+            // A sharp membrane has been prepared for its energy.
+            let reach = if s.sharp.is_some() { 0.0 } else { s.membrane.thickness() };
+            if s.sharp.is_none() {
+                s.membrane.prepare(flow.velocity(), phi, None);
+            }
+            if let Some(edges) = band_edges(&self.space, phi, reach) {
+                limit = limit.min(s.step_limit(viscosity, edges.smallest));
             }
         }
         OF_THE_LIMIT * limit

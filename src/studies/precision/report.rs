@@ -135,7 +135,9 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
             reference.notes.join(" and ")
         ),
     }];
-    if !scene.membranes.is_empty() && told.factors.iter().all(|f| f.name != "thickness") {
+    // Exact values are those of whatever thickness they were made for.
+    let by_run = matches!(told.truth, super::Truth::Reference(_));
+    if by_run && !scene.membranes.is_empty() && told.factors.iter().all(|f| f.name != "thickness") {
         let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
         notes.push(format!(
             "The half-width eps{eps} of the band is the same in all runs: the error of thickness, of first order in eps and often the largest \
