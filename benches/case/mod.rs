@@ -75,7 +75,16 @@ impl<const D: usize> Case<D> {
         let form = |_: &_, u: &SVector<f64, D>, grad: &SMatrix<f64, D, D>| {
             (u / DT, (grad + grad.transpose()) * 0.01 + SMatrix::identity() * grad.trace())
         };
-        assemble_flow_matrix(&self.velocity, Some(&self.pressure), numbering, Cells::All, matrix, form).unwrap();
+        assemble_flow_matrix(
+            &self.velocity,
+            Some(&self.pressure),
+            numbering,
+            Cells::All,
+            matrix,
+            &mut Vec::new(),
+            form,
+        )
+        .unwrap();
     }
     pub fn factored(&self) -> (SymmetricMatrix, Factor) {
         let numbering = self.numbering();

@@ -265,24 +265,26 @@ const WAVE: usize = 4096;
 /// Adds a symmetric bilinear form on vector functions to the velocity block of `matrix`. At every point, `f(at, u, grad u)` gives
 /// the pair tested with `(v, grad v)`; it must be linear in `(u, grad u)` and symmetric.
 ///
-/// With `pressure`, the blocks `-(p, div v)` and `-(q, div u)` are added too.
+/// With `pressure`, the blocks `-(p, div v)` and `-(q, div u)` are added too. `scratch` is overwritten.
 pub fn assemble_flow_matrix<const D: usize>(
     velocity: &Basis<D>,
     pressure: Option<&Basis<D>>,
     numbering: &Numbering<D>,
     cells: Cells<'_>,
     matrix: &mut SymmetricMatrix,
+    scratch: &mut Vec<f64>,
     f: impl Fn(&At<D>, &SVector<f64, D>, &SMatrix<f64, D, D>) -> VectorForm<D> + Sync,
 ) -> Result<()> {
     let nb = velocity.space.local_count();
     let np = pressure.map_or(0, |p| p.space.local_count());
     let m = D * nb + np;
     let count = cells.count(velocity.space.mesh().cell_count());
-    let mut buffer = vec![0.0; WAVE.min(count) * m * m];
+    let mut unknowns = Vec::with_capacity(m);
     for start in (0..count).step_by(WAVE) {
         let size = WAVE.min(count - start);
-        let part = &mut buffer[..size * m * m];
-        part.fill(0.0);
+        scratch.clear();
+        scratch.resize(size * m * m, 0.0);
+        let part = &mut scratch[..];
         parallel::fill(part, m * m, |first, part| {
             for (i, local) in part.chunks_exact_mut(m * m).enumerate() {
                 let c = cells.get(start + first + i);
@@ -293,7 +295,6 @@ pub fn assemble_flow_matrix<const D: usize>(
                 numbering.rotate_local(velocity.space.cell_nodes(c), m, local);
             }
         });
-        let mut unknowns = Vec::with_capacity(m);
         for (i, local) in part.chunks_exact(m * m).enumerate() {
             let c = cells.get(start + i);
             numbering.cell_unknowns(

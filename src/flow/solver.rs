@@ -264,7 +264,15 @@ impl<const D: usize> FlowSolver<D> {
         };
         matrix.zero();
         let form = self.form(weight);
-        assemble_flow_matrix(&self.velocity, Some(&self.pressure), &self.numbering, Cells::All, &mut matrix, form)?;
+        assemble_flow_matrix(
+            &self.velocity,
+            Some(&self.pressure),
+            &self.numbering,
+            Cells::All,
+            &mut matrix,
+            &mut Vec::new(),
+            form,
+        )?;
         self.base = Some((matrix, weight));
         self.factor_is_base = false;
         Ok(())
@@ -286,6 +294,7 @@ impl<const D: usize> FlowSolver<D> {
                 &self.numbering,
                 term.cells(),
                 &mut self.matrix,
+                &mut self.work.scalars,
                 |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
             )?;
             let (space, numbering) = (self.velocity.space(), &self.numbering);
