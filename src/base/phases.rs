@@ -51,6 +51,11 @@ impl Phases {
         self.seconds[phase as usize] += now.saturating_sub(self.mark).as_secs_f64();
         self.mark = now;
     }
+    /// Books seconds that were counted for one phase to another.
+    pub fn transfer(&mut self, seconds: f64, from: Phase, to: Phase) {
+        self.seconds[from as usize] -= seconds;
+        self.seconds[to as usize] += seconds;
+    }
     /// Seconds by phase, and none from now on.
     pub fn take(&mut self) -> [f64; PHASES.len()] {
         std::mem::take(&mut self.seconds)

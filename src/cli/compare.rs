@@ -36,7 +36,9 @@ pub(super) fn compare(arguments: &Arguments) -> Result<()> {
         record: arguments.record.clone(),
     };
     let scene = arguments.common.scene.load_after(twin.settings())?;
-    let cells: Vec<usize> = arguments.cells.iter().map(|n| n.get()).collect();
+    let mut cells: Vec<usize> = arguments.cells.iter().map(|n| n.get()).collect();
+    cells.sort_unstable();
+    cells.dedup();
     let found = arguments.common.conduct_with(&scene, "compare", |campaign| match cells[..] {
         [] => comparison(campaign, &twin, &told),
         _ => compare_meshes(campaign, &twin, &told, &cells),

@@ -393,13 +393,15 @@ impl<const D: usize> FlowSolver<D> {
         let mut work = std::mem::replace(&mut self.work, Work::empty());
         let result = self.solve(step, change, &mut work, state);
         self.work = work;
-        let LaggedReport { solve, refactored } = result?;
+        let LaggedReport { solve, refactored, substitutions, factoring } = result?;
+        self.substitutions += substitutions as u64;
         if refactored {
             self.factored_weight = step.weight / step.dt;
             self.factor_is_base = step.terms.iter().all(|t| !t.is_implicit());
             self.factored_plain = self.factor_is_base;
         }
         self.phases.end(Phase::Solve);
+        self.phases.transfer(factoring, Phase::Solve, Phase::Factor);
         Ok(StepReport { solve, refactored })
     }
 
@@ -425,7 +427,6 @@ impl<const D: usize> FlowSolver<D> {
             let place = format!("time {:.6}", step.time);
             if e.place().is_empty() { e.at(place) } else { e }
         })?;
-        self.substitutions += (1 + report.solve.refinements + report.solve.iterations) as u64;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         if !self.numbering.is_open() {
             let mass: f64 = work.pressure_mass.iter().sum();

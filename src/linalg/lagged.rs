@@ -3,6 +3,7 @@
 use super::gmres::Gmres;
 use super::{Factor, Ordering, SolveReport, SymmetricMatrix};
 use crate::base::Result;
+use cpu_time::ProcessTime;
 
 /// What the factor has to do with the matrix of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,18 @@ pub struct LaggedReport {
     pub solve: SolveReport,
     /// Whether the matrix was factored.
     pub refactored: bool,
+    /// How often the factor was read, each time twice.
+    pub substitutions: usize,
+    /// Seconds of all processors in the factorisation.
+    pub factoring: f64,
+}
+
+impl LaggedReport {
+    /// Of a direct solve, after a factorisation that took these seconds or none.
+    fn direct(solve: SolveReport, factoring: Option<f64>) -> LaggedReport {
+        let substitutions = 1 + solve.refinements + solve.iterations;
+        LaggedReport { solve, refactored: factoring.is_some(), substitutions, factoring: factoring.unwrap_or_default() }
+    }
 }
 
 /// The books of the choice between iterations and a factorisation. Counts alone: the choice is the same in every run of a scene,
@@ -147,7 +160,7 @@ impl LaggedFactor {
         x: &mut [f64],
     ) -> Result<LaggedReport> {
         if change == Change::None && self.factor.is_valid() {
-            return Ok(LaggedReport { solve: self.factor.solve(matrix, rhs, x)?, refactored: false });
+            return Ok(LaggedReport::direct(self.factor.solve(matrix, rhs, x)?, None));
         }
         let try_krylov =
             change == Change::Passing && self.may_iterate() && self.factor.is_valid() && !self.ledger.wants_factor();
@@ -160,14 +173,16 @@ impl LaggedFactor {
             if done.converged {
                 self.ledger.iterated(done.iterations);
                 let solve = SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations };
-                return Ok(LaggedReport { solve, refactored: false });
+                return Ok(LaggedReport { solve, refactored: false, substitutions: done.iterations, factoring: 0.0 });
             }
             wasted = done.iterations;
         }
+        let start = ProcessTime::now();
         self.factor.refactor(matrix)?;
+        let factoring = start.elapsed().as_secs_f64();
         self.ledger.factored(self.cost, wasted);
-        let solve = self.factor.solve(matrix, rhs, x)?;
-        Ok(LaggedReport { solve: SolveReport { iterations: wasted, ..solve }, refactored: true })
+        let solve = SolveReport { iterations: wasted, ..self.factor.solve(matrix, rhs, x)? };
+        Ok(LaggedReport::direct(solve, Some(factoring)))
     }
 }
 

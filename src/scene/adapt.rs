@@ -8,7 +8,7 @@ use crate::fem::{self, Element, Space};
 use crate::levelset::band_edges;
 use crate::mesh::adapt::{self, AdaptOptions, Metric};
 use crate::mesh::{self, Mesh};
-use crate::sim::{Simulation, Transfer};
+use crate::sim::{Simulation, Structure, Transfer};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -71,6 +71,10 @@ impl Lengths {
 /// Shapes that do not lie on the mesh.
 pub(super) fn adapted_start(scene: &Scene, given: Mesh<2>, lengths: &Lengths) -> Result<Mesh<2>> {
     let Some(adapt) = &scene.adapt else { return Ok(given) };
+    // Nothing is known of the fields yet: the mesh as given is as good as any.
+    if scene.interfaces().next().is_none() {
+        return Ok(given);
+    }
     let conditions = super::model::conditions(scene, &given)?;
     let mut mesh = Arc::new(given);
     for _ in 0..ROUNDS {
@@ -80,7 +84,7 @@ pub(super) fn adapted_start(scene: &Scene, given: Mesh<2>, lengths: &Lengths) ->
         let draft = Draft { scene, mesh: &mesh, space: &space, pairs, warnings: Vec::new() };
         let metric = Wanted { adapt, lengths, space: &space }.interfaces(&draft.all_distances()?)?;
         let before = mesh.points().len();
-        mesh = Arc::new(made_anew(&mesh, &metric, keep_boundary)?);
+        mesh = Arc::new(made_anew(scene, &mesh, &metric, keep_boundary)?);
         if mesh.points().len().abs_diff(before) * 50 < before {
             break;
         }
@@ -88,8 +92,12 @@ pub(super) fn adapted_start(scene: &Scene, given: Mesh<2>, lengths: &Lengths) ->
     Ok(Arc::unwrap_or_clone(mesh))
 }
 
-fn made_anew(mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) -> Result<Mesh<2>> {
-    Ok(adapt::adapt(mesh, metric, &AdaptOptions { keep_boundary, ..AdaptOptions::default() })?.mesh)
+fn made_anew(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) -> Result<Mesh<2>> {
+    let options = AdaptOptions { keep_boundary, ..AdaptOptions::default() };
+    let adapted = adapt::adapt(mesh, metric, &options).map_err(|e| {
+        scene.blame(&["mesh", "adapt"], e.remedy("take longer edges (mesh.adapt.edge, along, h_min) or a larger error"))
+    })?;
+    Ok(adapted.mesh)
 }
 
 impl Model {
@@ -108,7 +116,7 @@ impl Model {
         if let Some(fields) = wanted.fields(sim)? {
             metric = metric.intersect(&fields)?;
         }
-        let mesh = made_anew(sim.space().mesh(), &metric, !sim.translations().is_empty())?;
+        let mesh = made_anew(scene, sim.space().mesh(), &metric, !sim.translations().is_empty())?;
         self.go_on(mesh, adapt.transfer)?;
         Ok(true)
     }
@@ -130,7 +138,7 @@ impl Model {
     /// Whether some edge at an interface is too long.
     fn is_outgrown(&self, lengths: &Lengths) -> bool {
         let sim = &self.simulation;
-        let structures = sim.structures().iter().map(|s| s.membrane.thickness());
+        let structures = sim.structures().iter().map(Structure::reach);
         let reaches = structures.chain(sim.passive().iter().map(|_| lengths.width - lengths.edge));
         let edges = sim.state().phi.iter().zip(reaches).filter_map(|(phi, reach)| band_edges(sim.space(), phi, reach));
         let at_first = self.band_edges.map_or(0.0, |[_, largest]| largest);

@@ -121,6 +121,7 @@ impl<'a> Run<'a> {
                     model.go_on(mesh, adapt.transfer)?;
                 }
                 model.simulation.restore(state)?;
+                model.band_edges = record.band_edges.or(model.band_edges);
                 (Series::resume(&folder.series(), &names, record.rows)?, record)
             }
             None => (Series::create(&folder.series(), &names)?, Record::default()),
@@ -142,13 +143,13 @@ impl<'a> Run<'a> {
         if due <= self.record.looks {
             return Ok(());
         }
-        self.record.looks = due;
         self.record.note_costs(&mut self.model.simulation);
         if self.model.follow(self.scene)? {
             self.diagnostics = Diagnostics::new(self.scene, &self.model)?;
             self.model.simulation.keep_reactions(!self.scene.output.forces.is_empty());
             self.record.note_mesh(&self.model);
         }
+        self.record.looks = due;
         Ok(())
     }
 
@@ -187,7 +188,7 @@ impl<'a> Run<'a> {
     fn is_done(&self) -> bool {
         let sim = &self.model.simulation;
         match self.scene.time.tolerance {
-            Some(_) => sim.is_done(),
+            Some(_) => sim.is_done() || sim.time() >= self.scene.time.end,
             None => sim.state().steps as usize >= self.scene.time.steps(),
         }
     }
@@ -280,11 +281,14 @@ impl<'a> Run<'a> {
         let mut alarms = Vec::new();
         if self.record.worst_balance > ENERGY_ALARM {
             let projected = self.model.simulation.settings().transport == Method::Projected;
+            let sharp = self.model.simulation.structures().iter().any(|s| s.sharp.is_some());
+            let band =
+                if sharp { "" } else { " a larger thickness over the edges of the mesh, numerics.band = \"carried\"," };
             alarms.push(format!(
                 "Energy balance: {:.1} % of the energy in play came from nowhere, so the motion is not to be trusted. \
-                 Take a larger numerics.grad_div, a larger thickness over the edges of the mesh, numerics.band = \"carried\"{} or a smaller step.",
+                 Take a larger numerics.grad_div,{band}{} or a smaller step.",
                 100.0 * self.record.worst_balance,
-                if projected { ", transport = \"nodal\"" } else { "" }
+                if projected { " transport = \"nodal\"," } else { "" }
             ));
         }
         for (name, time) in &self.record.at_wall {

@@ -149,6 +149,10 @@ impl<const D: usize> Structure<D> {
     pub fn largest_tension(&self) -> f64 {
         self.sharp.as_ref().map_or_else(|| self.membrane.largest_tension(), SharpMembrane::largest_tension)
     }
+    /// Distance from the interface up to which the force acts: half-width of the band, 0 for a sharp one.
+    pub fn reach(&self) -> f64 {
+        if self.sharp.is_some() { 0.0 } else { self.membrane.thickness() }
+    }
     /// Largest stable step of the explicit coupling (1.54) for the current tension, on edges of the length `edge`.
     pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
         // A force on the interface acts on what is about it: an edge on each side.

@@ -55,11 +55,10 @@ impl<const D: usize> Simulation<D> {
         let mut limit = f64::INFINITY;
         for (s, phi) in self.structures.iter_mut().zip(&self.state.phi) {
             // A sharp membrane has been prepared for its energy.
-            let reach = if s.sharp.is_some() { 0.0 } else { s.membrane.thickness() };
             if s.sharp.is_none() {
                 s.membrane.prepare(flow.velocity(), phi, None);
             }
-            if let Some(edges) = band_edges(&self.space, phi, reach) {
+            if let Some(edges) = band_edges(&self.space, phi, s.reach()) {
                 limit = limit.min(s.step_limit(viscosity, edges.smallest));
             }
         }

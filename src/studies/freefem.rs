@@ -84,6 +84,19 @@ impl<'a> Case<'a> {
     /// # Errors
     /// A scene that cannot be run, or lacks a value that the twin takes.
     pub fn new(twin: &'a Twin, scene: &'a Scene) -> Result<Case<'a>> {
+        let refused = [
+            (scene.membranes.iter().any(|m| m.is_sharp()), "force = \"sharp\"", "smeared"),
+            (scene.adapt.as_ref().is_some_and(|a| a.every.is_some()), "mesh.adapt.every", "a mesh that stays"),
+            (scene.time.tolerance.is_some(), "time.tolerance", "steps of one length"),
+        ];
+        if let Some((_, value, remedy)) = refused.into_iter().find(|(has, ..)| *has) {
+            return Err(Error::scene(
+                "the twin has no counterpart of what the scene asks for, and would compute something else",
+            )
+            .at(twin.path().display().to_string())
+            .value(value)
+            .remedy(format!("compare with {remedy}")));
+        }
         let model = Model::new(scene)?;
         let mesh = model.simulation.space().mesh();
         Ok(Case {

@@ -216,8 +216,8 @@ fn bandwidth(sim: &Simulation<2>, record: &Record) -> serde_json::Value {
     if solve < LONG_ENOUGH || factor == 0 {
         return serde_json::Value::Null;
     }
-    let read = 2.0 * factor as f64 * record.substitutions as f64;
-    json!({ "factor_bytes": factor, "substitutions": record.substitutions, "achieved": read / solve, "copy": copy_bandwidth() })
+    let achieved = record.factor_bytes_read / solve;
+    json!({ "factor_bytes": factor, "substitutions": record.substitutions, "achieved": achieved, "copy": copy_bandwidth() })
 }
 
 /// Seconds in solves from which on the bandwidth is measured, which takes some hundredths of a second.

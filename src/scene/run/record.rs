@@ -37,6 +37,8 @@ pub(super) struct Record {
     pub solves: Solves,
     /// Looks at the mesh, each of which may have made it anew.
     pub looks: u64,
+    /// Shortest and longest edge in the bands when the current mesh was made.
+    pub band_edges: Option<[f64; 2]>,
     /// The meshes of an adapted run.
     pub meshes: Vec<MeshRecord>,
     /// Seconds by phase, of all sessions of the run.
@@ -49,6 +51,9 @@ pub(super) struct Record {
     /// How often the factor of the flow was read, each time twice.
     #[serde(default)]
     pub substitutions: u64,
+    /// Bytes of the factors that were read so.
+    #[serde(default)]
+    pub factor_bytes_read: f64,
 }
 
 /// A mesh of an adapted run.
@@ -69,6 +74,7 @@ impl Record {
     pub(super) fn note_mesh(&mut self, model: &Model) {
         let sim = &model.simulation;
         if model.lengths.is_some() {
+            self.band_edges = model.band_edges;
             self.meshes.push(MeshRecord {
                 time: sim.time(),
                 cells: sim.space().mesh().cell_count(),
@@ -91,6 +97,8 @@ impl Record {
             *self.step_seconds.entry(name.to_string()).or_default() += s;
         }
         self.substitutions += substitutions;
+        let factor = sim.flow().and_then(|flow| flow.factor()).map_or(0, |f| 8 * f.nonzeros());
+        self.factor_bytes_read += 2.0 * factor as f64 * substitutions as f64;
     }
 
     /// Notes what the first step cost, a part of `steps`: with a constant matrix it alone factors.

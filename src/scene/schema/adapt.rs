@@ -60,7 +60,7 @@ const DEFAULT_ERROR: f64 = 0.01;
 const DEFAULT_GRADATION: f64 = 1.5;
 const DEFAULT_ANISOTROPY: f64 = 20.0;
 /// More points exceed any memory.
-const MOST_VERTICES: usize = 100_000_000;
+const MOST_VERTICES: usize = 2_000_000;
 
 pub(super) static KEYS: Keys = Keys {
     about: "A mesh that follows the interfaces and, if wanted, fields. The mesh of `[mesh]` gives the domain and its names.",
@@ -109,7 +109,7 @@ pub(super) static KEYS: Keys = Keys {
         ),
         row(
             "vertices",
-            Value("whole number from 10 to 100000000"),
+            Value("whole number from 10 to 2000000"),
             "",
             Optional,
             "About how many points the fields may ask for; takes the place of `error`.",
@@ -128,7 +128,7 @@ pub(super) static KEYS: Keys = Keys {
             Value("number >= 1"),
             "",
             Default(ANISOTROPY),
-            "Largest ratio of the longest edge of a triangle to the shortest that the fields may ask for.",
+            "Largest ratio of the lengths that the fields may ask for in two directions.",
         ),
         row(
             "transfer",
@@ -156,12 +156,44 @@ impl Adapt {
             vertices: table.optional("vertices", |i| i.count(10, MOST_VERTICES))?,
             h_min: positive("h_min")?,
             h_max: positive("h_max")?,
-            gradation: table.optional("gradation", |i| above_one(i, |v| v > 1.0))?.unwrap_or(DEFAULT_GRADATION),
-            anisotropy: table.optional("anisotropy", |i| above_one(i, |v| v >= 1.0))?.unwrap_or(DEFAULT_ANISOTROPY),
+            gradation: table.optional("gradation", |i| ratio(i, "above 1", |v| v > 1.0))?.unwrap_or(DEFAULT_GRADATION),
+            anisotropy: table
+                .optional("anisotropy", |i| ratio(i, "at least 1", |v| v >= 1.0))?
+                .unwrap_or(DEFAULT_ANISOTROPY),
             transfer: table.optional("transfer", |i| i.choice(&TRANSFERS))?.unwrap_or(Transfer::Interpolation),
         };
         adapt.check(&table)?;
         Ok(adapt)
+    }
+
+    /// Checks that the scene has what the mesh is to follow.
+    pub(super) fn check_use(&self, item: &Item, has_interfaces: bool, is_prescribed: bool) -> Result<()> {
+        let table = item.open_table()?;
+        if let (Some(item), true) = (table.get("fields"), is_prescribed && self.fields.contains(&AdaptField::Pressure))
+        {
+            return Err(item
+                .key_error("the velocity is prescribed, and there is no pressure to adapt to")
+                .remedy("take \"velocity\" or \"level_set\""));
+        }
+        if let (Some(item), None) = (table.get("fields"), self.every) {
+            return Err(item
+                .key_error("fields shape the mesh when it is looked at, and `every` does not say when")
+                .remedy("add every = 0.1, or leave fields out"));
+        }
+        if has_interfaces {
+            return Ok(());
+        }
+        if let Some(item) = ["edge", "along", "width"].iter().find_map(|key| table.get(key)) {
+            return Err(item
+                .key_error(format!("`{}` is for interfaces, and there is none", item.key))
+                .remedy("leave it out; fields = [\"velocity\"] with h_min and h_max shape the mesh"));
+        }
+        if self.fields.is_empty() {
+            return Err(item
+                .key_error("there is neither an interface nor a field for the mesh to follow")
+                .remedy("add fields = [\"velocity\"] and every = 0.1, or leave mesh.adapt out"));
+        }
+        Ok(())
     }
 
     fn check(&self, table: &Table<'_>) -> Result<()> {
@@ -177,11 +209,18 @@ impl Adapt {
                 .key_error(format!("`{}` is for fields that shape the mesh, and none is given", item.key))
                 .remedy("add fields = [\"velocity\"], or leave it out"));
         }
-        let shortest = self.h_min.or(self.edge).unwrap_or(0.0);
-        match (self.h_max, table.get("h_max")) {
-            (Some(longest), Some(item)) if longest < shortest => Err(item
-                .error(format!("`h_max` is below the shortest edge {shortest}"))
-                .remedy(format!("give h_max >= {shortest}"))),
+        let lengths = [("edge", self.edge), ("along", self.along), ("h_min", self.h_min)];
+        for (key, length) in lengths.into_iter().filter_map(|(key, l)| Some((key, l?))) {
+            if let (Some(longest), Some(item)) = (self.h_max.filter(|longest| *longest < length), table.get("h_max")) {
+                return Err(item
+                    .error(format!("`h_max` = {longest} is below `{key}` = {length}"))
+                    .remedy(format!("give h_max >= {length}")));
+            }
+        }
+        match (self.along, self.edge, table.get("along")) {
+            (Some(along), Some(edge), Some(item)) if along < edge => Err(item
+                .error(format!("edges along the interfaces must not be shorter than those across, {edge}"))
+                .remedy(format!("give along >= {edge}"))),
             _ => Ok(()),
         }
     }
@@ -226,10 +265,10 @@ fn fields(item: &Item) -> Result<Vec<AdaptField>> {
 }
 
 /// A ratio that is large enough.
-fn above_one(item: &Item, large_enough: impl Fn(f64) -> bool) -> Result<f64> {
+fn ratio(item: &Item, words: &str, large_enough: impl Fn(f64) -> bool) -> Result<f64> {
     let v = item.number()?;
     if large_enough(v) {
         return Ok(v);
     }
-    Err(item.error(format!("`{}` must be above 1", item.key)).remedy("give a ratio above 1, such as 1.5"))
+    Err(item.error(format!("`{}` must be {words}", item.key)).remedy(format!("give a ratio {words}, such as 1.5")))
 }

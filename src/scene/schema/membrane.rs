@@ -117,6 +117,11 @@ pub(super) fn read(item: Option<Item>, context: &Context) -> Result<Vec<Membrane
 }
 
 impl Membrane {
+    /// Whether its force acts on the interface itself.
+    pub fn is_sharp(&self) -> bool {
+        self.force == Force::Sharp
+    }
+
     fn read(item: &Item, context: &Context) -> Result<Membrane> {
         let table = item.table(&KEYS)?;
         let shape = "give one: shape.circle = { centre = [1, 1], radius = 0.5 }";

@@ -127,6 +127,12 @@ impl Settings {
         let interfaces: Vec<&str> = taken.into_iter().chain(level_sets.iter().map(|s| s.name.as_str())).collect();
         let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
         let text = |i: &Item| i.text().map(str::to_string);
+        if time.tolerance.is_some() {
+            check_tolerance(&scene, &fluid, adapt.as_ref())?;
+        }
+        if let (Some(item), Some(adapt)) = (&adapt_item, &adapt) {
+            adapt.check_use(item, !interfaces.is_empty(), fluid.is_prescribed())?;
+        }
         let numerics = Numerics::read(scene.get("numerics"))?;
         if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
             return Err(item
@@ -179,6 +185,24 @@ impl Settings {
         self.exact.write(&mut out);
         out.text
     }
+}
+
+/// Steps that follow the error need a flow, whose error they follow, and a mesh that stays: on another mesh the differences between
+/// velocities of earlier times are those of the transfer.
+fn check_tolerance(scene: &item::Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>) -> Result<()> {
+    let time = scene.get("time").map(|i| i.open_table()).transpose()?;
+    let Some(item) = time.and_then(|t| t.get("tolerance")) else { return Ok(()) };
+    if fluid.is_prescribed() {
+        return Err(item
+            .key_error("the velocity is prescribed, and there is no flow whose error steps could follow")
+            .remedy("leave time.tolerance out, and choose time.step"));
+    }
+    if adapt.is_some_and(|a| a.every.is_some()) {
+        return Err(item
+            .key_error("steps cannot follow the error on a mesh that is made anew")
+            .remedy("leave out time.tolerance, or mesh.adapt.every: the mesh is then adapted at the start alone"));
+    }
+    Ok(())
 }
 
 /// A prescribed velocity carries level sets and nothing else.

@@ -65,6 +65,13 @@ impl Time {
             step: table.required("step", "give the time step: step = 1e-3", Item::positive)?,
             order: table.optional("order", |i| i.count(1, 2))?.unwrap_or(2),
         };
+        for key in ["step_min", "step_max"] {
+            if let (Some(item), None) = (table.get(key), time.tolerance) {
+                return Err(item
+                    .key_error(format!("`{key}` bounds steps that follow the error, and these have one length"))
+                    .remedy("add time.tolerance = 1e-2, or leave it out"));
+            }
+        }
         table.optional("end", |i| time.check(i))?;
         Ok(time)
     }

@@ -80,7 +80,7 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let box_shape = "shape.rounded_box = { centre = [1, 1], half_size = [1, 2], radius = 0.1 }";
     let rounded = BARE.replace("shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }", box_shape);
     let file = BARE.replace("rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }", "file = \"box.msh\"");
-    let adapted = BARE.replace("[fluid]", "[mesh.adapt]\nedge = 0.01\nfields = [\"velocity\"]\n[fluid]");
+    let adapted = BARE.replace("[fluid]", "[mesh.adapt]\nevery = 0.1\nedge = 0.01\nfields = [\"velocity\"]\n[fluid]");
     let bare = [BARE, &rounded, &file, &adapted].map(|text| (text, true));
     for (text, bare) in [(MEMBRANE, false), (FULL, false)].into_iter().chain(bare) {
         let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
