@@ -55,7 +55,7 @@ fn table(all: &[(Choice, Findings, Costs)]) -> Grid {
     for (k, cost) in all.first().map_or(&[][..], |(.., c)| &c.of).iter().enumerate() {
         header.push(cost.who.clone());
         if k > 0 {
-            header.push("over immersa's".into());
+            header.push(format!("{} over immersa's", cost.who));
         }
     }
     let mut grid = Grid::new("costs", "CPU seconds a step after the first, one thread", header);

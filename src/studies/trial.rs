@@ -114,9 +114,10 @@ impl Outcome {
         let values = self.series.column(column)?;
         Ok(self.series.row_at(time)?.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN))
     }
-    /// Seconds of all processors in the time steps: no set-up, no output.
+    /// Seconds of all processors in the time steps, with those that made the mesh anew between them: no set-up, no output.
     pub fn cpu_seconds(&self) -> f64 {
-        self.summary.cpu_seconds.get("steps").copied().flatten().unwrap_or(f64::NAN)
+        let spent = |phase: &str| self.summary.cpu_seconds.get(phase).copied().flatten();
+        spent("steps").unwrap_or(f64::NAN) + spent("adaptation").unwrap_or(0.0)
     }
     /// Seconds of all processors a step.
     pub fn cpu_per_step(&self) -> f64 {

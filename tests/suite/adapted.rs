@@ -78,7 +78,8 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
 fn transfer_changes_the_energy_by_less_than_a_ten_thousandth_whichever_way_fields_are_brought() {
     for transfer in ["interpolation", "projection"] {
         let transfer = format!("mesh.adapt.transfer={transfer}");
-        let mut case = adapted(&["mesh.adapt.every=0.1", "mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.02", &transfer]);
+        let mut case =
+            adapted(&["mesh.adapt.every=0.1", "mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.02", &transfer]);
         case.steps(10);
         let total = case.model.simulation.state().energies.total();
         let before = case.get("membrane.area");

@@ -27,6 +27,39 @@ fn adapted() -> String {
     scene.replace("thickness = 0.2", "thickness = 0.25")
 }
 
+/// A membrane that the flow carries out of the fine part of one mesh after the other.
+const MOVING: &str = r#"
+[mesh]
+rectangle = { min = [0, 0], max = [3, 2], cells = [12, 8] }
+[mesh.adapt]
+every = 0.05
+edge = 0.1
+[fluid]
+viscosity = 0.05
+initial_velocity = ["2", "0"]
+[boundary.left]
+velocity = [2, 0]
+[boundary.right]
+open = true
+[boundary.top]
+slip = true
+[boundary.bottom]
+slip = true
+[[membrane]]
+shape.circle = { centre = [1, 1], radius = 0.4 }
+stretch = 1.2
+area.linear = { modulus = 1 }
+[time]
+end = 0.4
+step = 0.01
+[numerics]
+thickness = 0.25
+[output]
+every = 0.01
+pictures = false
+checkpoint = 0
+"#;
+
 fn resume(folder: &Path, out: &str) -> Ended {
     immersa(folder, &["run", "scene.toml", "--resume", "--out", out])
 }
@@ -50,8 +83,10 @@ fn interrupted(folder: &Path, out: &str, row: usize) -> Ended {
 
 #[test]
 fn runs_that_were_interrupted_end_as_if_they_had_not_been() {
-    for scene in [SCENE.to_string(), SCENE.replace("checkpoint = 0", "checkpoint = false"), adapted()] {
+    for scene in [SCENE.to_string(), SCENE.replace("checkpoint = 0", "checkpoint = false"), adapted(), MOVING.into()] {
         let (folder, whole, _) = with_run(&scene);
+        let meshes = summary(&whole)["meshes"].as_array().map_or(0, Vec::len);
+        assert_eq!(meshes > 2, scene.contains("mesh.adapt"), "{meshes} meshes");
         for row in [0, 1, 7, 15] {
             let out = format!("interrupted-{row}");
             let ended = interrupted(folder.path(), &out, row);
