@@ -272,9 +272,14 @@ impl Draft<'_> {
             let eps = thickness.unwrap_or(0.0);
             // A sharp force needs no band; a fluid that changes across the interface does.
             let banded = m.force == Force::Smeared || is_stepped(self.scene);
+            let adapts = self.scene.adapt.is_some();
+            let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted edges reach 1.4 times what is asked for), \
+                          or a mesh.adapt.width above the thickness";
             let check = if banded { check_band(self.space, &distance, eps) } else { Ok(None) };
+            let check = check.map_err(|e| if adapts { e.remedy(remedy) } else { e });
             let check = check.and_then(|warning| {
-                self.warnings.extend(warning);
+                let adapted = |w: Warning| if adapts { Warning::new(w.what, remedy) } else { w };
+                self.warnings.extend(warning.map(adapted));
                 let reach = if banded { eps } else { 0.0 };
                 let margin = walls.iter().map(|&n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min);
                 if margin > reach {
@@ -286,10 +291,7 @@ impl Draft<'_> {
             });
             let key =
                 if self.scene.numerics.thickness.is_some() { vec!["numerics", "thickness"] } else { vec!["membrane"] };
-            let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted edges reach 1.4 times what is asked for), \
-                          or a mesh.adapt.width above the thickness";
-            let adapted = |e: Error| if self.scene.adapt.is_some() { e.remedy(remedy) } else { e };
-            check.map_err(|e| self.scene.blame(&key, adapted(e)))?;
+            check.map_err(|e| self.scene.blame(&key, e))?;
             let phi: Vec<f64> = distance.iter().map(|d| d * m.stretch).collect();
             structures.push(Structure {
                 name: self.scene.membranes[k].name.clone(),
