@@ -1,5 +1,7 @@
 //! Energy of a membrane that resists the change of its area (in 2-D: of its length), by the stretch `r = |grad phi|`.
 
+use nalgebra::{SMatrix, SVector};
+
 /// A constitutive law `r -> E(r)`: energy per unit of area at rest (book, section 3.2.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AreaLaw {
@@ -21,6 +23,23 @@ pub enum AreaLaw {
 }
 
 impl AreaLaw {
+    /// What is tested with `grad v` in the form implicit in the velocity, with `P = I - n n`:
+    /// `a (P : grad u) P + b n n grad u P`, `[a, b]` being `weights`; for constant tension and in 3-D the last term is `b grad u P`.
+    pub(super) fn implicit_form<const D: usize>(
+        &self,
+        n: &SVector<f64, D>,
+        grad_u: &SMatrix<f64, D, D>,
+        [a, b]: [f64; 2],
+    ) -> SMatrix<f64, D, D> {
+        let projection = SMatrix::<f64, D, D>::identity() - n * n.transpose();
+        let tangential = grad_u * projection;
+        let bent = if D == 2 && !matches!(self, AreaLaw::Tension { .. }) {
+            n * (n.transpose() * tangential)
+        } else {
+            tangential
+        };
+        projection * (a * tangential.trace()) + bent * b
+    }
     /// `E(r)`.
     pub fn energy(self, r: f64) -> f64 {
         match self {

@@ -168,15 +168,8 @@ impl<const D: usize> MomentumTerm<D> for Membrane<D> {
     }
     fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
         let (Some(b), Some(dt)) = (self.point(at), self.implicit_step) else { return SMatrix::zeros() };
-        let projection = SMatrix::<f64, D, D>::identity() - b.n * b.n.transpose();
-        let tangential = grad_u * projection;
-        let bent = if D == 2 && !matches!(self.law, AreaLaw::Tension { .. }) {
-            b.n * (b.n.transpose() * tangential)
-        } else {
-            tangential
-        };
-        let stretched = projection * (self.law.stiffness(b.r) * b.r * b.r * tangential.trace());
-        (stretched + bent * (self.law.tension(b.r).max(0.0) * b.r)) * (dt * b.w)
+        let weights = [self.law.stiffness(b.r) * b.r * b.r, self.law.tension(b.r).max(0.0) * b.r];
+        self.law.implicit_form(&b.n, grad_u, weights) * (dt * b.w)
     }
 }
 

@@ -214,14 +214,8 @@ impl<const D: usize> MomentumTerm<D> for SharpMembrane<D> {
     }
     fn surface_stiffness(&self, p: &SurfacePoint<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
         let Some(dt) = self.implicit_step else { return SMatrix::zeros() };
-        let (r, projection) = (self.stretch[p.at.q], p.projection());
-        let tangential = grad_u * projection;
-        let bent = if D == 2 && !matches!(self.law, AreaLaw::Tension { .. }) {
-            p.normal * (p.normal.transpose() * tangential)
-        } else {
-            tangential
-        };
-        let stretched = projection * (self.law.stiffness(r) * r * tangential.trace());
-        (stretched + bent * self.law.tension(r).max(0.0)) * dt
+        let r = self.stretch[p.at.q];
+        let weights = [self.law.stiffness(r) * r, self.law.tension(r).max(0.0)];
+        self.law.implicit_form(&p.normal, grad_u, weights) * dt
     }
 }
