@@ -44,6 +44,7 @@ fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
         MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
         MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
         MeshSource::Box { .. } => "box".into(),
+        MeshSource::BallInBox { .. } => "box, fine about a sphere".into(),
     };
     let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
     let q = &model.quality;

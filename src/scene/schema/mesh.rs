@@ -4,8 +4,8 @@ use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::Shape;
 use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
-use crate::mesh::Diagonals;
-use crate::scene::item::{Context, Item};
+use crate::mesh::{self, Diagonals, Mesh};
+use crate::scene::item::{Context, Item, Table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +50,23 @@ pub enum MeshSource {
         /// Boxes along each axis.
         cells: [usize; 3],
     },
+    /// A box of tetrahedra that is fine about a sphere: [`mesh::ball_in_box`].
+    BallInBox {
+        /// Corner with the smallest coordinates.
+        min: [f64; 3],
+        /// Corner with the largest coordinates.
+        max: [f64; 3],
+        /// Boxes along each axis before cells are bisected.
+        cells: [usize; 3],
+        /// Centre of the sphere.
+        centre: [f64; 3],
+        /// Radius of the sphere.
+        radius: f64,
+        /// Cells that come nearer to the sphere are fine.
+        band: f64,
+        /// Their length, the third shortest edge, is at most this.
+        edge: f64,
+    },
 }
 
 const DIAGONALS: [(&str, Diagonals); 3] =
@@ -57,7 +74,7 @@ const DIAGONALS: [(&str, Diagonals); 3] =
 const DIAGONAL_WORDS: [&str; 3] = words(&DIAGONALS);
 
 pub(super) static KEYS: Keys = Keys {
-    about: "Where the mesh comes from: exactly one of file, rectangle, disc and box.",
+    about: "Where the mesh comes from: exactly one of file, rectangle, disc, box and ball_in_box.",
     keys: &[
         row(
             "file",
@@ -69,6 +86,7 @@ pub(super) static KEYS: Keys = Keys {
         row("rectangle", Table(&RECTANGLE), "", OneOf, "A rectangle; its sides are left, right, bottom and top."),
         row("disc", Table(&DISC), "", OneOf, "A disc."),
         row("box", Table(&BOX), "", OneOf, "A box of tetrahedra; no flow can be computed on it yet."),
+        row("ball_in_box", Table(&BALL_IN_BOX), "", OneOf, "A box of tetrahedra that is fine about a sphere."),
         row(
             "refine",
             Value("whole number from 0 to 10"),
@@ -127,6 +145,31 @@ static BOX: Keys = Keys {
     ],
 };
 
+static BALL_IN_BOX: Keys = Keys {
+    about: "A box of equal boxes, each cut into tetrahedra, which are bisected until those near a sphere are fine.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "Corner with the smallest coordinates."),
+        row("max", Value("point"), "m", Required, "Corner with the largest coordinates."),
+        row(
+            "cells",
+            Value("three whole numbers from 1 to 100000"),
+            "",
+            Required,
+            "Boxes along each axis before cells are bisected.",
+        ),
+        row("centre", Value("point"), "m", Required, "Centre of the sphere."),
+        row("radius", Value("number > 0"), "m", Required, "Radius of the sphere."),
+        row("band", Value("number > 0"), "m", Required, "Cells that come nearer to the sphere than this are fine."),
+        row(
+            "edge",
+            Value("number > 0"),
+            "m",
+            Required,
+            "Longest edge of fine cells: the third shortest of their six, as for the band of a membrane.",
+        ),
+    ],
+};
+
 /// A mesh refined more often has a million times its triangles.
 const MOST_REFINEMENTS: usize = 10;
 /// More cells along an axis exceed any memory.
@@ -175,6 +218,7 @@ impl MeshSource {
                         .required("cells", "give the cells along a radius: cells = 20", |i| i.count(1, MOST_CELLS))?,
                 })
             }
+            "ball_in_box" => ball_in_box(&item.table(&BALL_IN_BOX)?),
             _ => {
                 let table = item.table(&BOX)?;
                 let min = table.required("min", "give the lowest corner: min = [0, 0, 0]", Item::vector)?;
@@ -189,7 +233,18 @@ impl MeshSource {
 
     /// Components of a vector: 3 for a box, else 2. What a mesh file holds is known when it is read.
     pub fn dimension(&self) -> usize {
-        if matches!(self, MeshSource::Box { .. }) { 3 } else { 2 }
+        if matches!(self, MeshSource::Box { .. } | MeshSource::BallInBox { .. }) { 3 } else { 2 }
+    }
+
+    /// The mesh in space that this generates; `None` for files and for meshes of the plane.
+    pub fn generated(&self) -> Option<Result<Mesh<3>>> {
+        match *self {
+            MeshSource::Box { min, max, cells } => Some(mesh::box_mesh(min, max, cells)),
+            MeshSource::BallInBox { min, max, cells, centre, radius, band, edge } => {
+                Some(mesh::ball_in_box(min, max, cells, centre, radius, band, edge))
+            }
+            _ => None,
+        }
     }
 
     /// Tries to open the mesh file, if there is one. Errors: it is missing or cannot be read.
@@ -230,8 +285,31 @@ impl MeshSource {
                 let (min, max, cells) = (vector(min), vector(max), whole(cells));
                 out.entry("box", format_args!("{{ min = {min}, max = {max}, cells = {cells} }}"));
             }
+            MeshSource::BallInBox { min, max, cells, centre, radius, band, edge } => {
+                let (min, max, cells, centre) = (vector(min), vector(max), whole(cells), vector(centre));
+                let [radius, band, edge] = [radius, band, edge].map(|x| number(*x));
+                out.entry(
+                    "ball_in_box",
+                    format_args!(
+                        "{{ min = {min}, max = {max}, cells = {cells}, centre = {centre}, radius = {radius}, band = {band}, edge = {edge} }}"
+                    ),
+                );
+            }
         }
     }
+}
+
+fn ball_in_box(table: &Table) -> Result<MeshSource> {
+    let min = table.required("min", "give the lowest corner: min = [-1, -1, -1]", Item::vector)?;
+    Ok(MeshSource::BallInBox {
+        min,
+        max: table.required("max", "give the highest corner: max = [1, 1, 1]", |i| above(i, &min))?,
+        cells: table.required("cells", "give cells = [8, 8, 8]", |i| i.counts(MOST_CELLS))?,
+        centre: table.required("centre", "give the centre of the sphere: centre = [0, 0, 0]", Item::vector)?,
+        radius: table.required("radius", "give the radius of the sphere: radius = 0.5", Item::positive)?,
+        band: table.required("band", "give how far fine cells reach: band = 0.2", Item::positive)?,
+        edge: table.required("edge", "give the edge of fine cells: edge = 0.05", Item::positive)?,
+    })
 }
 
 /// Curves by the name of their boundary.

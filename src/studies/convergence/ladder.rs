@@ -115,7 +115,9 @@ impl Rung<'_> {
             MeshSource::File { refine, .. } => {
                 (format!("mesh.refine={}", refine + k), format!("refine = {}", refine + k))
             }
-            MeshSource::Box { .. } => return Err(Error::scene("three dimensions are not studied yet")),
+            MeshSource::Box { .. } | MeshSource::BallInBox { .. } => {
+                return Err(Error::scene("three dimensions are not studied yet"));
+            }
         })
     }
 }
