@@ -1,6 +1,6 @@
 //! Shapes given by a level function, and the tracing of its zero set.
 
-use super::distance::SegmentTree;
+use super::distance::Tree;
 use super::shape::Shape;
 use crate::base::{Error, Result, parallel};
 use crate::mesh::Point;
@@ -26,7 +26,7 @@ const MOST_HALVINGS: usize = 300;
 /// of a square.
 pub struct LevelFunction {
     function: Box<Level>,
-    zero_set: SegmentTree,
+    zero_set: Tree<2>,
 }
 
 impl LevelFunction {
@@ -71,7 +71,7 @@ impl LevelFunction {
                 )));
         }
         let zero_set = grid.trace(&*function, &values)?;
-        Ok(LevelFunction { function, zero_set: SegmentTree::new(zero_set) })
+        Ok(LevelFunction { function, zero_set: Tree::new(zero_set) })
     }
 }
 
