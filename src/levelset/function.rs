@@ -6,7 +6,7 @@ use crate::base::{Error, Result, parallel};
 use crate::mesh::Point;
 
 /// A level function: negative inside.
-pub(super) type Level = dyn Fn(&Point<2>) -> f64 + Send + Sync;
+pub(super) type Level<const D: usize = 2> = dyn Fn(&Point<D>) -> f64 + Send + Sync;
 
 /// Squares of the tracing grid along the longer side of the domain.
 const GRID: usize = 256;
@@ -204,7 +204,12 @@ fn lift(f: &Level, middle: Point<2>, half: Point<2>, tolerance: f64) -> Option<P
 
 /// The zero of `f` between a point where it is negative and one where it is not, to within `tolerance`, by
 /// Chandrupatla's method (1997): inverse quadratic interpolation where it is safe, bisection elsewhere.
-fn root(f: &Level, inner: (Point<2>, f64), outer: (Point<2>, f64), tolerance: f64) -> Point<2> {
+pub(super) fn root<const D: usize>(
+    f: &Level<D>,
+    inner: (Point<D>, f64),
+    outer: (Point<D>, f64),
+    tolerance: f64,
+) -> Point<D> {
     let (origin, direction) = (inner.0, outer.0 - inner.0);
     let width = tolerance / direction.norm();
     // The zero lies between a and b; a is the latest point, c the one before.
