@@ -1,7 +1,7 @@
 //! A mesh file refined as the scene asks for, its boundary moved onto the curves that the scene names.
 
 use super::Scene;
-use super::model::shape;
+use super::dimension::{Dimension, In};
 use crate::base::{Error, Result};
 use crate::levelset::Shape;
 use crate::mesh::{Mesh, Point, refine};
@@ -26,7 +26,7 @@ pub(super) fn refined(
     let room = (high - low) * 0.05;
     for (name, curve) in geometry {
         let place = |e| scene.blame(&["mesh", "geometry", name], e);
-        let curve = shape(curve, (low - room, high + room)).map_err(place)?;
+        let curve = In::<2>::shape(curve, (low - room, high + room)).map_err(place)?;
         check_lies_on(&mesh, name, curve.as_ref()).map_err(place)?;
         curves.push((name, curve));
     }

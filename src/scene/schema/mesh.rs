@@ -4,8 +4,8 @@ use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::Shape;
 use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
-use crate::mesh::Diagonals;
-use crate::scene::item::{Context, Item};
+use crate::mesh::{Diagonals, gmsh};
+use crate::scene::item::{Context, Item, Table as ItemTable};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,8 @@ pub enum MeshSource {
     File {
         /// The file, as an absolute path.
         path: PathBuf,
+        /// 3 for a mesh of tetrahedra, 2 for one of triangles.
+        dimension: usize,
         /// How many times every triangle is cut into four.
         refine: usize,
         /// Curves that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
@@ -66,9 +68,22 @@ pub(super) static KEYS: Keys = Keys {
             OneOf,
             "A mesh of gmsh (MSH 2.2, 4.0 or 4.1), relative to the folder of the scene.",
         ),
+        row(
+            "dimension",
+            Value("2 or 3"),
+            "",
+            Derived("3 where the file has tetrahedra"),
+            "Whether the triangles of a mesh file are meant, or its tetrahedra. The file need not be read to know it.",
+        ),
         row("rectangle", Table(&RECTANGLE), "", OneOf, "A rectangle; its sides are left, right, bottom and top."),
         row("disc", Table(&DISC), "", OneOf, "A disc."),
-        row("box", Table(&BOX), "", OneOf, "A box of tetrahedra; no flow can be computed on it yet."),
+        row(
+            "box",
+            Table(&BOX),
+            "",
+            OneOf,
+            "A box of tetrahedra; its sides are left and right (in x), bottom and top (in y), back and front (in z).",
+        ),
         row(
             "refine",
             Value("whole number from 0 to 10"),
@@ -133,14 +148,22 @@ const MOST_REFINEMENTS: usize = 10;
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
-    pub(super) fn read(item: &Item, folder: &Path, constants: &BTreeMap<String, f64>) -> Result<MeshSource> {
+    /// Reads `[mesh]`. A mesh file that cannot be read, and of which the scene does not say it, has the dimension `assumed`.
+    pub(super) fn read(
+        item: &Item,
+        folder: &Path,
+        constants: &BTreeMap<String, f64>,
+        assumed: usize,
+    ) -> Result<MeshSource> {
         let mesh = item.table(&KEYS)?;
         let (kind, item) = mesh.exactly_one(&KEYS)?;
-        for key in ["refine", "geometry"] {
+        for (key, remedy) in [
+            ("refine", format!("give the {kind} more cells")),
+            ("geometry", format!("give the {kind} more cells")),
+            ("dimension", format!("leave it out: a {kind} has one dimension only")),
+        ] {
             if let (Some(item), true) = (mesh.get(key), kind != "file") {
-                return Err(item
-                    .key_error(format!("`{key}` is for mesh files"))
-                    .remedy(format!("give the {kind} more cells")));
+                return Err(item.key_error(format!("`{key}` is for mesh files")).remedy(remedy));
             }
         }
         match kind {
@@ -149,9 +172,19 @@ impl MeshSource {
                 if file.is_empty() {
                     return Err(item.error("the name of the mesh file is empty").remedy("name a gmsh file (.msh)"));
                 }
-                let context = Context { dimension: 2, constants: constants.clone() };
+                let path = absolute(&folder.join(file));
+                let dimension = match mesh.optional("dimension", |i| i.count(2, 3))? {
+                    Some(dimension) => dimension,
+                    // What is wrong with the file is told when the mesh is made.
+                    None => gmsh::dimension(&path).unwrap_or(assumed),
+                };
+                if dimension == 3 {
+                    check_unrefined(&mesh)?;
+                }
+                let context = Context { dimension, constants: constants.clone() };
                 Ok(MeshSource::File {
-                    path: absolute(&folder.join(file)),
+                    path,
+                    dimension,
                     refine: mesh.optional("refine", |i| i.count(0, MOST_REFINEMENTS))?.unwrap_or(0),
                     geometry: mesh.optional("geometry", |i| curves(i, &context))?.unwrap_or_default(),
                 })
@@ -187,9 +220,13 @@ impl MeshSource {
         }
     }
 
-    /// Components of a vector: 3 for a box, else 2. What a mesh file holds is known when it is read.
+    /// Components of a vector: 2 or 3.
     pub fn dimension(&self) -> usize {
-        if matches!(self, MeshSource::Box { .. }) { 3 } else { 2 }
+        match self {
+            MeshSource::File { dimension, .. } => *dimension,
+            MeshSource::Rectangle { .. } | MeshSource::Disc { .. } => 2,
+            MeshSource::Box { .. } => 3,
+        }
     }
 
     /// Tries to open the mesh file, if there is one. Errors: it is missing or cannot be read.
@@ -207,7 +244,11 @@ impl MeshSource {
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[mesh]");
         match self {
-            MeshSource::File { path, refine, geometry } => {
+            MeshSource::File { path, dimension: 3, .. } => {
+                out.entry("file", text(&path.to_string_lossy()));
+                out.entry("dimension", 3);
+            }
+            MeshSource::File { path, refine, geometry, .. } => {
                 out.entry("file", text(&path.to_string_lossy()));
                 out.entry("refine", refine);
                 for (name, curve) in geometry {
@@ -231,6 +272,16 @@ impl MeshSource {
                 out.entry("box", format_args!("{{ min = {min}, max = {max}, cells = {cells} }}"));
             }
         }
+    }
+}
+
+/// Refuses what is for meshes of triangles.
+fn check_unrefined(mesh: &ItemTable<'_>) -> Result<()> {
+    match ["refine", "geometry"].iter().find_map(|key| mesh.get(key)).filter(|i| !i.is_zero()) {
+        Some(item) => Err(item
+            .key_error(format!("`{}` is for meshes of triangles, and the file has tetrahedra", item.key))
+            .remedy("leave it out, and mesh the volume finer (gmsh -clscale 0.5)")),
+        None => Ok(()),
     }
 }
 

@@ -25,7 +25,7 @@ pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
 pub use output::{Flux, Force, Output, Picture, Probe, Profile, Quantity};
-pub use shape::Shape;
+pub use shape::{Shape, Turn};
 pub use time::Time;
 
 use super::expression::is_reserved;
@@ -109,11 +109,23 @@ pub static KEYS: Keys = Keys {
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
     pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<Settings> {
+        // A mesh file that is missing does not say its dimension. The scene then does, and is told of the file when that is needed.
+        let in_plane = Settings::read_as(root, folder, name, 2);
+        in_plane.or_else(|e| Settings::read_as(root, folder, name, 3).map_err(|_| e))
+    }
+
+    /// Reads a scene, with the dimension of a mesh file that does not say it.
+    fn read_as(root: &Item, folder: &Path, name: &str, dimension: usize) -> Result<Settings> {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
-        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
+        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants, dimension))?;
         let adapt_item = scene.get("mesh").map(|i| i.open_table()).transpose()?.and_then(|t| t.get("adapt"));
+        if let (Some(item), 3) = (&adapt_item, mesh.dimension()) {
+            return Err(item
+                .key_error("meshes of tetrahedra are not adapted")
+                .remedy("leave mesh.adapt out, and make the mesh fine where the interface passes"));
+        }
         let adapt = adapt_item.as_ref().map(Adapt::read).transpose()?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
@@ -160,6 +172,11 @@ impl Settings {
     pub fn interfaces(&self) -> impl Iterator<Item = (&str, f64)> {
         let passive = self.level_sets.iter().map(|s| (s.name.as_str(), 1.0));
         self.membranes.iter().map(|m| (m.name.as_str(), m.stretch)).chain(passive)
+    }
+
+    /// What an interface encloses and what it has of its own, as their columns are called.
+    pub fn extents(&self) -> [&'static str; 2] {
+        if self.mesh.dimension() == 2 { ["area", "perimeter"] } else { ["volume", "surface"] }
     }
 
     /// The scene as TOML with every default written out; reads as the same settings.

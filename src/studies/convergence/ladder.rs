@@ -112,10 +112,21 @@ impl Rung<'_> {
             MeshSource::Disc { cells, .. } => {
                 (format!("mesh.disc.cells={}", finer(*cells)), format!("n = {}", finer(*cells)))
             }
+            MeshSource::File { dimension: 3, path, .. } => {
+                return Err(Error::scene("a mesh of tetrahedra from a file cannot be refined")
+                    .value(path.display())
+                    .remedy("give files from coarse to fine with --meshes, or halve the step alone with --time"));
+            }
             MeshSource::File { refine, .. } => {
                 (format!("mesh.refine={}", refine + k), format!("refine = {}", refine + k))
             }
-            MeshSource::Box { .. } => return Err(Error::scene("three dimensions are not studied yet")),
+            MeshSource::Box { cells, .. } => {
+                let cells = cells.map(finer);
+                let [nx, ny, nz] = cells;
+                let name =
+                    if nx == ny && ny == nz { format!("n = {nx}") } else { format!("n = {nx} x {ny} x {nz}") };
+                (format!("mesh.box.cells={cells:?}"), name)
+            }
         })
     }
 }
