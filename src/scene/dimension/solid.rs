@@ -3,7 +3,7 @@
 use super::{Dimension, In, coordinates, other_dimension, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
-use crate::levelset::{Circle, Shape as Distance};
+use crate::levelset::{Circle, RoundedBlock, Shape as Distance, SolidFunction, SolidUnion};
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::Scene;
 use crate::scene::schema::{Chord, MeshSource, Shape};
@@ -31,10 +31,24 @@ impl Dimension<3> for In<3> {
     }
 
     fn shape(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance<3>>> {
-        let _ = (domain, coordinates::<3>);
         Ok(match shape {
             Shape::Sphere { centre, radius } => Box::new(Circle::<3>::new(point(centre), *radius)?),
-            _ => return Err(other_dimension(shape, 3)),
+            Shape::RoundedBlock { centre, half_size, radius, turn } => {
+                Box::new(RoundedBlock::new(point(centre), point(half_size), *radius, point(&turn.axis), turn.angle)?)
+            }
+            Shape::Union(parts) => {
+                let parts = parts.iter().map(|p| Self::shape(p, domain)).collect::<Result<_>>()?;
+                Box::new(SolidUnion::new(parts)?)
+            }
+            Shape::Expression(e) => {
+                let e = e.clone();
+                Box::new(SolidFunction::new(move |x: &Point<3>| e.eval(coordinates(x), 0.0), domain)?)
+            }
+            Shape::Ellipsoid { .. }
+            | Shape::Circle { .. }
+            | Shape::Ellipse { .. }
+            | Shape::RoundedBox { .. }
+            | Shape::Polygon(_) => return Err(other_dimension(shape, 3)),
         })
     }
 
