@@ -1,4 +1,5 @@
-//! Level sets: shapes and their signed distances, the regularised band, the contour `phi = 0` and what is measured on it.
+//! Level sets: shapes and their signed distances, the regularised band, the contour or surface `phi = 0` and what is
+//! measured on it.
 //!
 //! `phi < 0` inside, and a fresh level set is the signed distance of a [`Shape`] times the initial stretch, so that
 //! `|grad phi|` on the contour is the stretch of the membrane.
@@ -12,14 +13,19 @@ mod distance;
 mod ellipse;
 mod fine;
 mod function;
+mod isosurface;
 mod measures;
+mod patch;
 mod point_tree;
 mod polygon;
 mod quadratic;
 mod rounded_block;
 mod shape;
+mod sign;
+mod solid;
 mod solid_function;
 mod solid_union;
+mod tetrahedron;
 mod union;
 
 pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
@@ -29,10 +35,13 @@ pub use cut::surface;
 pub use ellipse::Ellipse;
 pub use fine::{Interface, Sample};
 pub use function::LevelFunction;
+pub use isosurface::{Isosurface, surface_in_space};
 pub use measures::{ContourPoint, Measures};
+pub use patch::Triangle;
 pub use polygon::Polygon;
 pub use rounded_block::RoundedBlock;
 pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
+pub use solid::SolidMeasures;
 pub use solid_function::SolidFunction;
 pub use solid_union::SolidUnion;
 pub use union::Union;

@@ -36,12 +36,7 @@ fn halve<const D: usize>(part: &mut [Point<D>], axis: usize) {
     halve(&mut high[1..], (axis + 1) % D);
 }
 
-fn search<'a, const D: usize>(
-    part: &'a [Point<D>],
-    axis: usize,
-    x: &Point<D>,
-    best: &mut (f64, Option<&'a Point<D>>),
-) {
+fn search<'a, const D: usize>(part: &'a [Point<D>], axis: usize, x: &Point<D>, best: &mut (f64, Option<&'a Point<D>>)) {
     let (low, Some((middle, high))) = ({
         let (low, rest) = part.split_at(part.len() / 2);
         (low, rest.split_first())

@@ -176,7 +176,11 @@ impl Grid {
         for k in 0..values.len() {
             let ends = [k % nx + 1 < nx, k / nx % ny + 1 < ny, k / (nx * ny) + 1 < nz];
             for (next, inside) in [k + 1, k + nx, k + nx * ny].into_iter().zip(ends) {
-                if inside && values[k].is_finite() && values[next].is_finite() && (values[k] < 0.0) != (values[next] < 0.0) {
+                if inside
+                    && values[k].is_finite()
+                    && values[next].is_finite()
+                    && (values[k] < 0.0) != (values[next] < 0.0)
+                {
                     found.push(root(f, self.point(k), self.point(next)));
                 }
             }
@@ -210,7 +214,8 @@ mod tests {
 
     #[test]
     fn the_distance_to_a_ball_is_exact_whatever_the_slope_of_its_function() {
-        let ball = SolidFunction::new(|x| (x - p(0.1, 0.0, 0.0)).norm_squared().powi(2) - 0.5f64.powi(4), domain()).unwrap();
+        let ball =
+            SolidFunction::new(|x| (x - p(0.1, 0.0, 0.0)).norm_squared().powi(2) - 0.5f64.powi(4), domain()).unwrap();
         for k in 0..300 {
             let x = p((k as f64).sin(), (2.3 * k as f64).sin(), (3.7 * k as f64).sin());
             let exact = (x - p(0.1, 0.0, 0.0)).norm() - 0.5;

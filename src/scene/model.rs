@@ -217,12 +217,7 @@ where
     }
 
     /// The distance to the nearest of the images that periodic sides make of a shape, so that the level set is periodic too.
-    pub(super) fn nearest_image(
-        &self,
-        mut distance: Vec<f64>,
-        shape: &dyn Shape<D>,
-        shifts: &[Point<D>],
-    ) -> Vec<f64> {
+    pub(super) fn nearest_image(&self, mut distance: Vec<f64>, shape: &dyn Shape<D>, shifts: &[Point<D>]) -> Vec<f64> {
         for shift in shifts.iter().skip(1) {
             for (d, x) in distance.iter_mut().zip(self.space.nodes()) {
                 *d = d.min(shape.distance(&(x + shift)));
@@ -454,7 +449,9 @@ pub(super) fn band_of(scene: &Scene, membrane: &schema::Membrane) -> Band {
 }
 
 /// Expressions as a vector function, one a component.
-pub(super) fn vector<const D: usize>(v: &[Expression]) -> impl Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync + 'static {
+pub(super) fn vector<const D: usize>(
+    v: &[Expression],
+) -> impl Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync + 'static {
     let v = v.to_vec();
     move |x, t| SVector::<f64, D>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval(coordinates(x), t)))
 }

@@ -125,7 +125,11 @@ where
 
 /// Refuses composed transport where fluid may come in: a particle that was outside at time 0 has no value there. Warns of
 /// projected transport there, which amplifies what the characteristics bring in from the boundary.
-pub(super) fn check_inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Result<Option<Warning>> {
+pub(super) fn check_inflow<const D: usize>(
+    scene: &Scene,
+    mesh: &Mesh<D>,
+    pairs: &[Translation<D>],
+) -> Result<Option<Warning>> {
     let carried = scene.interfaces().next().is_some();
     if !carried || scene.numerics.transport == Method::Nodal {
         return Ok(None);

@@ -52,13 +52,10 @@ pub trait Dimension<const D: usize> {
     ///
     /// # Errors
     /// An interface that cannot have them.
-    fn markers(
-        _space: &Space<D>,
-        _phi: &[f64],
-        _distance: &InitialFunction<D>,
-        count: usize,
-    ) -> Result<Vec<Point<D>>> {
-        Err(Error::scene("markers follow a curve, and the interface is a surface").value(count).remedy("leave them out"))
+    fn markers(_space: &Space<D>, _phi: &[f64], _distance: &InitialFunction<D>, count: usize) -> Result<Vec<Point<D>>> {
+        Err(Error::scene("markers follow a curve, and the interface is a surface")
+            .value(count)
+            .remedy("leave them out"))
     }
 
     /// The mesh of a scene that follows its interfaces, at the start: from the mesh as given.

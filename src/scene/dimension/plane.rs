@@ -66,20 +66,17 @@ impl Dimension<2> for In<2> {
         let interface = sim.interface(k)?;
         let mut row = measures(sim, &interface).to_vec();
         let Interface { space, phi, contour } = &interface;
-        row.extend(chords.iter().map(|c| {
-            contour.half_chord(space, phi, &point(&c.through), &point(&c.direction)).unwrap_or(f64::NAN)
-        }));
+        row.extend(
+            chords
+                .iter()
+                .map(|c| contour.half_chord(space, phi, &point(&c.through), &point(&c.direction)).unwrap_or(f64::NAN)),
+        );
         let passive = k.checked_sub(sim.structures().len());
         row.extend(passive.and_then(|k| sim.marker_polygon(k)).into_iter().flatten());
         Ok(row)
     }
 
-    fn markers(
-        space: &Space<2>,
-        phi: &[f64],
-        distance: &InitialFunction<2>,
-        count: usize,
-    ) -> Result<Vec<Point<2>>> {
+    fn markers(space: &Space<2>, phi: &[f64], distance: &InitialFunction<2>, count: usize) -> Result<Vec<Point<2>>> {
         markers(&Contour::new(space, phi)?, distance, count)
     }
 

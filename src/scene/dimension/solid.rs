@@ -3,7 +3,7 @@
 use super::{Dimension, In, coordinates, other_dimension, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
-use crate::levelset::{Circle, RoundedBlock, Shape as Distance, SolidFunction, SolidUnion};
+use crate::levelset::{self, Circle, Isosurface, RoundedBlock, Shape as Distance, SolidFunction, SolidUnion};
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::Scene;
 use crate::scene::schema::{Chord, MeshSource, Shape};
@@ -52,11 +52,32 @@ impl Dimension<3> for In<3> {
         })
     }
 
-    fn surface(_space: &Space<3>, _phi: &[f64]) -> Result<Vec<SurfacePoint<3>>> {
-        Err(Error::internal("surfaces are not cut yet"))
+    fn surface(space: &Space<3>, phi: &[f64]) -> Result<Vec<SurfacePoint<3>>> {
+        levelset::surface_in_space(space, phi)
     }
 
-    fn measure(_sim: &Simulation<3>, _k: usize, chords: &[Chord]) -> Result<Vec<f64>> {
-        Ok(vec![f64::NAN; COUNT + chords.len()])
+    fn measure(sim: &Simulation<3>, k: usize, chords: &[Chord]) -> Result<Vec<f64>> {
+        let (space, phi) = (sim.space(), sim.level_set(k));
+        let surface = Isosurface::new(space, &phi)?;
+        let mut row = measures(sim, &surface).to_vec();
+        row.extend(
+            chords
+                .iter()
+                .map(|c| surface.half_chord(space, &phi, &point(&c.through), &point(&c.direction)).unwrap_or(f64::NAN)),
+        );
+        Ok(row)
     }
+}
+
+/// The first columns of an interface.
+fn measures(sim: &Simulation<3>, surface: &Isosurface) -> [f64; COUNT] {
+    // In parts on the two sides of the mesh a membrane has a volume and a surface, but no place and no form.
+    let parted = !sim.translations().is_empty() && !surface.walls().is_empty();
+    surface.measures().map_or([f64::NAN; COUNT], |k| {
+        let whole = |v: f64| if parted { f64::NAN } else { v };
+        let [x, y, z] = [0, 1, 2].map(|i| whole(k.centroid[i]));
+        let [a, b, c] = [k.axis_1, k.axis_2, k.axis_3].map(whole);
+        let [width, height, depth] = [k.extent_x, k.extent_y, k.extent_z].map(whole);
+        [k.volume, k.surface, x, y, z, a, b, c, width, height, depth]
+    })
 }

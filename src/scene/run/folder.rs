@@ -135,7 +135,12 @@ impl Folder {
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
-    pub(super) fn write_profile<const D: usize>(&self, name: &str, points: &[Point<D>], values: &[Column]) -> Result<()> {
+    pub(super) fn write_profile<const D: usize>(
+        &self,
+        name: &str,
+        points: &[Point<D>],
+        values: &[Column],
+    ) -> Result<()> {
         let column = |f: &dyn Fn(&Point<D>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
         let distance = column(&|p| (p - points[0]).norm());
         let places: Vec<Vec<f64>> = (0..D).map(|i| column(&|p| p[i])).collect();

@@ -330,8 +330,16 @@ impl Turn {
 /// Refuses a shape of the plane in space, and one of space in the plane.
 fn check_dimension(kind: &str, item: &Item, context: &Context) -> Result<()> {
     let (others, place, remedy) = match context.dimension {
-        2 => (&OF_SPACE[..], "of space, but the mesh is plane", "take circle, ellipse, rounded_box, polygon, union or expression"),
-        _ => (&OF_THE_PLANE[..], "of the plane, but the scene has 3 dimensions", "take sphere, ellipsoid, rounded_box, union or expression"),
+        2 => (
+            &OF_SPACE[..],
+            "of space, but the mesh is plane",
+            "take circle, ellipse, rounded_box, polygon, union or expression",
+        ),
+        _ => (
+            &OF_THE_PLANE[..],
+            "of the plane, but the scene has 3 dimensions",
+            "take sphere, ellipsoid, rounded_box, union or expression",
+        ),
     };
     match others.contains(&kind) {
         true => Err(item.key_error(format!("`{kind}` is a shape {place}")).remedy(remedy)),

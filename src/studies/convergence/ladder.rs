@@ -123,8 +123,7 @@ impl Rung<'_> {
             MeshSource::Box { cells, .. } => {
                 let cells = cells.map(finer);
                 let [nx, ny, nz] = cells;
-                let name =
-                    if nx == ny && ny == nz { format!("n = {nx}") } else { format!("n = {nx} x {ny} x {nz}") };
+                let name = if nx == ny && ny == nz { format!("n = {nx}") } else { format!("n = {nx} x {ny} x {nz}") };
                 (format!("mesh.box.cells={cells:?}"), name)
             }
         })

@@ -289,8 +289,7 @@ fn sizes(scene: &SceneSettings, settings: &Settings, ladder: &Ladder, levels: &[
     }
     // The longest edge of a mesh of a generator is a matter of chance; the mean size of its cells is not.
     let power = -1.0 / scene.mesh.dimension() as f64;
-    let sizes: Vec<f64> =
-        levels.iter().map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(power))).collect();
+    let sizes: Vec<f64> = levels.iter().map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(power))).collect();
     let scale = edges.iter().zip(&sizes).map(|(e, s)| e / s).find(|s| s.is_finite()).unwrap_or(f64::NAN);
     sizes.iter().map(|s| s * scale).collect()
 }
