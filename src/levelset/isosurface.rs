@@ -159,14 +159,14 @@ mod tests {
         }
         (area, volume)
     }
-    fn check_closed(s: &Isosurface) -> Result<(), TestCaseError> {
+    fn check_closed(s: &Isosurface) -> std::result::Result<(), TestCaseError> {
         let (area, volume) = sums(s);
         prop_assert!(area.norm() < 1e-13, "{area}");
         prop_assert!(volume.max() - volume.min() < 1e-13, "{volume}");
         Ok(())
     }
     /// Every curved side has its opposite, the same to the last bit.
-    fn check_sides(s: &Isosurface) -> Result<(), TestCaseError> {
+    fn check_sides(s: &Isosurface) -> std::result::Result<(), TestCaseError> {
         let bits = |x: &Point<3>| [x[0].to_bits(), x[1].to_bits(), x[2].to_bits()];
         let mut sides: HashMap<[[u64; 3]; 3], i32> = HashMap::new();
         for t in s.triangles().iter().chain(s.walls()) {

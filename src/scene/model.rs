@@ -66,8 +66,12 @@ where
     /// Builds the model of a scene.
     ///
     /// # Errors
-    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place.
+    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place; a scene that has not `D` dimensions.
     pub fn new(scene: &Scene) -> Result<Model<D>> {
+        if scene.dimension() != D {
+            let e = Error::scene(format!("a scene of {} dimensions has no model of {D}", scene.dimension()));
+            return Err(scene.blame(&["mesh"], e.remedy("build the model of the dimension of its mesh")));
+        }
         let (mesh, mut warnings) = In::<D>::mesh(scene)?;
         // `walls` names every side: whether one lacks a condition is told by name and place when the unknowns are numbered.
         let given = with_walls(mesh);

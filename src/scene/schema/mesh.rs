@@ -148,12 +148,12 @@ const MOST_REFINEMENTS: usize = 10;
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
-    /// Reads `[mesh]`. A mesh file that cannot be read, and of which the scene does not say it, has the dimension `assumed`.
+    /// Reads `[mesh]`. Without a word from the scene a mesh file has the dimension `assumed`, or that which it says, or 2.
     pub(super) fn read(
         item: &Item,
         folder: &Path,
         constants: &BTreeMap<String, f64>,
-        assumed: usize,
+        assumed: Option<usize>,
     ) -> Result<MeshSource> {
         let mesh = item.table(&KEYS)?;
         let (kind, item) = mesh.exactly_one(&KEYS)?;
@@ -176,7 +176,7 @@ impl MeshSource {
                 let dimension = match mesh.optional("dimension", |i| i.count(2, 3))? {
                     Some(dimension) => dimension,
                     // What is wrong with the file is told when the mesh is made.
-                    None => gmsh::dimension(&path).unwrap_or(assumed),
+                    None => assumed.or_else(|| gmsh::dimension(&path).ok()).unwrap_or(2),
                 };
                 if dimension == 3 {
                     check_unrefined(&mesh)?;

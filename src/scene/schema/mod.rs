@@ -109,13 +109,13 @@ pub static KEYS: Keys = Keys {
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
     pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<Settings> {
-        // A mesh file that is missing does not say its dimension. The scene then does, and is told of the file when that is needed.
-        let in_plane = Settings::read_as(root, folder, name, 2);
-        in_plane.or_else(|e| Settings::read_as(root, folder, name, 3).map_err(|_| e))
+        let read = |dimension| Settings::read_as(root, folder, name, dimension);
+        // Where the scene says otherwise than its mesh file, or the file is missing, that is told when the mesh is made.
+        read(None).or_else(|e| [2, 3].into_iter().find_map(|d| read(Some(d)).ok()).ok_or(e))
     }
 
-    /// Reads a scene, with the dimension of a mesh file that does not say it.
-    fn read_as(root: &Item, folder: &Path, name: &str, dimension: usize) -> Result<Settings> {
+    /// Reads a scene, its mesh file being of this dimension; without one, of that which the file says, or else of the plane.
+    fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> Result<Settings> {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";

@@ -1,0 +1,248 @@
+//! Scenes of three dimensions, through the program: they run, go on bit by bit, and wrong ones are refused.
+
+use super::program::*;
+use immersa::output::{Table, Values, read_vtu};
+use immersa::scene::Scene;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+const CAVITY: &str = r#"title = "A cavity in space"
+[mesh]
+box = { min = [0, 0, 0], max = [1, 1, 1], cells = [3, 3, 3] }
+[fluid]
+viscosity = 0.1
+gravity = [0, 0, -1]
+[boundary.walls]
+no_slip = true
+[boundary.top]
+velocity = ["16*x*(1-x)*z*(1-z)", 0, 0]
+[time]
+end = 0.06
+step = 0.02
+[output]
+probes.middle = { at = [0.5, 0.5, 0.5], of = "velocity" }
+forces.lid = { boundary = "top", about = [0.5, 0.5, 0.5] }
+fluxes.left = { boundary = "left" }
+[output.profiles]
+line = { from = [0, 0.5, 0.5], to = [1, 0.5, 0.5], of = "velocity", points = 5 }
+"#;
+
+/// An ellipsoid that relaxes.
+const MEMBRANE: &str = r#"title = "An ellipsoid that relaxes"
+[mesh]
+box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }
+[fluid]
+viscosity = 0.1
+[boundary.walls]
+no_slip = true
+[[membrane]]
+shape.ellipsoid = { centre = [0, 0, 0], semi_axes = [0.6, 0.45, 0.45] }
+stretch = 1.2
+area.linear = { modulus = 1 }
+[membrane.chords]
+long = { through = [0, 0, 0], direction = [1, 0, 0] }
+[time]
+end = 0.06
+step = 0.02
+[numerics]
+thickness = 0.35
+[output]
+fields = 0.02
+pictures = false
+checkpoint = 0
+probes.p = { at = [0.5, 0.1, 0.2], of = "pressure" }
+"#;
+
+fn folder_with(scene: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    folder
+}
+
+fn series(run: &Path) -> Table {
+    Table::read(&run.join("series.csv")).unwrap()
+}
+
+fn refused(scene: &str, words: &[&str]) {
+    let folder = folder_with(scene);
+    immersa(folder.path(), &["explain", "scene.toml"]).expect(2, words);
+}
+
+#[test]
+fn a_cavity_in_space_runs_with_every_kind_of_output() {
+    let folder = folder_with(CAVITY);
+    let ended = immersa(folder.path(), &["run", "scene.toml", "--out", "run"]);
+    ended.expect(0, &["162 tetrahedra", "done: 3 steps", "no pictures"]);
+    assert!(!ended.stderr.contains("third dimension"), "{}", ended.stderr);
+    let run = folder.path().join("run");
+    let table = series(&run);
+    let last = |name: &str| *table.column(name).unwrap().last().unwrap();
+    // The middle flows back under the lid, and the flow is the same on both sides of the plane z = 1/2.
+    assert!(last("middle_x") < 0.0 && last("velocity_max") > 0.5, "{}", last("middle_x"));
+    assert!(last("lid_x") < 0.0 && last("left").abs() < 1e-10);
+    for column in ["lid_y", "lid_z", "lid_stress_z", "lid_moment_z", "lid_stress_moment_x"] {
+        assert!(last(column).is_finite(), "{column}");
+    }
+    let profile = Table::read(&run.join("profiles/line.csv")).unwrap();
+    assert_eq!(profile.names, ["distance", "x", "y", "z", "t=0.06_x", "t=0.06_y", "t=0.06_z"]);
+    assert_eq!((profile.rows(), profile.column("z").unwrap()[3]), (5, 0.5));
+    let snapshot = read_vtu::<3>(&run.join("fields/000003.vtu")).unwrap();
+    assert_eq!(snapshot.space.mesh().cell_count(), 162);
+    let speeds = snapshot.vector("velocity").unwrap().iter().map(|u| u.norm());
+    assert_eq!(speeds.fold(0.0, f64::max), last("velocity_max"));
+    let report = fs::read_to_string(run.join("report.html")).unwrap();
+    assert!(report.contains("no pictures") && report.contains("Probe middle"));
+}
+
+#[test]
+fn an_ellipsoid_relaxes_and_goes_on_bit_by_bit_after_an_interruption() {
+    let folder = folder_with(MEMBRANE);
+    let run = |out: &str, more: &[&str]| immersa(folder.path(), &[&["run", "scene.toml", "--out", out], more].concat());
+    run("whole", &[]).expect(0, &["done: 3 steps"]);
+    let whole = folder.path().join("whole");
+    let table = series(&whole);
+    let ends = |name: &str| {
+        let column = table.column(&format!("membrane.{name}")).unwrap();
+        (column[0], column[column.len() - 1])
+    };
+    let exact = 4.0 / 3.0 * std::f64::consts::PI * 0.6 * 0.45 * 0.45;
+    let ((first, last), (long, shorter)) = (ends("volume"), ends("axis_1"));
+    assert!((first / exact - 1.0).abs() < 0.02 && (last / first - 1.0).abs() < 0.01, "{first} {last} {exact}");
+    assert!((long - 0.6).abs() < 0.01 && shorter < long, "{long} {shorter}");
+    assert!((ends("long").0 - 0.6).abs() < 0.01 && (ends("extent_z").0 - 0.45).abs() < 0.01);
+    assert!((ends("axis_2").0 - ends("axis_3").0).abs() < 0.02 && ends("centre_z").0.abs() < 0.01);
+    let elastic = table.column("energy_elastic").unwrap();
+    assert!(elastic.windows(2).all(|e| e[1] < e[0]), "{elastic:?}");
+    assert!(summary(&whole)["balance"]["volume"]["membrane"].as_f64().unwrap().abs() < 0.01);
+    let report = fs::read_to_string(whole.join("report.html")).unwrap();
+    for text in
+        ["Volume inside", "sphere of the same volume", "Change of the enclosed volume", "surface / area at rest"]
+    {
+        assert!(report.contains(text), "`{text}` is not in the report");
+    }
+    // The run as it was after a step.
+    let parts = folder.path().join("parts");
+    let mut child = start(folder.path(), &["run", "scene.toml", "--out", "parts"]);
+    wait_until(&mut child, || rows(&parts) >= 2);
+    interrupt(&child);
+    let ended = wait(child);
+    if ended.code != 0 {
+        ended.expect(130, &["interrupted", "--resume"]);
+    }
+    run("parts", &["--resume"]).expect(0, &["done: 3 steps"]);
+    assert_same(&whole, &parts);
+}
+
+#[test]
+fn a_mesh_file_says_its_dimension_and_a_missing_one_is_told() {
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/ball.msh");
+    let file = CAVITY.replace("box = { min = [0, 0, 0], max = [1, 1, 1], cells = [3, 3, 3] }", "file = \"ball.msh\"");
+    let file = file
+        .split_once("[output]")
+        .unwrap()
+        .0
+        .replace("[boundary.top]\nvelocity = [\"16*x*(1-x)*z*(1-z)\", 0, 0]\n", "");
+    let folder = folder_with(&file);
+    immersa(folder.path(), &["explain", "scene.toml"]).expect(3, &["ball.msh", "cannot be read", "mesh.file"]);
+    fs::copy(mesh, folder.path().join("ball.msh")).unwrap();
+    let ended = immersa(folder.path(), &["explain", "scene.toml"]);
+    ended.expect(0, &[]);
+    assert!(ended.stdout.contains("tetrahedra") && !ended.stdout.contains("third dimension"), "{}", ended.stdout);
+    // Written out, the scene does not need the file to be read.
+    let scene = Scene::load(&folder.path().join("scene.toml"), &[]).unwrap();
+    let text = scene.to_toml();
+    fs::remove_file(folder.path().join("ball.msh")).unwrap();
+    assert_eq!((scene.dimension(), Scene::parse(&text, Path::new("elsewhere/a.toml")).unwrap()), (3, scene));
+    refused(
+        &file.replace("\"ball.msh\"", "\"ball.msh\"\ndimension = 3\nrefine = 1"),
+        &["mesh.refine", "tetrahedra", "clscale"],
+    );
+    refused(&CAVITY.replace("[mesh]", "[mesh]\ndimension = 3"), &["mesh.dimension", "for mesh files"]);
+}
+
+#[test]
+fn every_shape_of_space_is_read_and_written() {
+    for shape in [
+        "sphere = { centre = [0, 0.1, 0], radius = 0.5 }",
+        "ellipsoid = { centre = [0, 0, 0], semi_axes = [0.5, 0.4, 0.3], axis = [1, 1, 0], angle = 30 }",
+        "rounded_box = { centre = [0, 0, 0], half_size = [0.5, 0.4, 0.45], radius = 0.2, axis = [0, 1, 0], angle = 20 }",
+        "union = [{ sphere = { centre = [0.2, 0, 0], radius = 0.4 } }, { sphere = { centre = [-0.2, 0, 0], radius = 0.4 } }]",
+        "expression = \"x^2 + y^2 + 2*z^2 - 0.25\"",
+    ] {
+        let text = MEMBRANE.replace("ellipsoid = { centre = [0, 0, 0], semi_axes = [0.6, 0.45, 0.45] }", shape);
+        let scene = Scene::parse(&text, Path::new("a.toml")).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(Scene::parse(&scene.to_toml(), Path::new("b.toml")).unwrap(), scene);
+        let folder = folder_with(&text);
+        immersa(folder.path(), &["explain", "scene.toml"]).expect(0, &[]);
+    }
+}
+
+#[test]
+fn what_belongs_to_the_plane_is_refused_in_space() {
+    let shape = "ellipsoid = { centre = [0, 0, 0], semi_axes = [0.6, 0.45, 0.45] }";
+    let with = |other: &str| MEMBRANE.replace(shape, other);
+    refused(
+        &with("circle = { centre = [0, 0], radius = 0.5 }"),
+        &["shape.circle", "of the plane", "3 dimensions", "sphere"],
+    );
+    refused(&with("sphere = { centre = [0, 0], radius = 0.5 }"), &["shape.sphere.centre", "2 components", "needs 3"]);
+    refused(
+        &with("ellipsoid = { centre = [0, 0, 0], semi_axes = [1, 1, 0] }"),
+        &["semi_axes", "all numbers", "lengths > 0"],
+    );
+    refused(
+        &with("rounded_box = { centre = [0, 0, 0], half_size = [1, 1, 1], radius = 0, axis = [0, 0, 0] }"),
+        &["axis", "zero"],
+    );
+    refused(&with("sphere = { centre = [0.8, 0, 0], radius = 0.5 }"), &["does not lie inside", "upper side in x"]);
+    refused(
+        &MEMBRANE.replace("[fluid]", "[mesh.adapt]\nedge = 0.1\n[fluid]"),
+        &["mesh.adapt", "tetrahedra are not adapted"],
+    );
+    refused(&CAVITY.replace("[0, 0, -1]", "[0, -1]"), &["fluid.gravity", "needs 3", "3 dimensions"]);
+    refused(&CAVITY.replace("[0.5, 0.5, 0.5], of", "[0.5, 0.5], of"), &["output.probes.middle.at", "needs 3"]);
+    let markers = "[[level_set]]\nshape.sphere = { centre = [0.5, 0.5, 0.5], radius = 0.2 }\nmarkers = 10\n[time]";
+    refused(&CAVITY.replace("[time]", markers), &["level_set.0.markers", "a surface", "leave them out"]);
+    let plane = CAVITY.replace(
+        "box = { min = [0, 0, 0], max = [1, 1, 1], cells = [3, 3, 3] }",
+        "rectangle = { min = [0, 0], max = [1, 1], cells = [3, 3] }",
+    );
+    refused(&plane, &["needs 2", "2 dimensions"]);
+    let plane = include_str!("../../examples/relaxing-ellipse/scene.toml");
+    let (before, after) = plane.split_once("shape.").unwrap();
+    let ball =
+        format!("{before}shape.sphere = {{ centre = [1, 1, 1], radius = 0.5 }}\n{}", after.split_once('\n').unwrap().1);
+    refused(&ball, &["shape.sphere", "of space", "the mesh is plane", "circle"]);
+}
+
+#[test]
+fn a_level_set_is_carried_round_in_space() {
+    let scene = r#"
+[mesh]
+box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }
+[fluid]
+prescribed_velocity = ["-y", "x", 0]
+[[level_set]]
+name = "ball"
+shape.sphere = { centre = [0.4, 0, 0], radius = 0.4 }
+[time]
+end = 0.4
+step = 0.1
+[numerics]
+transport = "composed"
+[output]
+pictures = false
+"#;
+    // Composed transport wants no inflow: the rotation is stopped at the walls.
+    let scene = scene.replace("\"-y\", \"x\", 0", "\"-y*(1-y^2)*(1-x^2)^2\", \"x*(1-x^2)*(1-y^2)^2\", 0");
+    let folder = folder_with(&scene);
+    immersa(folder.path(), &["run", "scene.toml", "--out", "run"]).expect(0, &["done: 4 steps"]);
+    let table = series(&folder.path().join("run"));
+    let column = |name: &str| table.column(&format!("ball.{name}")).unwrap();
+    let (x, y, volume) = (column("centre_x"), column("centre_y"), column("volume"));
+    assert!(y[4] > 0.08 && x[4] < x[0], "{y:?}");
+    assert!((volume[4] / volume[0] - 1.0).abs() < 0.01, "{volume:?}");
+    let snapshot = read_vtu::<3>(&folder.path().join("run/fields/000004.vtu")).unwrap();
+    assert!(snapshot.fields.iter().any(|(name, f)| name == "ball.level_set" && matches!(f, Values::Scalar(_))));
+}
