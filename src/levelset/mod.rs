@@ -5,15 +5,18 @@
 //! `|grad phi|` on the contour is the stretch of the membrane.
 
 mod band;
+mod block;
 mod bounds;
 mod chord;
 mod contour;
 mod cut;
 mod distance;
 mod ellipse;
+mod ellipsoid;
 mod fine;
 mod function;
 mod isosurface;
+mod level_solid;
 mod measures;
 mod patch;
 mod point_tree;
@@ -29,13 +32,16 @@ mod tetrahedron;
 mod union;
 
 pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use block::{RoundedBlock, Torus};
 pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
 pub use cut::surface;
 pub use ellipse::Ellipse;
+pub use ellipsoid::Ellipsoid;
 pub use fine::{Interface, Sample};
 pub use function::LevelFunction;
 pub use isosurface::{Isosurface, surface_in_space};
+pub use level_solid::LevelSolid;
 pub use measures::{ContourPoint, Measures};
 pub use patch::Triangle;
 pub use polygon::Polygon;
