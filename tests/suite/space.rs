@@ -165,8 +165,9 @@ fn a_mesh_file_says_its_dimension_and_a_missing_one_is_told() {
 fn every_shape_of_space_is_read_and_written() {
     for shape in [
         "sphere = { centre = [0, 0.1, 0], radius = 0.5 }",
-        "ellipsoid = { centre = [0, 0, 0], semi_axes = [0.5, 0.4, 0.3], axis = [1, 1, 0], angle = 30 }",
-        "rounded_box = { centre = [0, 0, 0], half_size = [0.5, 0.4, 0.45], radius = 0.2, axis = [0, 1, 0], angle = 20 }",
+        "ellipsoid = { centre = [0, 0, 0], semi_axes = [0.5, 0.4, 0.3], rotation = [0, 20, 30] }",
+        "rounded_box = { centre = [0, 0, 0], half_size = [0.5, 0.4, 0.45], radius = 0.2, rotation = [0, 20, 0] }",
+        "torus = { centre = [0, 0, 0], axis = [0, 1, 0], major = 0.35, minor = 0.2 }",
         "union = [{ sphere = { centre = [0.2, 0, 0], radius = 0.4 } }, { sphere = { centre = [-0.2, 0, 0], radius = 0.4 } }]",
         "expression = \"x^2 + y^2 + 2*z^2 - 0.25\"",
     ] {
@@ -192,8 +193,8 @@ fn what_belongs_to_the_plane_is_refused_in_space() {
         &["semi_axes", "all numbers", "lengths > 0"],
     );
     refused(
-        &with("rounded_box = { centre = [0, 0, 0], half_size = [1, 1, 1], radius = 0, axis = [0, 0, 0] }"),
-        &["axis", "zero"],
+        &with("rounded_box = { centre = [0, 0, 0], half_size = [1, 1, 1], radius = 0, angle = 20 }"),
+        &["angle", "rotation = [0, 0, 30]"],
     );
     refused(&with("sphere = { centre = [0.8, 0, 0], radius = 0.5 }"), &["does not lie inside", "upper side in x"]);
     refused(

@@ -52,7 +52,7 @@ impl Dimension<2> for In<2> {
                 let e = e.clone();
                 Box::new(LevelFunction::new(move |x: &Point<2>| e.eval(coordinates(x), 0.0), domain)?)
             }
-            Shape::Sphere { .. } | Shape::Ellipsoid { .. } | Shape::RoundedBlock { .. } => {
+            Shape::Sphere { .. } | Shape::Ellipsoid { .. } | Shape::Torus { .. } | Shape::RoundedBlock { .. } => {
                 return Err(other_dimension(shape, 2));
             }
         })

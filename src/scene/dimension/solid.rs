@@ -3,7 +3,9 @@
 use super::{Dimension, In, coordinates, other_dimension, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
-use crate::levelset::{self, Circle, Isosurface, RoundedBlock, Shape as Distance, SolidFunction, SolidUnion};
+use crate::levelset::{
+    self, Circle, Ellipsoid, Isosurface, LevelSolid, RoundedBlock, Shape as Distance, SolidUnion, Torus,
+};
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::Scene;
 use crate::scene::schema::{Chord, MeshSource, Shape};
@@ -33,8 +35,14 @@ impl Dimension<3> for In<3> {
     fn shape(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance<3>>> {
         Ok(match shape {
             Shape::Sphere { centre, radius } => Box::new(Circle::<3>::new(point(centre), *radius)?),
-            Shape::RoundedBlock { centre, half_size, radius, turn } => {
-                Box::new(RoundedBlock::new(point(centre), point(half_size), *radius, point(&turn.axis), turn.angle)?)
+            Shape::Ellipsoid { centre, semi_axes, rotation } => {
+                Box::new(Ellipsoid::new(point(centre), point(semi_axes), point(rotation))?)
+            }
+            Shape::Torus { centre, axis, major, minor } => {
+                Box::new(Torus::new(point(centre), point(axis), *major, *minor)?)
+            }
+            Shape::RoundedBlock { centre, half_size, radius, rotation } => {
+                Box::new(RoundedBlock::new(point(centre), point(half_size), *radius, point(rotation))?)
             }
             Shape::Union(parts) => {
                 let parts = parts.iter().map(|p| Self::shape(p, domain)).collect::<Result<_>>()?;
@@ -42,13 +50,11 @@ impl Dimension<3> for In<3> {
             }
             Shape::Expression(e) => {
                 let e = e.clone();
-                Box::new(SolidFunction::new(move |x: &Point<3>| e.eval(coordinates(x), 0.0), domain)?)
+                Box::new(LevelSolid::new(move |x: &Point<3>| e.eval(coordinates(x), 0.0), domain)?)
             }
-            Shape::Ellipsoid { .. }
-            | Shape::Circle { .. }
-            | Shape::Ellipse { .. }
-            | Shape::RoundedBox { .. }
-            | Shape::Polygon(_) => return Err(other_dimension(shape, 3)),
+            Shape::Circle { .. } | Shape::Ellipse { .. } | Shape::RoundedBox { .. } | Shape::Polygon(_) => {
+                return Err(other_dimension(shape, 3));
+            }
         })
     }
 

@@ -25,7 +25,7 @@ pub use membrane::{Chord, Membrane};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
 pub use output::{Flux, Force, Output, Picture, Probe, Profile, Quantity};
-pub use shape::{Shape, Turn};
+pub use shape::Shape;
 pub use time::Time;
 
 use super::expression::is_reserved;

@@ -52,8 +52,8 @@ pub enum Shape {
         centre: [f64; 3],
         /// Semi-axes along x, y and z before it is turned.
         semi_axes: [f64; 3],
-        /// How it is turned.
-        turn: Turn,
+        /// The axis of its rotation times the angle in degrees, by the right-hand rule.
+        rotation: [f64; 3],
     },
     /// A box with rounded edges, in space.
     RoundedBlock {
@@ -63,22 +63,24 @@ pub enum Shape {
         half_size: [f64; 3],
         /// Radius of the edges, at most the smallest half size.
         radius: f64,
-        /// How it is turned.
-        turn: Turn,
+        /// The axis of its rotation times the angle in degrees, by the right-hand rule.
+        rotation: [f64; 3],
+    },
+    /// A torus, in space.
+    Torus {
+        /// Centre.
+        centre: [f64; 3],
+        /// The axis, of any length but 0.
+        axis: [f64; 3],
+        /// Radius of the circle in the middle of the tube.
+        major: f64,
+        /// Radius of the tube, at most the major one.
+        minor: f64,
     },
     /// All points that lie in one of the shapes.
     Union(Vec<Shape>),
     /// The points where a level function of x, y (and z) is negative.
     Expression(Expression),
-}
-
-/// A rotation in space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
-    /// The axis, of any length but 0.
-    pub axis: [f64; 3],
-    /// The angle about it by the right-hand rule, in degrees.
-    pub angle: f64,
 }
 
 pub(super) static KEYS: Keys = Keys {
@@ -88,6 +90,7 @@ pub(super) static KEYS: Keys = Keys {
         row("ellipse", Table(&ELLIPSE), "", OneOf, "An ellipse, in the plane."),
         row("sphere", Table(&SPHERE), "", OneOf, "A sphere, in space."),
         row("ellipsoid", Table(&ELLIPSOID), "", OneOf, "An ellipsoid, in space."),
+        row("torus", Table(&TORUS), "", OneOf, "A torus, in space."),
         row("rounded_box", Table(&ROUNDED_BOX), "", OneOf, "A rectangle with rounded corners; in space a box."),
         row("polygon", Table(&polygon::KEYS), "", OneOf, "A polygon, in the plane."),
         row("union", Value("list of shapes"), "", OneOf, "All points that lie in one of the shapes."),
@@ -130,9 +133,18 @@ static ELLIPSOID: Keys = Keys {
     about: "An ellipsoid.",
     keys: &[
         row("centre", Value("point"), "m", Required, "Centre."),
-        row("semi_axes", Value("three numbers > 0"), "m", Required, "Along x, y and z when `angle` is 0."),
-        row("axis", Value("vector of numbers"), "", Default(AXIS), "What it is turned about; of any length but 0."),
-        row("angle", Value("number"), "degrees", Default("0.0"), "How far, by the right-hand rule."),
+        row("semi_axes", Value("three numbers > 0"), "m", Required, "Along x, y and z before it is turned."),
+        row("rotation", Value("three numbers"), "degrees", Default(ROTATION), ROTATED),
+    ],
+};
+
+static TORUS: Keys = Keys {
+    about: "A torus.",
+    keys: &[
+        row("centre", Value("point"), "m", Required, "Centre."),
+        row("axis", Value("vector of numbers"), "", Default(AXIS), "The axis, of any length but 0."),
+        row("major", Value("number > 0"), "m", Required, "Radius of the circle in the middle of the tube."),
+        row("minor", Value("number > 0"), "m", Required, "Radius of the tube, at most the major one."),
     ],
 };
 
@@ -154,18 +166,13 @@ static ROUNDED_BOX: Keys = Keys {
             Required,
             "Radius of the corners (in space: edges), at most the smallest half size.",
         ),
-        row(
-            "axis",
-            Value("vector of numbers"),
-            "",
-            Default(AXIS),
-            "In space, what it is turned about; of any length but 0.",
-        ),
-        row("angle", Value("number"), "degrees", Default("0.0"), "Counter-clockwise rotation."),
+        row("angle", Value("number"), "degrees", Default("0.0"), "Counter-clockwise rotation, in the plane."),
+        row("rotation", Value("three numbers"), "degrees", Default(ROTATION), ROTATED),
     ],
 };
 
-/// Where the scene does not say: the turn of the plane.
+const ROTATION: &str = "[0.0, 0.0, 0.0]";
+const ROTATED: &str = "In space, the axis of its rotation times the angle, by the right-hand rule.";
 const AXIS: &str = "[0.0, 0.0, 1.0]";
 const DEFAULT_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -176,7 +183,7 @@ const CENTRE: &str = "give the centre: centre = [1, 1]";
 const CENTRE_IN_SPACE: &str = "give the centre: centre = [0, 0, 0]";
 /// Shapes of one number of dimensions alone.
 const OF_THE_PLANE: [&str; 3] = ["circle", "ellipse", "polygon"];
-const OF_SPACE: [&str; 2] = ["sphere", "ellipsoid"];
+const OF_SPACE: [&str; 3] = ["sphere", "ellipsoid", "torus"];
 
 impl Shape {
     pub(super) fn read(item: &Item, context: &Context) -> Result<Shape> {
@@ -191,6 +198,7 @@ impl Shape {
             "ellipse" => ellipse(&item),
             "sphere" => sphere(&item),
             "ellipsoid" => ellipsoid(&item),
+            "torus" => torus(&item),
             "rounded_box" if context.dimension == 3 => rounded_block(&item),
             "rounded_box" => rounded_box(&item),
             "polygon" => polygon::read(&item).map(Shape::Polygon),
@@ -226,13 +234,20 @@ impl Shape {
             Shape::Sphere { centre, radius } => {
                 format!("sphere = {{ centre = {}, radius = {} }}", vector(centre), number(*radius))
             }
-            Shape::Ellipsoid { centre, semi_axes, turn } => {
-                let (centre, axes, turn) = (vector(centre), vector(semi_axes), turn.write());
-                format!("ellipsoid = {{ centre = {centre}, semi_axes = {axes}, {turn} }}")
+            Shape::Ellipsoid { centre, semi_axes, rotation } => {
+                let [centre, axes, rotation] = [centre, semi_axes, rotation].map(|v| vector(v));
+                format!("ellipsoid = {{ centre = {centre}, semi_axes = {axes}, rotation = {rotation} }}")
             }
-            Shape::RoundedBlock { centre, half_size, radius, turn } => {
-                let (centre, half, radius, turn) = (vector(centre), vector(half_size), number(*radius), turn.write());
-                format!("rounded_box = {{ centre = {centre}, half_size = {half}, radius = {radius}, {turn} }}")
+            Shape::Torus { centre, axis, major, minor } => {
+                let (centre, axis, major, minor) = (vector(centre), vector(axis), number(*major), number(*minor));
+                format!("torus = {{ centre = {centre}, axis = {axis}, major = {major}, minor = {minor} }}")
+            }
+            Shape::RoundedBlock { centre, half_size, radius, rotation } => {
+                let [centre, half, rotation] = [centre, half_size, rotation].map(|v| vector(v));
+                let radius = number(*radius);
+                format!(
+                    "rounded_box = {{ centre = {centre}, half_size = {half}, radius = {radius}, rotation = {rotation} }}"
+                )
             }
             Shape::Polygon(points) => {
                 format!("polygon = {{ points = {} }}", list(points.iter().map(|p| vector(p))))
@@ -263,8 +278,10 @@ fn ellipse(item: &Item) -> Result<Shape> {
 
 fn rounded_box(item: &Item) -> Result<Shape> {
     let table = item.table(&ROUNDED_BOX)?;
-    if let Some(item) = table.get("axis") {
-        return Err(item.key_error("in the plane there is no axis to turn about").remedy("give the angle alone"));
+    if let Some(item) = table.get("rotation") {
+        return Err(item
+            .key_error("in the plane a shape is turned by one angle")
+            .remedy("give angle = 30, in degrees"));
     }
     let centre = table.required("centre", CENTRE, Item::vector)?;
     let half_size = table.required("half_size", "give both: half_size = [0.5, 0.25]", lengths)?;
@@ -297,34 +314,46 @@ fn ellipsoid(item: &Item) -> Result<Shape> {
     Ok(Shape::Ellipsoid {
         centre: table.required("centre", CENTRE_IN_SPACE, Item::vector)?,
         semi_axes: table.required("semi_axes", "give all three: semi_axes = [0.6, 0.5, 0.4]", lengths)?,
-        turn: Turn::read(&table)?,
+        rotation: rotation(&table)?,
+    })
+}
+
+fn torus(item: &Item) -> Result<Shape> {
+    let table = item.table(&TORUS)?;
+    let axis = |i: &Item| match i.vector::<3>()? {
+        axis if axis.iter().any(|c| *c != 0.0) => Ok(axis),
+        _ => Err(i.error("the axis of a torus is zero").remedy("give a direction such as [0, 0, 1]")),
+    };
+    let major = table.required("major", "give the radius of the circle: major = 0.5", Item::positive)?;
+    let minor = |i: &Item| match i.positive()? {
+        minor if minor <= major => Ok(minor),
+        _ => Err(i
+            .error(format!("the tube is wider than the circle in its middle, {major}"))
+            .remedy(format!("give minor <= {major}"))),
+    };
+    Ok(Shape::Torus {
+        centre: table.required("centre", CENTRE_IN_SPACE, Item::vector)?,
+        axis: table.optional("axis", axis)?.unwrap_or(DEFAULT_AXIS),
+        major,
+        minor: table.required("minor", "give the radius of the tube: minor = 0.2", minor)?,
     })
 }
 
 fn rounded_block(item: &Item) -> Result<Shape> {
     let table = item.table(&ROUNDED_BOX)?;
+    if let Some(item) = table.get("angle") {
+        return Err(item
+            .key_error("in space one angle does not say how a shape is turned")
+            .remedy("give the axis times the angle in degrees: rotation = [0, 0, 30]"));
+    }
     let centre = table.required("centre", CENTRE_IN_SPACE, Item::vector)?;
     let half_size = table.required("half_size", "give all three: half_size = [0.5, 0.25, 0.25]", lengths)?;
     let radius = table.required("radius", RADIUS, |i| corner_radius(i, &half_size))?;
-    Ok(Shape::RoundedBlock { centre, half_size, radius, turn: Turn::read(&table)? })
+    Ok(Shape::RoundedBlock { centre, half_size, radius, rotation: rotation(&table)? })
 }
 
-impl Turn {
-    /// The keys `axis` and `angle` of a table.
-    fn read(table: &ItemTable<'_>) -> Result<Turn> {
-        let axis = |i: &Item| match i.vector::<3>()? {
-            axis if axis.iter().any(|c| *c != 0.0) => Ok(axis),
-            _ => Err(i.error("the axis of a rotation is zero").remedy("give a direction such as [0, 0, 1]")),
-        };
-        Ok(Turn {
-            axis: table.optional("axis", axis)?.unwrap_or(DEFAULT_AXIS),
-            angle: table.optional("angle", Item::number)?.unwrap_or(0.0),
-        })
-    }
-
-    fn write(&self) -> String {
-        format!("axis = {}, angle = {}", vector(&self.axis), number(self.angle))
-    }
+fn rotation(table: &ItemTable<'_>) -> Result<[f64; 3]> {
+    Ok(table.optional("rotation", Item::vector)?.unwrap_or([0.0; 3]))
 }
 
 /// Refuses a shape of the plane in space, and one of space in the plane.
@@ -338,7 +367,7 @@ fn check_dimension(kind: &str, item: &Item, context: &Context) -> Result<()> {
         _ => (
             &OF_THE_PLANE[..],
             "of the plane, but the scene has 3 dimensions",
-            "take sphere, ellipsoid, rounded_box, union or expression",
+            "take sphere, ellipsoid, torus, rounded_box, union or expression",
         ),
     };
     match others.contains(&kind) {
