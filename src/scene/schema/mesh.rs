@@ -73,7 +73,7 @@ pub(super) static KEYS: Keys = Keys {
             Value("2 or 3"),
             "",
             Derived("3 where the file has tetrahedra"),
-            "Whether the triangles of a mesh file are meant, or its tetrahedra. The file need not be read to know it.",
+            "Whether a mesh file has triangles or tetrahedra. Where this is written, the file is not looked into before it is needed.",
         ),
         row("rectangle", Table(&RECTANGLE), "", OneOf, "A rectangle; its sides are left, right, bottom and top."),
         row("disc", Table(&DISC), "", OneOf, "A disc."),
