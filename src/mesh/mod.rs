@@ -1,6 +1,7 @@
 //! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
 
 pub mod adapt;
+mod bisect;
 mod bytes;
 pub mod freefem;
 mod generate;
@@ -10,6 +11,7 @@ mod quality;
 mod refine;
 mod topology;
 
+pub use bisect::{ball_in_box, graded_box};
 pub use generate::{Diagonals, box_mesh, disc, rectangle};
 pub use locate::{Location, Locator, TOLERANCE};
 pub use quality::{Extreme, Quality, check};

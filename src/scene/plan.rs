@@ -47,11 +47,15 @@ where
     let source = match &scene.mesh {
         MeshSource::File { path, refine: 0, .. } => format!("{}", path.display()),
         MeshSource::File { path, refine, .. } => {
-            format!("{}, every triangle cut into {}", path.display(), 4usize.saturating_pow(*refine as u32))
+            let (cell, parts) = if D == 2 { ("triangle", 4usize) } else { ("tetrahedron", 8) };
+            format!("{}, every {cell} cut into {}", path.display(), parts.saturating_pow(*refine as u32))
         }
         MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
         MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
         MeshSource::Box { cells: [x, y, z], .. } => format!("box of {x} x {y} x {z} boxes"),
+        MeshSource::BallInBox { cells: [x, y, z], edge, .. } => {
+            format!("box of {x} x {y} x {z} boxes, cut to edges of {edge} about a sphere")
+        }
     };
     let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
     let q = &model.quality;

@@ -177,6 +177,20 @@ fn a_box_makes_vectors_of_three_components() {
 }
 
 #[test]
+fn a_ball_in_a_box_is_read_and_made() {
+    let text = "[mesh]\nball_in_box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [2, 2, 2], centre = [0, 0, 0], \
+                radius = 0.5, band = 0.1, edge = 0.5 }\n[fluid]\nviscosity = 1\n[time]\nend = 1\nstep = 1\n";
+    let s = parse(text).unwrap();
+    assert_eq!((s.dimension(), parse(&s.to_toml()).unwrap()), (3, s.clone()));
+    let mesh = s.mesh.generated().unwrap().unwrap();
+    assert!((49..384).contains(&mesh.cell_count()) && mesh.boundary("front").is_ok());
+    for (key, part) in [("edge = 0.5", "`edge`"), ("radius = 0.5", "`radius`"), ("band = 0.1", "`band`")] {
+        let name = key.split(' ').next().unwrap();
+        assert!(parse(&text.replace(key, &format!("{name} = 0"))).unwrap_err().to_string().contains(part), "{key}");
+    }
+}
+
+#[test]
 fn overrides_replace_add_and_reach_into_lists() {
     let s = with(&[
         "membrane.0.stretch=1.1",

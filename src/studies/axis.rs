@@ -88,6 +88,7 @@ impl Axis {
         let set = |n: usize| match &scene.mesh {
             MeshSource::Rectangle { cells, .. } => Ok(format!("mesh.rectangle.cells={}", scaled(cells, n))),
             MeshSource::Box { cells, .. } => Ok(format!("mesh.box.cells={}", scaled(cells, n))),
+            MeshSource::BallInBox { cells, .. } => Ok(format!("mesh.ball_in_box.cells={}", scaled(cells, n))),
             MeshSource::Disc { .. } => Ok(format!("mesh.disc.cells={n}")),
             MeshSource::File { path, .. } => Err(Error::scene("a mesh from a file has no number of cells to be set")
                 .at("--cells")

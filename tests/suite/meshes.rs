@@ -207,6 +207,30 @@ fn meshes_that_come_with_the_program_are_sound_and_named() {
 }
 
 #[test]
+fn a_ball_in_a_box_is_fine_about_the_sphere_alone() {
+    let (mesh, warnings) = gmsh::read::<3>(&root().join("meshes/ball-in-box.msh")).unwrap();
+    assert!(warnings.is_empty() && (mesh.volume() - 8.0).abs() < 1e-12, "{warnings:?}");
+    let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
+    assert_eq!(names, ["back", "bottom", "front", "left", "right", "top", "walls"]);
+    assert_eq!(mesh.boundary("walls").unwrap().len(), mesh.facets().len());
+    let centre = |c: usize| mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]).sum::<Point<3>>() / 4.0;
+    let ball = &mesh.regions()["ball"];
+    assert!(ball.iter().all(|&c| centre(c as usize).norm() < 0.5));
+    assert_eq!(ball.len() + mesh.regions()["fluid"].len(), mesh.cell_count());
+    // A polyhedron with its corners on the sphere.
+    let volume: f64 = ball.iter().map(|&c| mesh.map(c as usize).volume).sum::<f64>() / (std::f64::consts::PI / 6.0);
+    assert!((0.97..1.0).contains(&volume), "{volume}");
+    for c in 0..mesh.cell_count() {
+        if (centre(c).norm() - 0.5).abs() < 0.05 {
+            assert!(mesh.diameter(c) < 0.22, "cell {c}: {}", mesh.diameter(c));
+        }
+    }
+    let (quality, warnings) = check(&mesh);
+    assert!(warnings.is_empty() && quality.greatest_diameter.value > 0.4, "{warnings:?}");
+    assert!(quality.smallest_angle.value > 15.0, "{}", quality.smallest_angle.value);
+}
+
+#[test]
 fn walks_round_the_cylinder_of_the_channel_agree_with_the_grid() {
     let (mesh, _) = gmsh::read::<2>(&root().join("meshes/channel.msh")).unwrap();
     let locator = Locator::new(&mesh);
@@ -253,7 +277,7 @@ fn meshed(source: &Path, options: &[&str], folder: &Path) -> Option<Vec<u8>> {
 #[expect(clippy::print_stderr, reason = "a test that has nothing to compare must say so")]
 fn the_gmsh_of_this_machine_gives_the_same_mesh_in_all_formats() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, dimension) in [("box", "-2"), ("channel", "-2"), ("disc", "-2"), ("ball", "-3")] {
+    for (name, dimension) in [("box", "-2"), ("channel", "-2"), ("disc", "-2"), ("ball", "-3"), ("ball-in-box", "-3")] {
         let source = root().join("meshes").join(format!("{name}.geo"));
         let formats: [&[&str]; 5] = [&["msh41"], &["msh41", "-bin"], &["msh22"], &["msh22", "-bin"], &["msh40"]];
         let mut files = Vec::new();

@@ -162,11 +162,34 @@ fn a_mesh_file_says_its_dimension_and_a_missing_one_is_told() {
     let text = scene.to_toml();
     fs::remove_file(folder.path().join("ball.msh")).unwrap();
     assert_eq!((scene.dimension(), Scene::parse(&text, Path::new("elsewhere/a.toml")).unwrap()), (3, scene));
-    refused(
-        &file.replace("\"ball.msh\"", "\"ball.msh\"\ndimension = 3\nrefine = 1"),
-        &["mesh.refine", "tetrahedra", "clscale"],
-    );
     refused(&CAVITY.replace("[mesh]", "[mesh]\ndimension = 3"), &["mesh.dimension", "for mesh files"]);
+}
+
+#[test]
+fn a_scene_that_names_no_vector_has_the_dimension_of_its_mesh_file_which_is_refined() {
+    let text = "[mesh]\nfile = \"cube.msh\"\nrefine = 1\n[fluid]\nviscosity = 1\n[time]\nend = 1\nstep = 1\n";
+    let folder = folder_with(text);
+    let cube = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gmsh/cube-22.msh");
+    fs::copy(cube, folder.path().join("cube.msh")).unwrap();
+    let ended = immersa(folder.path(), &["explain", "scene.toml"]);
+    ended.expect(0, &[]);
+    assert!(ended.stdout.contains("cube.msh, every tetrahedron cut into 8: "), "{}", ended.stdout);
+    // A shape of the plane makes a scene of the plane, for which the mesh is wrong.
+    let level_set = "[[level_set]]\nshape.circle = { centre = [0, 0], radius = 0.1 }\n[time]";
+    fs::write(folder.path().join("plane.toml"), text.replace("[time]", level_set)).unwrap();
+    immersa(folder.path(), &["explain", "plane.toml"]).expect(3, &["dimension 3, where 2 is needed", "cube.msh"]);
+}
+
+#[test]
+fn a_ball_in_a_box_is_fine_where_the_membrane_is() {
+    let ball = "ball_in_box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [4, 4, 4], centre = [0, 0, 0], radius = 0.45, \
+                band = 0.1, edge = 0.36 }";
+    let scene = MEMBRANE.replace("box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }", ball);
+    let scene = scene.replace("stretch", "force = \"sharp\"\nstretch");
+    let folder = folder_with(&scene);
+    let ended = immersa(folder.path(), &["explain", "scene.toml"]);
+    ended.expect(0, &[]);
+    assert!(ended.stdout.contains("box of 4 x 4 x 4 boxes, cut to edges of 0.36 about a sphere: "), "{}", ended.stdout);
 }
 
 #[test]

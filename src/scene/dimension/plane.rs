@@ -29,7 +29,9 @@ impl Dimension<2> for In<2> {
             }
             MeshSource::Rectangle { min, max, cells, diagonals } => mesh::rectangle(*min, *max, *cells, *diagonals),
             MeshSource::Disc { centre, radius, cells } => mesh::disc(*centre, *radius, *cells),
-            MeshSource::Box { .. } => Err(Error::internal("a box reached the mesh of the plane")),
+            MeshSource::Box { .. } | MeshSource::BallInBox { .. } => {
+                Err(Error::internal("a box reached the mesh of the plane"))
+            }
         };
         Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
     }

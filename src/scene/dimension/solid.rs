@@ -1,12 +1,13 @@
 //! Scenes of space.
 
+use super::super::refined::refined;
 use super::{Dimension, In, coordinates, other_dimension, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
     self, Circle, Ellipsoid, Isosurface, LevelSolid, RoundedBlock, Shape as Distance, SolidUnion, Torus,
 };
-use crate::mesh::{self, Mesh, Point, gmsh};
+use crate::mesh::{Mesh, Point, gmsh};
 use crate::scene::Scene;
 use crate::scene::schema::{Chord, MeshSource, Shape};
 use crate::sim::Simulation;
@@ -22,14 +23,17 @@ impl Dimension<3> for In<3> {
     const CELLS: &'static str = "tetrahedra";
 
     fn mesh(scene: &Scene) -> Result<(Mesh<3>, Vec<Warning>)> {
-        let mesh = match &scene.mesh {
-            MeshSource::File { path, .. } => return gmsh::read::<3>(path),
-            MeshSource::Box { min, max, cells } => mesh::box_mesh(*min, *max, *cells),
-            MeshSource::Rectangle { .. } | MeshSource::Disc { .. } => {
-                Err(Error::internal("a mesh of the plane reached the mesh of space"))
+        match &scene.mesh {
+            MeshSource::File { path, refine, geometry, .. } => {
+                let (mesh, warnings) = gmsh::read::<3>(path)?;
+                Ok((refined(scene, mesh, *refine, geometry)?, warnings))
             }
-        };
-        Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+            source => {
+                let none = || Err(Error::internal("a mesh of the plane reached the mesh of space"));
+                let mesh = source.generated().unwrap_or_else(none);
+                Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
+            }
+        }
     }
 
     fn shape(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance<3>>> {

@@ -4,8 +4,8 @@ use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::Shape;
 use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
-use crate::mesh::{Diagonals, gmsh};
-use crate::scene::item::{Context, Item, Table as ItemTable};
+use crate::mesh::{self, Diagonals, Mesh, gmsh};
+use crate::scene::item::{Context, Item, Table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -18,9 +18,9 @@ pub enum MeshSource {
         path: PathBuf,
         /// 3 for a mesh of tetrahedra, 2 for one of triangles.
         dimension: usize,
-        /// How many times every triangle is cut into four.
+        /// How many times every triangle is cut into four, every tetrahedron into eight.
         refine: usize,
-        /// Curves that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
+        /// Curves (in space: surfaces) that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
         geometry: Vec<(String, Shape)>,
     },
     /// A rectangle of `cells[0] x cells[1]` rectangles, each cut into triangles.
@@ -52,6 +52,23 @@ pub enum MeshSource {
         /// Boxes along each axis.
         cells: [usize; 3],
     },
+    /// A box of tetrahedra that is fine about a sphere: [`mesh::ball_in_box`].
+    BallInBox {
+        /// Corner with the smallest coordinates.
+        min: [f64; 3],
+        /// Corner with the largest coordinates.
+        max: [f64; 3],
+        /// Boxes along each axis before cells are bisected.
+        cells: [usize; 3],
+        /// Centre of the sphere.
+        centre: [f64; 3],
+        /// Radius of the sphere.
+        radius: f64,
+        /// Cells that come nearer to the sphere are fine.
+        band: f64,
+        /// Their length, the third shortest edge, is at most this.
+        edge: f64,
+    },
 }
 
 const DIAGONALS: [(&str, Diagonals); 3] =
@@ -59,7 +76,7 @@ const DIAGONALS: [(&str, Diagonals); 3] =
 const DIAGONAL_WORDS: [&str; 3] = words(&DIAGONALS);
 
 pub(super) static KEYS: Keys = Keys {
-    about: "Where the mesh comes from: exactly one of file, rectangle, disc and box.",
+    about: "Where the mesh comes from: exactly one of file, rectangle, disc, box and ball_in_box.",
     keys: &[
         row(
             "file",
@@ -84,19 +101,20 @@ pub(super) static KEYS: Keys = Keys {
             OneOf,
             "A box of tetrahedra; its sides are left and right (in x), bottom and top (in y), back and front (in z).",
         ),
+        row("ball_in_box", Table(&BALL_IN_BOX), "", OneOf, "A box of tetrahedra that is fine about a sphere."),
         row(
             "refine",
             Value("whole number from 0 to 10"),
             "",
             Default("0"),
-            "How often every triangle of a mesh file is cut into four.",
+            "How often every triangle of a mesh file is cut into four, every tetrahedron into eight.",
         ),
         row(
             "geometry",
             Value("shapes with names, each as in `membrane.shape`"),
             "",
             Optional,
-            "Curves that new points on named boundaries of a mesh file are moved onto when it is refined.",
+            "Curves (in space: surfaces) that new points on named boundaries of a mesh file are moved onto when it is refined.",
         ),
         row(
             "adapt",
@@ -142,6 +160,31 @@ static BOX: Keys = Keys {
     ],
 };
 
+static BALL_IN_BOX: Keys = Keys {
+    about: "A box of equal boxes, each cut into tetrahedra, which are bisected until those near a sphere are fine.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "Corner with the smallest coordinates."),
+        row("max", Value("point"), "m", Required, "Corner with the largest coordinates."),
+        row(
+            "cells",
+            Value("three whole numbers from 1 to 100000"),
+            "",
+            Required,
+            "Boxes along each axis before cells are bisected.",
+        ),
+        row("centre", Value("point"), "m", Required, "Centre of the sphere."),
+        row("radius", Value("number > 0"), "m", Required, "Radius of the sphere."),
+        row("band", Value("number > 0"), "m", Required, "Cells that come nearer to the sphere than this are fine."),
+        row(
+            "edge",
+            Value("number > 0"),
+            "m",
+            Required,
+            "Longest edge of fine cells: the third shortest of their six, as for the band of a membrane.",
+        ),
+    ],
+};
+
 /// A mesh refined more often has a million times its triangles.
 const MOST_REFINEMENTS: usize = 10;
 /// More cells along an axis exceed any memory.
@@ -178,9 +221,6 @@ impl MeshSource {
                     // What is wrong with the file is told when the mesh is made.
                     None => assumed.or_else(|| gmsh::dimension(&path).ok()).unwrap_or(2),
                 };
-                if dimension == 3 {
-                    check_unrefined(&mesh)?;
-                }
                 let context = Context { dimension, constants: constants.clone() };
                 Ok(MeshSource::File {
                     path,
@@ -208,6 +248,7 @@ impl MeshSource {
                         .required("cells", "give the cells along a radius: cells = 20", |i| i.count(1, MOST_CELLS))?,
                 })
             }
+            "ball_in_box" => ball_in_box(&item.table(&BALL_IN_BOX)?),
             _ => {
                 let table = item.table(&BOX)?;
                 let min = table.required("min", "give the lowest corner: min = [0, 0, 0]", Item::vector)?;
@@ -225,7 +266,18 @@ impl MeshSource {
         match self {
             MeshSource::File { dimension, .. } => *dimension,
             MeshSource::Rectangle { .. } | MeshSource::Disc { .. } => 2,
-            MeshSource::Box { .. } => 3,
+            MeshSource::Box { .. } | MeshSource::BallInBox { .. } => 3,
+        }
+    }
+
+    /// The mesh in space that this generates; `None` for files and for meshes of the plane.
+    pub fn generated(&self) -> Option<Result<Mesh<3>>> {
+        match *self {
+            MeshSource::Box { min, max, cells } => Some(mesh::box_mesh(min, max, cells)),
+            MeshSource::BallInBox { min, max, cells, centre, radius, band, edge } => {
+                Some(mesh::ball_in_box(min, max, cells, centre, radius, band, edge))
+            }
+            _ => None,
         }
     }
 
@@ -244,12 +296,11 @@ impl MeshSource {
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[mesh]");
         match self {
-            MeshSource::File { path, dimension: 3, .. } => {
+            MeshSource::File { path, dimension, refine, geometry } => {
                 out.entry("file", text(&path.to_string_lossy()));
-                out.entry("dimension", 3);
-            }
-            MeshSource::File { path, refine, geometry, .. } => {
-                out.entry("file", text(&path.to_string_lossy()));
+                if *dimension == 3 {
+                    out.entry("dimension", dimension);
+                }
                 out.entry("refine", refine);
                 for (name, curve) in geometry {
                     out.entry(&format!("geometry.{}", key(name)), curve.write());
@@ -271,18 +322,31 @@ impl MeshSource {
                 let (min, max, cells) = (vector(min), vector(max), whole(cells));
                 out.entry("box", format_args!("{{ min = {min}, max = {max}, cells = {cells} }}"));
             }
+            MeshSource::BallInBox { min, max, cells, centre, radius, band, edge } => {
+                let (min, max, cells, centre) = (vector(min), vector(max), whole(cells), vector(centre));
+                let [radius, band, edge] = [radius, band, edge].map(|x| number(*x));
+                out.entry(
+                    "ball_in_box",
+                    format_args!(
+                        "{{ min = {min}, max = {max}, cells = {cells}, centre = {centre}, radius = {radius}, band = {band}, edge = {edge} }}"
+                    ),
+                );
+            }
         }
     }
 }
 
-/// Refuses what is for meshes of triangles.
-fn check_unrefined(mesh: &ItemTable<'_>) -> Result<()> {
-    match ["refine", "geometry"].iter().find_map(|key| mesh.get(key)).filter(|i| !i.is_zero()) {
-        Some(item) => Err(item
-            .key_error(format!("`{}` is for meshes of triangles, and the file has tetrahedra", item.key))
-            .remedy("leave it out, and mesh the volume finer (gmsh -clscale 0.5)")),
-        None => Ok(()),
-    }
+fn ball_in_box(table: &Table) -> Result<MeshSource> {
+    let min = table.required("min", "give the lowest corner: min = [-1, -1, -1]", Item::vector)?;
+    Ok(MeshSource::BallInBox {
+        min,
+        max: table.required("max", "give the highest corner: max = [1, 1, 1]", |i| above(i, &min))?,
+        cells: table.required("cells", "give cells = [8, 8, 8]", |i| i.counts(MOST_CELLS))?,
+        centre: table.required("centre", "give the centre of the sphere: centre = [0, 0, 0]", Item::vector)?,
+        radius: table.required("radius", "give the radius of the sphere: radius = 0.5", Item::positive)?,
+        band: table.required("band", "give how far fine cells reach: band = 0.2", Item::positive)?,
+        edge: table.required("edge", "give the edge of fine cells: edge = 0.05", Item::positive)?,
+    })
 }
 
 /// Curves by the name of their boundary.
