@@ -14,6 +14,6 @@ pub use band_cells::Band;
 pub use membrane::{Membrane, explicit_step_limit};
 pub use predictor::Predictor;
 pub use sharp::{Cut, Force, SharpMembrane};
-pub use shear::{RestMap, ShearMembrane};
+pub use shear::{AreaFrom, RestMap, ShearMembrane};
 pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};
 pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};

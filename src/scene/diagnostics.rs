@@ -79,15 +79,25 @@ where
         for m in &self.scene.membranes {
             names.extend(In::<D>::MEASURES.iter().map(|c| format!("{}.{c}", m.name)));
             names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name)));
+            for ring in &m.rings {
+                let modes = ring.modes.iter().map(|mode| format!("mode_{mode}"));
+                let columns = std::iter::once("radius".to_string()).chain(modes);
+                names.extend(columns.map(|c| format!("{}.{}_{c}", m.name, ring.name)));
+            }
+            names.extend(self.strain().map(|c| format!("{}.{c}", m.name)));
         }
         for s in &self.scene.level_sets {
             let markers: &[&str] = if s.markers > 0 { &MARKERS } else { &[] };
-            names.extend(In::<D>::MEASURES.iter().chain(markers).map(|c| format!("{}.{c}", s.name)));
+            names.extend(In::<D>::MEASURES.iter().map(|c| format!("{}.{c}", s.name)));
+            names.extend(self.strain().chain(markers.iter().copied()).map(|c| format!("{}.{c}", s.name)));
         }
         let common: &[&str] = if self.scene.fluid.is_prescribed() { &PASSIVE } else { &COMMON };
         names.extend(common.iter().map(ToString::to_string));
         if self.has_map() {
             names.extend(COMPOSED.iter().map(ToString::to_string));
+        }
+        if has_backward_map(self.scene) {
+            names.push("determinant_error".into());
         }
         if self.scene.adapt.is_some() {
             names.extend(ADAPTED.iter().map(ToString::to_string));
@@ -114,10 +124,10 @@ where
         let (state, space) = (sim.state(), sim.space());
         let mut row = Vec::new();
         for (k, m) in self.scene.membranes.iter().enumerate() {
-            row.extend(In::<D>::measure(sim, k, &m.chords)?);
+            row.extend(In::<D>::measure(sim, k, &m.chords, &m.rings)?);
         }
         for k in 0..self.scene.level_sets.len() {
-            row.extend(In::<D>::measure(sim, self.scene.membranes.len() + k, &[])?);
+            row.extend(In::<D>::measure(sim, self.scene.membranes.len() + k, &[], &[])?);
         }
         if sim.is_prescribed() {
             row.extend([sim.largest_speed(), sim.divergence(), sim.courant()]);
@@ -138,6 +148,9 @@ where
         }
         if let Some((submaps, error)) = sim.map_error() {
             row.extend([submaps as f64, error]);
+        }
+        if sim.has_backward_map() {
+            row.push(sim.determinant_error());
         }
         if self.scene.adapt.is_some() {
             let unknowns = sim.flow().map_or(0, |flow| flow.numbering().order());
@@ -169,7 +182,13 @@ where
         Ok(row)
     }
 
-    /// Whether there is a backward map to report on.
+    /// The columns of strains, where there are any.
+    fn strain(&self) -> impl Iterator<Item = &'static str> {
+        let columns: &[&str] = if has_backward_map(self.scene) { In::<D>::STRAIN } else { &[] };
+        columns.iter().copied()
+    }
+
+    /// Whether there is a chain of submaps to report on.
     fn has_map(&self) -> bool {
         self.scene.numerics.transport == Method::Composed && self.scene.interfaces().next().is_some()
     }
@@ -186,6 +205,11 @@ where
     pub fn profile_points(&self, k: usize) -> impl Iterator<Item = &Point<D>> {
         self.profiles[k].iter().map(|(x, _)| x)
     }
+}
+
+/// Whether the run of a scene carries the backward characteristics.
+pub(super) fn has_backward_map(scene: &Scene) -> bool {
+    scene.output.backward_map || scene.membranes.iter().any(|m| m.surface.is_some())
 }
 
 /// Boundary names that the output uses: table, entry, boundary.

@@ -19,6 +19,7 @@ mod refined;
 pub mod render;
 pub mod run;
 pub mod schema;
+mod sheared;
 mod survey;
 #[cfg(test)]
 mod tests;

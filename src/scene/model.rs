@@ -9,8 +9,9 @@ use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, prescribed};
 use super::plan::is_stepped;
 use super::schema::{self, Condition, MeshSource};
+use super::sheared::check_map;
 use crate::base::{Error, Kind, Result, Warning};
-use crate::elastic::{AreaLaw, Band, Force, Membrane, SharpMembrane};
+use crate::elastic::{AreaLaw, Band, Force, Membrane, SharpMembrane, SurfaceLaw};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{Shape, band_edges, check_band};
 use crate::mesh::{self, Mesh, Point};
@@ -100,13 +101,14 @@ where
         let space = Space::new(&mesh, Element::P2);
         let pairs = fem::periodic_pairs(&mesh, &conditions).map_err(|e| scene.blame(&["boundary"], e))?;
         warnings.extend(check_inflow(scene, &mesh, &pairs)?);
+        check_map(scene, !pairs.is_empty())?;
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
         if scene.fluid.is_prescribed() {
             return prescribed(scene, model, conditions, quality, lengths);
         }
         let (distances, functions) = model.distances()?;
         let thickness = model.thickness(&distances)?;
-        let structures = model.structures(distances, thickness)?;
+        let structures = model.structures(distances, &functions, thickness)?;
         let edges = edges_in_bands(&space, structures.iter().map(|s| (s, &s.phi[..])));
         let scales = [model.velocity_scale(), model.size()];
         let velocity_scale = scene.numerics.grad_div.is_none().then(|| model.velocity_scale());
@@ -122,7 +124,14 @@ where
         let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
             .map_err(|e| if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e })?
             .with_passive(level_sets)?;
-        simulation.compose(functions, scene.numerics.remap);
+        simulation.compose(functions.clone(), scene.numerics.remap);
+        if scene.output.backward_map {
+            simulation.carry_backward_map();
+        }
+        if scene.membranes.iter().any(|m| m.mapped) {
+            let mapped = scene.membranes.iter().zip(functions).map(|(m, f)| m.mapped.then_some(f)).collect();
+            simulation.map_level_sets(mapped)?;
+        }
         let mut model = Model {
             simulation,
             warnings,
@@ -204,9 +213,8 @@ where
         let (mut all, mut functions) = (Vec::new(), Vec::new());
         for (k, m) in self.scene.membranes.iter().enumerate() {
             let Placed { nodal, function } = self.placed(&m.shape, &["membrane", &k.to_string(), "shape"])?;
-            let stretch = m.stretch;
             all.push(nodal);
-            functions.push(Arc::new(move |x: &Point<D>| stretch * function(x)) as Arc<InitialFunction<D>>);
+            functions.push(self.level_set_of(m, function));
         }
         Ok((all, functions))
     }
@@ -278,7 +286,12 @@ where
         Err(self.scene.blame(&["fluid", key], e))
     }
 
-    fn structures(&mut self, distances: Vec<Vec<f64>>, thickness: Option<f64>) -> Result<Vec<Structure<D>>> {
+    fn structures(
+        &mut self,
+        distances: Vec<Vec<f64>>,
+        functions: &Functions<D>,
+        thickness: Option<f64>,
+    ) -> Result<Vec<Structure<D>>> {
         let mut structures = Vec::new();
         let walls = wall_nodes(self.space, &self.pairs);
         self.warn_of_overlaps(&distances, thickness.unwrap_or(0.0));
@@ -306,13 +319,16 @@ where
             let key =
                 if self.scene.numerics.thickness.is_some() { vec!["numerics", "thickness"] } else { vec!["membrane"] };
             check.map_err(|e| self.scene.blame(&key, e))?;
-            let phi: Vec<f64> = distance.iter().map(|d| d * m.stretch).collect();
+            let phi: Vec<f64> = match m.map.is_empty() {
+                true => distance.iter().map(|d| d * m.stretch).collect(),
+                false => self.space.interpolate(|x| functions[k](x)),
+            };
             structures.push(Structure {
                 name: self.scene.membranes[k].name.clone(),
                 phi,
                 membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
                 sharp: self.sharp(m),
-                shear: None,
+                shear: m.surface.map(|law| self.sheared(m, law, eps)),
                 stretch: m.stretch,
                 surface_mass: m.mass,
             });
@@ -349,7 +365,8 @@ where
         }
         if density > 0.0 {
             for m in &self.scene.membranes {
-                speed = speed.max((m.area.modulus() / (density * length)).sqrt());
+                let modulus = m.surface.map_or(m.area.modulus(), SurfaceLaw::modulus);
+                speed = speed.max((modulus / (density * length)).sqrt());
             }
             let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
             speed = speed.max((gravity * length).sqrt());

@@ -110,6 +110,9 @@ where
     let velocity = Arc::new(vector(velocity));
     let mut simulation = Simulation::prescribed(draft.mesh, settings, velocity, level_sets)?;
     simulation.compose(Vec::new(), scene.numerics.remap);
+    if scene.output.backward_map {
+        simulation.carry_backward_map();
+    }
     Ok(Model {
         simulation,
         warnings: draft.warnings,

@@ -2,11 +2,12 @@
 
 use super::Scene;
 use super::adapt::Lengths;
+use super::diagnostics::has_backward_map;
 use super::dimension::{Dimension, In};
 use super::model::{Model, band_of};
-use super::schema::{Adapt, Condition, MeshSource};
+use super::schema::{Adapt, Condition, Membrane, MeshSource};
 use crate::base::Result;
-use crate::elastic::{AreaLaw, Band, Force};
+use crate::elastic::{AreaFrom, AreaLaw, Band, Force, ShearLaw, SurfaceLaw};
 use crate::mesh::Point;
 use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
@@ -109,18 +110,7 @@ fn solved<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         }
     });
     lines.push(format!("density {}, viscosity {}", both(scene.fluid.density), both(scene.fluid.viscosity)));
-    for m in &scene.membranes {
-        let law = match m.area {
-            AreaLaw::Linear { modulus } => format!("E'(r) = {modulus} (r - 1)"),
-            AreaLaw::OneSided { modulus } => format!("E'(r) = {modulus} max(r - 1, 0)"),
-            AreaLaw::Tension { tension } => format!("constant tension {tension}"),
-        };
-        let mass = if m.mass > 0.0 { format!(", surface mass {} (3.19)", m.mass) } else { String::new() };
-        lines.push(format!(
-            "membrane `{}`: stress (3.16) with {law}, initial stretch {}{mass}; its level set by (3.22)",
-            m.name, m.stretch
-        ));
-    }
+    lines.extend(scene.membranes.iter().flat_map(membrane));
     lines.extend(level_sets(scene));
     for b in &scene.boundaries {
         let condition = match &b.condition {
@@ -141,6 +131,48 @@ fn solved<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     lines
 }
 
+/// What a membrane is, in words.
+fn membrane(m: &Membrane) -> Vec<String> {
+    let area = |law| match law {
+        AreaLaw::Linear { modulus } => format!("E'(r) = {modulus} (r - 1)"),
+        AreaLaw::OneSided { modulus } => format!("E'(r) = {modulus} max(r - 1, 0)"),
+        AreaLaw::Tension { tension } => format!("constant tension {tension}"),
+    };
+    let mass = if m.mass > 0.0 { format!(", surface mass {} (3.19)", m.mass) } else { String::new() };
+    let (name, stretch) = (&m.name, m.stretch);
+    let Some(law) = m.surface else {
+        let law = area(m.area);
+        return vec![format!(
+            "membrane `{name}`: stress (3.16) with {law}, initial stretch {stretch}{mass}; its level set by (3.22)"
+        )];
+    };
+    let law = match law {
+        SurfaceLaw::Split { area: first, shear } => {
+            let shear = match shear {
+                ShearLaw::Linear { modulus } => format!("E2'(Z2) = {modulus} (Z2 - 1)"),
+                ShearLaw::NeoHookean { modulus } => format!("E2'(Z2) = {modulus}"),
+            };
+            format!("{} and {shear}", area(first))
+        }
+        SurfaceLaw::NeoHookean { modulus } => format!("the neo-Hookean law, G = {modulus}"),
+        SurfaceLaw::Skalak { modulus, area_ratio } => format!("Skalak's law, G = {modulus}, C = {area_ratio}"),
+    };
+    let level_set = if m.mapped { "phi0(Y) (3.32)" } else { "carried by (3.31)" };
+    let from = match m.area_from {
+        AreaFrom::Slope => "|grad phi| (3.42)",
+        AreaFrom::Map => "the map (3.40)",
+    };
+    let mut lines = vec![
+        format!("membrane `{name}`: forces F1 + F2 (3.47) with {law}, initial stretch {stretch}{mass}"),
+        format!("its level set {level_set}, Z1 from {from}, Z2 from the backward characteristics Y by (3.38), (3.41)"),
+    ];
+    if !m.map.is_empty() {
+        let map: Vec<&str> = m.map.iter().map(super::Expression::text).collect();
+        lines.push(format!("at rest its material is at ({})", map.join(", ")));
+    }
+    lines
+}
+
 fn unknowns<const D: usize>(model: &Model<D>) -> Vec<String> {
     let sim = &model.simulation;
     let mut lines = Vec::new();
@@ -157,6 +189,9 @@ fn unknowns<const D: usize>(model: &Model<D>) -> Vec<String> {
     let pressure = numbering.order() - velocity;
     lines.push(format!("velocity {velocity} (P2), pressure {pressure} (P1)"));
     lines.extend(level_sets);
+    if sim.has_backward_map() {
+        lines.push(format!("backward characteristics {} x {} (P2)", D, sim.space().len()));
+    }
     lines.extend(map_memory(model));
     let implicit = sim.settings().coupling == Coupling::Implicit && !sim.structures().is_empty();
     let constant = flow.density().is_constant() && flow.viscosity().is_constant();
@@ -300,7 +335,9 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     if scene.membranes.is_empty() {
         lines.push("level sets and elastic forces: no structure is immersed");
     } else {
-        lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
+        if !has_backward_map(scene) {
+            lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
+        }
         lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
         lines.push("redistancing: the slope of the level set is the stretch of the membrane");
         if sim.settings().transport == Method::Nodal {

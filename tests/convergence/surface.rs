@@ -222,7 +222,9 @@ fn transported(case: &Case, n: usize, steps: usize, transport: Method, reach: f6
     let wind = Arc::new(move |x: &Point<3>, _: f64| velocity(x));
     let mut sim = Simulation::prescribed(&mesh, settings(1.0 / steps as f64, transport), wind, vec![passive]).unwrap();
     sim.carry_backward_map();
-    (0..steps).for_each(|_| drop(sim.step().unwrap()));
+    for _ in 0..steps {
+        sim.step().unwrap();
+    }
     errors(&space, &sim.state().displacement, &sim.level_set(0), reach, |x| (case.exact)(x, 1.0))
 }
 

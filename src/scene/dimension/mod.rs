@@ -6,7 +6,7 @@ mod solid;
 use super::Scene;
 use super::adapt::Lengths;
 use super::model::Model;
-use super::schema::{self, Chord};
+use super::schema::{self, Chord, Ring};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::Shape;
@@ -41,12 +41,15 @@ pub trait Dimension<const D: usize> {
     /// A value that is not finite.
     fn surface(space: &Space<D>, phi: &[f64]) -> Result<Vec<SurfacePoint<D>>>;
 
-    /// The row of interface number `k`: [`MEASURES`](Self::MEASURES), the half-chords, and what is measured of its markers. What cannot be
-    /// measured is NaN.
+    /// The columns of the strain of an interface, where backward characteristics are carried.
+    const STRAIN: &'static [&'static str];
+
+    /// The row of interface number `k`: [`MEASURES`](Self::MEASURES), the half-chords, the rings, [`STRAIN`](Self::STRAIN), and what is
+    /// measured of its markers. What cannot be measured is NaN.
     ///
     /// # Errors
     /// A level set that is not finite.
-    fn measure(sim: &Simulation<D>, k: usize, chords: &[Chord]) -> Result<Vec<f64>>;
+    fn measure(sim: &Simulation<D>, k: usize, chords: &[Chord], rings: &[Ring]) -> Result<Vec<f64>>;
 
     /// As many points on the zero set of `phi`, at equal distances, moved onto that of `distance`.
     ///

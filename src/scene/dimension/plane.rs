@@ -9,7 +9,7 @@ use crate::levelset::{
     self, Circle, Contour, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
-use crate::scene::schema::{Chord, MeshSource, Shape};
+use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
 use crate::scene::{Model, Scene};
 use crate::sim::{InitialFunction, Simulation, Transfer};
 
@@ -20,6 +20,7 @@ impl Dimension<2> for In<2> {
     const MEASURES: &'static [&'static str] =
         &["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
     const CELLS: &'static str = "triangles";
+    const STRAIN: &'static [&'static str] = &[];
 
     fn mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
         let mesh = match &scene.mesh {
@@ -64,7 +65,7 @@ impl Dimension<2> for In<2> {
         levelset::surface(space, phi)
     }
 
-    fn measure(sim: &Simulation<2>, k: usize, chords: &[Chord]) -> Result<Vec<f64>> {
+    fn measure(sim: &Simulation<2>, k: usize, chords: &[Chord], _: &[Ring]) -> Result<Vec<f64>> {
         let interface = sim.interface(k)?;
         let mut row = measures(sim, &interface).to_vec();
         let Interface { space, phi, contour } = &interface;

@@ -9,8 +9,9 @@ use crate::levelset::{
 };
 use crate::mesh::{Mesh, Point, gmsh};
 use crate::scene::Scene;
-use crate::scene::schema::{Chord, MeshSource, Shape};
+use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
 use crate::sim::Simulation;
+use std::f64::consts::PI;
 
 /// Number of [`MEASURES`](Dimension::MEASURES).
 const COUNT: usize = 11;
@@ -21,6 +22,8 @@ impl Dimension<3> for In<3> {
         "extent_z",
     ];
     const CELLS: &'static str = "tetrahedra";
+    const STRAIN: &'static [&'static str] =
+        &["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];
 
     fn mesh(scene: &Scene) -> Result<(Mesh<3>, Vec<Warning>)> {
         match &scene.mesh {
@@ -66,7 +69,7 @@ impl Dimension<3> for In<3> {
         levelset::surface_in_space(space, phi)
     }
 
-    fn measure(sim: &Simulation<3>, k: usize, chords: &[Chord]) -> Result<Vec<f64>> {
+    fn measure(sim: &Simulation<3>, k: usize, chords: &[Chord], rings: &[Ring]) -> Result<Vec<f64>> {
         let (space, phi) = (sim.space(), sim.level_set(k));
         let surface = Isosurface::new(space, &phi)?;
         let mut row = measures(sim, &surface).to_vec();
@@ -75,6 +78,11 @@ impl Dimension<3> for In<3> {
                 .iter()
                 .map(|c| surface.half_chord(space, &phi, &point(&c.through), &point(&c.direction)).unwrap_or(f64::NAN)),
         );
+        let radius = |x: &Point<3>, d: &Point<3>| surface.half_chord(space, &phi, x, d).unwrap_or(f64::NAN);
+        rings.iter().for_each(|r| row.extend(waves(r, radius)));
+        if sim.has_backward_map() {
+            row.extend(strain(sim, k, &levelset::surface_in_space(space, &phi)?));
+        }
         Ok(row)
     }
 }
@@ -90,4 +98,32 @@ fn measures(sim: &Simulation<3>, surface: &Isosurface) -> [f64; COUNT] {
         let [width, height, depth] = [k.extent_x, k.extent_y, k.extent_z].map(whole);
         [k.volume, k.surface, x, y, z, a, b, c, width, height, depth]
     })
+}
+
+/// Diameters that a ring is measured along.
+const DIAMETERS: usize = 96;
+
+/// The mean radius of a ring and the amplitudes of its modes, by half the diameters in `DIAMETERS` directions.
+fn waves(ring: &Ring, radius: impl Fn(&Point<3>, &Point<3>) -> f64) -> Vec<f64> {
+    let (centre, n) = (point::<3>(&ring.centre), point::<3>(&ring.normal).normalize());
+    let first = if n[0].abs() < 0.9 { Point::<3>::x() } else { Point::<3>::y() };
+    let first = (first - n * n.dot(&first)).normalize();
+    let second = n.cross(&first);
+    let angle = |i: usize| PI * i as f64 / DIAMETERS as f64;
+    let radii: Vec<f64> =
+        (0..DIAMETERS).map(|i| radius(&centre, &(first * angle(i).cos() + second * angle(i).sin()))).collect();
+    let mean = |f: &dyn Fn(f64) -> f64| (0..DIAMETERS).map(|i| radii[i] * f(angle(i))).sum::<f64>() / DIAMETERS as f64;
+    let mode = |m: usize| 2.0 * mean(&|a| (m as f64 * a).cos()).hypot(mean(&|a| (m as f64 * a).sin()));
+    std::iter::once(mean(&|_| 1.0)).chain(ring.modes.iter().map(|&m| mode(m))).collect()
+}
+
+/// [`STRAIN`](Dimension::STRAIN) of an interface; NaN where there is none.
+fn strain(sim: &Simulation<3>, k: usize, points: &[SurfacePoint<3>]) -> [f64; 5] {
+    let (mut least, mut most, mut shear, mut sum, mut area) = (f64::NAN, f64::NAN, f64::NAN, 0.0, 0.0);
+    for (s, p) in sim.surface_strain(k, points).iter().zip(points) {
+        // `min` and `max` pass over the NaN at the start.
+        (least, most, shear) = (s.z1.min(least), s.z1.max(most), s.z2.max(shear));
+        (sum, area) = (sum + p.at.weight * s.z2, area + p.at.weight);
+    }
+    [sim.determinant_error_on(points), least, most, sum / area, shear]
 }

@@ -7,6 +7,7 @@ use crate::mesh::{Mesh, Point};
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
 use crate::scene::{Model, Scene};
 use crate::sim::{Simulation, State};
+use nalgebra::SVector;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -127,6 +128,10 @@ impl Folder {
         for (name, phi) in names.iter().zip(&level_sets) {
             fields.push((name, FieldData::Scalar(phi)));
         }
+        let strained = strained(sim);
+        for (name, data) in &strained {
+            fields.push((name, data.as_field()));
+        }
         write_vtu(&self.0.join(field_file(step)), sim.space(), sim.time(), &fields)
     }
 
@@ -207,6 +212,54 @@ impl Folder {
             .map_err(|e| Error::internal(format!("the summary cannot be written: {e}")))?;
         write_file(&self.0.join("summary.json"), text.as_bytes())
     }
+}
+
+/// A field that is made for a file.
+enum Made<const D: usize> {
+    Scalar(Vec<f64>),
+    Vector(Vec<SVector<f64, D>>),
+}
+
+impl<const D: usize> Made<D> {
+    fn as_field(&self) -> FieldData<'_, D> {
+        match self {
+            Made::Scalar(values) => FieldData::Scalar(values),
+            Made::Vector(values) => FieldData::Vector(values),
+        }
+    }
+}
+
+/// What backward characteristics tell: the displacement `Y(x) - x` to the place at rest of each structure that resists shear, or to that of time
+/// 0, and in space area and shear about each interface.
+fn strained<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
+    let mut fields = Vec::new();
+    if !sim.has_backward_map() {
+        return fields;
+    }
+    let mut at_time_0 = true;
+    let names = sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name));
+    for (k, name) in names.enumerate() {
+        if sim.structures().get(k).is_some_and(|s| s.shear.is_some()) {
+            fields.push((format!("{name}.displacement"), Made::Vector(sim.rest_displacement(k).into_owned())));
+            at_time_0 = false;
+        }
+        if D == 3 {
+            let reach = sim.structures().get(k).map_or_else(|| thinnest(sim), |s| s.membrane.thickness());
+            let [area, shear] = sim.nodal_strain(k, reach);
+            fields.push((format!("{name}.area_change"), Made::Scalar(area)));
+            fields.push((format!("{name}.shear"), Made::Scalar(shear)));
+        }
+    }
+    if at_time_0 {
+        fields.push(("displacement".into(), Made::Vector(sim.state().displacement.clone())));
+    }
+    fields
+}
+
+/// Two edges of the finest cell.
+fn thinnest<const D: usize>(sim: &Simulation<D>) -> f64 {
+    let mesh = sim.space().mesh();
+    2.0 * (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min)
 }
 
 /// The part at the front that `Folder::save` wrote with its length and hash, and what follows; `None` when it is damaged.

@@ -21,7 +21,7 @@ pub use exact::Exact;
 pub use fluid::Fluid;
 pub use keys::{Absent, Key, Keys, Kind};
 pub use level_set::LevelSet;
-pub use membrane::{Chord, Membrane};
+pub use membrane::{Chord, Membrane, Ring};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
 pub use output::{Flux, Force, Output, Picture, Probe, Profile, Quantity};

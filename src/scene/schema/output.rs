@@ -31,6 +31,8 @@ pub struct Output {
     pub forces: Vec<Force>,
     /// Fluxes through boundaries, in the series.
     pub fluxes: Vec<Flux>,
+    /// Whether the backward characteristics are carried even where no structure needs them.
+    pub backward_map: bool,
     /// How pictures look.
     pub picture: Picture,
 }
@@ -169,6 +171,14 @@ pub(super) static KEYS: Keys = Keys {
             Optional,
             "Volumes that leave through boundaries in unit time, in `series.csv`.",
         ),
+        row(
+            "backward_map",
+            Value("true or false"),
+            "",
+            Default("false"),
+            "Whether the backward characteristics Y are carried even where no membrane resists shear: columns `determinant_error` and, in \
+             space, area and shear of every interface; the field `displacement`, Y(x) - x.",
+        ),
         row("picture", Table(&PICTURE), "", Optional, "How pictures look."),
     ],
 };
@@ -271,6 +281,7 @@ impl Output {
             profiles: source.named("profiles", |name, i| source.profile(name, i))?,
             forces: source.named("forces", |name, i| source.force(name, i))?,
             fluxes: source.named("fluxes", flux)?,
+            backward_map: source.optional("backward_map", Item::boolean)?.unwrap_or(false),
             picture: source.optional("picture", |i| source.picture(i))?.unwrap_or(source.default_picture()),
         };
         source.check_names()?;
@@ -285,6 +296,7 @@ impl Output {
         out.entry("pictures", interval(self.pictures));
         out.entry("film", self.film);
         out.entry("checkpoint", interval(self.checkpoint));
+        out.entry("backward_map", self.backward_map);
         let Picture { field, mesh, size } = self.picture;
         let field = name(field, &QUANTITIES);
         out.entry("picture", format_args!("{{ field = {field}, mesh = {mesh}, size = {size} }}"));
