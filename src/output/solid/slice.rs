@@ -1,0 +1,187 @@
+//! Plane slices through the domain: the field in its true finite element, and the line where an interface crosses.
+
+use super::super::colours::Colours;
+use super::super::field::{FieldData, on_nodes};
+use super::camera::{Camera, in_space};
+use super::canvas::Facet;
+use crate::base::{Error, Result};
+use crate::fem::{EDGES, Space};
+use crate::mesh::Point;
+use nalgebra::{Matrix2, SVector, Vector2};
+
+/// A plane across the domain, coloured by a field in the scale of the picture, without shading.
+#[derive(Clone, Copy, Debug)]
+pub struct Slice<'a> {
+    /// The coordinate that is constant on it: 0, 1 or 2 for x, y or z.
+    pub axis: usize,
+    /// The value of that coordinate.
+    pub position: f64,
+    /// What is coloured; a vector field by its length.
+    pub field: FieldData<'a, 3>,
+}
+
+/// A slice, cut into triangles that each lie in one cell.
+pub(super) struct Cut<'a> {
+    space: &'a Space<3>,
+    axis: usize,
+    field: Nodal,
+    interfaces: Vec<Vec<f64>>,
+    /// The cell of each triangle and the barycentric coordinates of its corners.
+    triangles: Vec<(u32, [[f64; 4]; 3])>,
+}
+
+/// A field with its values at all nodes.
+enum Nodal {
+    Scalar(Vec<f64>),
+    Vector(Vec<SVector<f64, 3>>),
+}
+
+/// Widths in pixels and opacity of the light rim of an interface and of the line itself, from below.
+const LINES: [(f64, f32, [f32; 3]); 2] = [(4.6, 0.7, [255.0; 3]), (2.2, 1.0, [12.0, 12.0, 16.0])];
+
+impl<'a> Cut<'a> {
+    /// Cuts the cells.
+    ///
+    /// # Errors
+    /// A slice beside the domain, or a field with a wrong number of values.
+    pub fn new(space: &'a Space<3>, slice: &Slice, interfaces: &[&[f64]]) -> Result<Cut<'a>> {
+        let (low, high) = space.mesh().bounding_box();
+        if slice.axis > 2 {
+            return Err(Error::internal("a slice has an axis that space does not have").value(slice.axis));
+        }
+        let (low, high, name) = (low[slice.axis], high[slice.axis], ["x", "y", "z"][slice.axis]);
+        if !(low..=high).contains(&slice.position) {
+            return Err(Error::input("a slice lies outside of the domain")
+                .value(format!("{name} = {}", slice.position))
+                .remedy(format!("give a value of {name} from {low} to {high}")));
+        }
+        let field = match slice.field {
+            FieldData::Scalar(f) => Nodal::Scalar(on_nodes(space, "slice", f)?),
+            FieldData::Vector(f) => Nodal::Vector(on_nodes(space, "slice", f)?),
+        };
+        let interfaces = interfaces.iter().map(|f| on_nodes(space, "level set", f)).collect::<Result<_>>()?;
+        let triangles = triangles(space, slice.axis, slice.position, slice.position == low);
+        Ok(Cut { space, axis: slice.axis, field, interfaces, triangles })
+    }
+    /// Its triangles in the picture.
+    pub fn facets(&self, camera: &Camera, part: u32) -> Vec<Facet> {
+        let facet = |(i, (cell, corners)): (usize, &(u32, [[f64; 4]; 3]))| Facet {
+            spots: corners.map(|l| camera.project(&self.point(*cell, &l))),
+            part,
+            number: i as u32,
+        };
+        self.triangles.iter().enumerate().map(facet).collect()
+    }
+    fn point(&self, cell: u32, l: &[f64; 4]) -> Point<3> {
+        let mesh = self.space.mesh();
+        let corners = mesh.cell(cell as usize);
+        (0..4).fold(Point::<3>::zeros(), |x, k| x + mesh.points()[corners[k] as usize] * l[k])
+    }
+    /// Its colour at a point of a triangle, whose corners have the weights `l` in the picture.
+    pub fn shade(&self, f: &Facet, l: [f64; 3], camera: &Camera, bar: &Colours) -> [f32; 3] {
+        let (cell, corners) = &self.triangles[f.number as usize];
+        let (c, w) = (*cell as usize, in_space(&f.spots, l));
+        let l: [f64; 4] = std::array::from_fn(|k| w[0] * corners[0][k] + w[1] * corners[1][k] + w[2] * corners[2][k]);
+        let value = match &self.field {
+            Nodal::Scalar(f) => self.space.value(f, c, &l),
+            Nodal::Vector(f) => self.space.value(f, c, &l).norm(),
+        };
+        let mut rgb = bar.of(value).map(f32::from);
+        for phi in &self.interfaces {
+            let far = self.pixels_from(phi, c, &l, camera) as f32;
+            for (width, opacity, ink) in LINES {
+                let a = opacity * (0.5 * width as f32 + 0.5 - far).clamp(0.0, 1.0);
+                // NaN, where the slope is zero, lays no ink.
+                if a > 0.0 {
+                    rgb = std::array::from_fn(|k| rgb[k] + (ink[k] - rgb[k]) * a);
+                }
+            }
+        }
+        rgb
+    }
+    /// Distance in pixels to the line `phi = 0` of the slice, `|phi| / |grad phi|` with the gradient in the picture.
+    fn pixels_from(&self, phi: &[f64], c: usize, l: &[f64; 4], camera: &Camera) -> f64 {
+        let value = self.space.value(phi, c, l).abs();
+        let slope = self.space.gradient(phi, c, l);
+        let (a, b) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+        let [column, row] = camera.derivative(&self.point(c as u32, l));
+        // grad phi in the plane is the transposed derivative of the pixel times grad phi in the picture.
+        let derivative = Matrix2::new(column[a], row[a], column[b], row[b]);
+        let inverse = derivative.try_inverse().unwrap_or_else(Matrix2::zeros);
+        value / (inverse * Vector2::new(slope[a], slope[b])).norm()
+    }
+}
+
+/// The parts of a plane in the cells. A plane along facets takes them from the cells below, or from those above.
+fn triangles(space: &Space<3>, axis: usize, position: f64, from_above: bool) -> Vec<(u32, [[f64; 4]; 3])> {
+    let mesh = space.mesh();
+    let mut triangles = Vec::new();
+    for c in 0..mesh.cell_count() {
+        let cell = mesh.cell(c);
+        let height: [f64; 4] = std::array::from_fn(|k| mesh.points()[cell[k] as usize][axis] - position);
+        let above = height.map(|h| if from_above { h > 0.0 } else { h >= 0.0 });
+        if above.iter().all(|a| *a) || !above.iter().any(|a| *a) {
+            continue;
+        }
+        let mut corners = Vec::with_capacity(4);
+        for &(i, j) in EDGES.iter().filter(|(i, j)| above[*i] != above[*j]) {
+            let mut l = [0.0; 4];
+            l[j] = height[i] / (height[i] - height[j]);
+            l[i] = 1.0 - l[j];
+            corners.push(((i, j), l));
+        }
+        // In a quadrilateral neighbours lie on edges that share a vertex: put the one that shares none opposite.
+        if corners.len() == 4 {
+            let (i, j) = corners[0].0;
+            let opposite = corners.iter().position(|((a, b), _)| ![i, j].contains(a) && ![i, j].contains(b));
+            corners.swap(2, opposite.unwrap_or(2));
+        }
+        for k in 2..corners.len() {
+            triangles.push((c as u32, [corners[0].1, corners[k - 1].1, corners[k].1]));
+        }
+    }
+    triangles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::Element;
+    use crate::mesh::box_mesh;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_slice_covers_the_section_of_the_box_once_wherever_it_lies() {
+        let mesh = Arc::new(box_mesh([0.0, 0.0, 0.0], [1.0, 2.0, 3.0], [3, 4, 5]).unwrap());
+        let space = Space::new(&mesh, Element::P1);
+        let f = vec![0.0; space.len()];
+        for (axis, section, high) in [(0, 6.0, 1.0), (1, 3.0, 2.0), (2, 2.0, 3.0)] {
+            // At the ends, along facets of cells, and through them.
+            for position in [0.0, 0.5 * high, 0.37 * high, high] {
+                let slice = Slice { axis, position, field: FieldData::Scalar(&f) };
+                let cut = Cut::new(&space, &slice, &[]).unwrap();
+                let mut area = 0.0;
+                for (cell, corners) in &cut.triangles {
+                    let [a, b, c] = corners.map(|l| cut.point(*cell, &l));
+                    assert!([a, b, c].iter().all(|x| (x[axis] - position).abs() < 1e-14));
+                    area += 0.5 * (b - a).cross(&(c - a)).norm();
+                }
+                assert!((area - section).abs() < 1e-12, "axis {axis} at {position}: {area}");
+            }
+        }
+    }
+
+    #[test]
+    fn slices_that_cannot_be_are_refused() {
+        let space = Space::new(&Arc::new(box_mesh([0.0; 3], [1.0; 3], [1; 3]).unwrap()), Element::P2);
+        let f = vec![0.0; space.len()];
+        let refused = |axis, position, f: &[f64]| {
+            Cut::new(&space, &Slice { axis, position, field: FieldData::Scalar(f) }, &[]).err().unwrap()
+        };
+        let e = refused(1, 1.5, &f);
+        assert!(e.what().contains("outside") && e.wrong_value() == "y = 1.5" && e.advice().contains("0 to 1"), "{e}");
+        refused(0, f64::NAN, &f);
+        refused(3, 0.5, &f);
+        refused(0, 0.5, &f[1..]);
+    }
+}
