@@ -265,10 +265,10 @@ mod tests {
 
     #[test]
     fn what_is_flat_outside_or_not_finite_is_harmless() {
-        let bad = [f64::NAN, f64::INFINITY, -1e12];
-        let facets = bad.map(|v| facet([spot(v, 0.0, 0.0), spot(5.0, 5.0, 0.0), spot(v, v, v)], 0)).to_vec();
+        let bad = [f64::NAN, f64::INFINITY, -1e9];
+        let facets = bad.map(|v| facet([spot(v, -1.0, 0.0), spot(-2.0, -5.0, 0.0), spot(v, v, v)], 0)).to_vec();
         let strokes = bad.map(|v| Stroke {
-            lines: vec![[spot(v, 1.0, 0.0), spot(v, v, 0.0)]],
+            lines: vec![[spot(v, -9.0, 0.0), spot(v, v, 0.0)]],
             width: 2.0,
             rgb: [0; 3],
             opacity: [1.0; 2],

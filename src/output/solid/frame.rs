@@ -53,8 +53,8 @@ impl<'a> Frame<'a> {
             chosen.map(|e| self.ends(e).map(|p| self.camera.project(&p))).collect::<Vec<_>>()
         };
         vec![
-            // Slices along a wall hide its grid.
-            stroke(self.grid(), 0.8, GRID, [0.75, 0.0], -1e-4),
+            // Slices along a wall hide its grid: all of its width, also where the wall leans away.
+            stroke(self.grid(), 0.8, GRID, [0.75, 0.0], -5e-3),
             stroke(edges(2), 1.1, EDGE, [0.6, 0.2], 1e-4),
             stroke(edges(1), 1.2, EDGE, [0.9, 0.25], 1e-3),
             stroke(edges(0), 1.0, EDGE, [0.45, 0.2], 1e-3),
@@ -79,6 +79,7 @@ impl<'a> Frame<'a> {
     }
     /// Numbers and names of the axes, on edges at the rim of the box: z at the left, x and y below.
     pub fn draw_axes(&self, image: &mut Image) {
+        let mut taken = Vec::new();
         for axis in 0..3 {
             let rim = edges().filter(|e| e.axis == axis && self.walls_at_back(*e) == 1);
             let place = |e: &Edge| {
@@ -88,11 +89,12 @@ impl<'a> Frame<'a> {
             };
             let chosen = rim.filter_map(|e| place(&e)).max_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, edge)) = chosen {
-                self.draw_axis(edge, image);
+                self.draw_axis(edge, &mut taken, image);
             }
         }
     }
-    fn draw_axis(&self, edge: Edge, image: &mut Image) {
+    /// Leaves out numbers that would cover others, as they do where two axes meet: `taken` lists their boxes.
+    fn draw_axis(&self, edge: Edge, taken: &mut Vec<[f64; 4]>, image: &mut Image) {
         let (axis, ends) = (edge.axis, self.ends(edge));
         let [a, b] = ends.map(|p| self.camera.project(&p).at);
         let out = self.outward(a, b);
@@ -106,11 +108,16 @@ impl<'a> Frame<'a> {
             image.stroke(&[[[x, y], tip]], 1.0, QUIET);
             let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
             widest = widest.max(lettering::width(&text, SIZE));
-            beside(image, &text, tip, out, SIZE, QUIET);
+            let place = Place::beside(&text, tip, out, SIZE);
+            if taken.iter().all(|t| place.is_clear_of(t)) {
+                taken.push(place.bounds);
+                place.draw(&text, image, QUIET);
+            }
         }
         let far = TICK + 12.0 + out[0].abs() * widest + out[1].abs() * SIZE;
         let middle = [0.5 * (a[0] + b[0]) + far * out[0], 0.5 * (a[1] + b[1]) + far * out[1]];
-        beside(image, ["x", "y", "z"][axis], middle, out, 11.0, TEXT);
+        let name = ["x", "y", "z"][axis];
+        Place::beside(name, middle, out, 11.0).draw(name, image, TEXT);
     }
     /// The direction in the picture away from the box, across an edge at its rim.
     fn outward(&self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -145,9 +152,26 @@ fn edges() -> impl Iterator<Item = Edge> {
     (0..12).map(|k| Edge { axis: k / 4, sides: [k & 1, (k >> 1) & 1] })
 }
 
-/// Text that begins at a point and lies in a direction from it.
-fn beside(image: &mut Image, text: &str, at: [f64; 2], out: [f64; 2], size: f64, ink: Ink) {
-    let reach = [0.5 * lettering::width(text, size) + 5.0, 0.5 * size + 5.0];
-    let middle = [at[0] + out[0] * reach[0], at[1] + out[1] * reach[1]];
-    lettering::draw(image, text, [middle[0], middle[1] + 0.5 * size], size, Align::Centre, ink);
+/// Where a text stands.
+struct Place {
+    size: f64,
+    /// Left, top, right and bottom.
+    bounds: [f64; 4],
+}
+
+impl Place {
+    /// For a text that begins at a point and lies in a direction from it.
+    fn beside(text: &str, at: [f64; 2], out: [f64; 2], size: f64) -> Place {
+        let half = [0.5 * lettering::width(text, size), 0.5 * size];
+        let [x, y] = [0, 1].map(|k| at[k] + out[k] * (half[k] + 5.0));
+        Place { size, bounds: [x - half[0], y - half[1], x + half[0], y + half[1]] }
+    }
+    fn is_clear_of(&self, other: &[f64; 4]) -> bool {
+        let ([a, b, c, d], gap) = (self.bounds, 4.0);
+        c + gap < other[0] || other[2] + gap < a || d + gap < other[1] || other[3] + gap < b
+    }
+    fn draw(&self, text: &str, image: &mut Image, ink: Ink) {
+        let [left, _, right, bottom] = self.bounds;
+        lettering::draw(image, text, [0.5 * (left + right), bottom], self.size, Align::Centre, ink);
+    }
 }

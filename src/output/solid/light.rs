@@ -12,7 +12,7 @@ pub(super) struct Lights {
 }
 
 /// Light from everywhere: at least, and from the sky in addition.
-const AMBIENT: [f64; 2] = [0.42, 0.14];
+const AMBIENT: [f64; 2] = [0.40, 0.12];
 /// Strength and exponent of the gloss.
 const GLOSS: (f64, i32) = (0.16, 36);
 
@@ -21,7 +21,7 @@ impl Lights {
     pub fn new(camera: &Camera) -> Lights {
         let [right, up, toward] = camera.axes;
         let direction = |r: f64, u: f64, t: f64| (right * r + up * u + toward * t).normalize();
-        Lights { lamps: [(direction(-0.55, 0.65, 0.62), 0.52), (direction(0.85, -0.05, 0.45), 0.16)], up }
+        Lights { lamps: [(direction(-0.55, 0.65, 0.62), 0.48), (direction(0.85, -0.05, 0.45), 0.14)], up }
     }
     /// The colour of a surface of colour `rgb` whose normal is `n`, seen from the direction `eye`; both are unit vectors,
     /// and the normal points to the side that is seen.

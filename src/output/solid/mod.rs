@@ -5,6 +5,7 @@
 
 mod camera;
 mod canvas;
+mod coat;
 mod frame;
 mod light;
 mod pattern;
@@ -14,6 +15,7 @@ mod surface;
 mod tests;
 
 pub use camera::{Projection, View};
+pub use coat::Coat;
 pub use pattern::Pattern;
 pub use slice::Slice;
 pub use surface::{Paint, Surface};
@@ -43,6 +45,8 @@ pub struct SolidPicture<'a> {
     pub interfaces: Vec<&'a [f64]>,
     /// The range of the colours, of slices and surfaces alike; [`Scale::of`] the field, or one for all frames of a film.
     pub scale: Scale,
+    /// Lower and upper corner of the part of the domain that is shown, if not all of it: slices end there, surfaces do not.
+    pub window: Option<[Point<3>; 2]>,
     /// Where the viewer stands.
     pub view: View,
     /// Title, with the unit if there is one.
@@ -70,6 +74,7 @@ impl<'a> SolidPicture<'a> {
             slices: Vec::new(),
             interfaces: Vec::new(),
             scale: Scale { low: f64::INFINITY, high: f64::NEG_INFINITY },
+            window: None,
             view: View::default(),
             title,
             time: None,
@@ -79,14 +84,15 @@ impl<'a> SolidPicture<'a> {
     /// Draws it.
     ///
     /// # Errors
-    /// A view that is not finite; a slice beside the domain; a field or surface with a wrong number of values (a defect of
+    /// A view that is not finite, a window without volume; a slice beside it; a field or surface with a wrong number of values (a defect of
     /// the caller).
     pub fn draw(&self) -> Result<Image> {
-        let (camera, place) = self.place()?;
-        let cut = |s: &Slice| Cut::new(self.space, s, &self.interfaces);
+        let shown = self.shown()?;
+        let (camera, place) = self.place(shown)?;
+        let cut = |s: &Slice| Cut::new(self.space, s, &self.interfaces, &shown);
         let cuts = self.slices.iter().map(cut).collect::<Result<Vec<_>>>()?;
         self.surfaces.iter().try_for_each(Surface::check)?;
-        let frame = Frame::new(&camera, self.corners());
+        let frame = Frame::new(&camera, shown);
         let count = self.surfaces.len();
         let surfaces = self.surfaces.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, k as u32));
         let slices = cuts.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, (count + k) as u32));
@@ -105,15 +111,22 @@ impl<'a> SolidPicture<'a> {
         draw_title(&mut image, self.title, self.time, 24.0);
         Ok(image)
     }
-    fn corners(&self) -> [Point<3>; 2] {
-        self.space.mesh().bounding_box().into()
+    /// The corners of the box that is shown.
+    fn shown(&self) -> Result<[Point<3>; 2]> {
+        let [low, high] = self.window.unwrap_or_else(|| self.space.mesh().bounding_box().into());
+        if (0..3).all(|k| low[k] < high[k] && (high[k] - low[k]).is_finite()) {
+            return Ok([low, high]);
+        }
+        Err(Error::input("the box of a picture has no volume")
+            .value(format!("from {:?} to {:?}", low.as_slice(), high.as_slice()))
+            .remedy("give the lower corner, then the upper one"))
     }
     /// Whether anything is coloured by numbers.
     fn has_bar(&self) -> bool {
         !self.slices.is_empty() || self.surfaces.iter().any(|s| matches!(s.paint, Paint::Scalar(_)))
     }
     /// The camera, and where the drawing lies.
-    fn place(&self) -> Result<(Camera, Place)> {
+    fn place(&self, shown: [Point<3>; 2]) -> Result<(Camera, Place)> {
         let View { azimuth, elevation, .. } = self.view;
         if !(azimuth.is_finite() && elevation.is_finite()) {
             return Err(Error::input("the direction of view is not finite")
@@ -122,8 +135,8 @@ impl<'a> SolidPicture<'a> {
         }
         let right = if self.has_bar() { SIDE + BAR } else { SIDE };
         let room = [self.size[0] as f64 - SIDE - right, self.size[1] as f64 - TOP - BOTTOM].map(|r| r.max(SMALLEST));
-        let mut camera = Camera::new(&self.view, self.corners());
-        let taken = camera.fit(&Frame::vertices(self.corners()), room);
+        let mut camera = Camera::new(&self.view, shown);
+        let taken = camera.fit(&Frame::vertices(shown), room);
         let place = taken.map(|t| t.max(SMALLEST));
         camera.shift([SIDE + 0.5 * (place[0] - taken[0]), TOP + 0.5 * (place[1] - taken[1])]);
         // Films in H.264 want even numbers.

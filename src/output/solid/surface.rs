@@ -79,19 +79,14 @@ impl Surface {
             Paint::Scalar(f) => bar.of((0..3).map(|k| l[k] * f[triangle[k]]).sum()).map(f32::from),
             Paint::Checkerboard { material, pattern } => CHECKERS[usize::from(pattern.is_odd(&at(material)))],
         };
-        let n = at(&self.normals);
-        // Seen from inside, the other side is lit. Which side is seen is a matter of the triangle as a whole: a smooth
-        // normal at the rim of a body may point a little away.
-        let inside = self.shows_inside(triangle, f);
-        let n = n.normalize() * if inside { -1.0 } else { 1.0 };
-        lights.shade(rgb, &n, &camera.to_eye(&at(&self.points)))
+        let (n, eye) = (at(&self.normals), camera.to_eye(&at(&self.points)));
+        let n = n.try_normalize(0.0).unwrap_or(eye) * self.side(triangle, &eye);
+        lights.shade(rgb, &n, &eye)
     }
-    fn shows_inside(&self, [a, b, c]: [usize; 3], f: &Facet) -> bool {
-        let [p, q, r] = f.spots.map(|s| s.at);
-        let turn = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-        let across = (self.points[b] - self.points[a]).cross(&(self.points[c] - self.points[a]));
-        let outward = across.dot(&(self.normals[a] + self.normals[b] + self.normals[c]));
-        // Rows run downward, so corners that are counterclockwise for the viewer turn negatively.
-        turn * outward > 0.0
+    /// 1 where a triangle is seen from outside, -1 from inside, where the other side is lit. At the rim of a body normals may
+    /// point a little away from the viewer.
+    fn side(&self, [a, b, c]: [usize; 3], eye: &SVector<f64, 3>) -> f64 {
+        let n = self.normals[a] + self.normals[b] + self.normals[c];
+        if n.dot(eye) < -0.25 * n.norm() { -1.0 } else { 1.0 }
     }
 }
