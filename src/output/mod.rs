@@ -9,6 +9,7 @@ mod field;
 mod file;
 mod film;
 mod grid;
+mod legend;
 mod lettering;
 mod markup;
 mod numbers;
@@ -19,6 +20,7 @@ mod raster;
 mod report;
 mod sampling;
 mod series;
+pub mod solid;
 mod vtu;
 mod vtu_read;
 

@@ -2,8 +2,9 @@
 
 use super::colours::{Colours, Scale};
 use super::field::{FieldData, on_nodes};
+use super::legend::{QUIET, draw_bar, draw_title};
 use super::lettering::{self, Align};
-use super::numbers::{short, tick_text, ticks};
+use super::numbers::{tick_text, ticks};
 use super::raster::{Image, Ink, Segment};
 use super::sampling::Lattice;
 use crate::base::Result;
@@ -52,8 +53,6 @@ const SMALLEST: f64 = 130.0;
 /// Pixels between arrows.
 const SPACING: f64 = 30.0;
 
-const TEXT: Ink = Ink::solid([38, 42, 48]);
-const QUIET: Ink = Ink::solid([96, 102, 110]);
 const LINE: Ink = Ink::solid([12, 12, 16]);
 
 impl<'a> Picture<'a> {
@@ -92,8 +91,9 @@ impl<'a> Picture<'a> {
         }
         image.stroke(&self.edges(&frame, true), 1.2, QUIET);
         self.draw_axes(&frame, &mut image);
-        draw_bar(&frame, &colours, &mut image);
-        self.draw_title(&frame, &mut image);
+        let bar = [frame.image[0] - RIGHT as usize + 24, TOP as usize];
+        draw_bar(&mut image, &colours, bar, frame.size[1].max(SMALLEST as usize));
+        draw_title(&mut image, self.title, self.time, LEFT);
         Ok(image)
     }
     /// Fills the domain with colours.
@@ -199,34 +199,6 @@ impl<'a> Picture<'a> {
                 }
             }
         }
-    }
-    fn draw_title(&self, frame: &Frame, image: &mut Image) {
-        let left = LEFT;
-        let right = frame.image[0] as f64 - 20.0;
-        let time = self.time.map(|t| format!("t = {}", short(t))).unwrap_or_default();
-        let wanted = lettering::width(self.title, 12.5) + lettering::width(&time, 11.0) + 24.0;
-        let fit = ((right - left) / wanted).min(1.0);
-        lettering::draw(image, self.title, [left, 30.0], 12.5 * fit, Align::Left, TEXT);
-        lettering::draw(image, &time, [right, 30.0], 11.0 * fit, Align::Right, TEXT);
-    }
-}
-
-/// The colour bar and its numbers.
-fn draw_bar(frame: &Frame, colours: &Colours, image: &mut Image) {
-    let Colours { low, high, ref table, .. } = *colours;
-    let [x, width] = [frame.image[0] - RIGHT as usize + 24, 17];
-    let height = frame.size[1].max(SMALLEST as usize);
-    let top = TOP as usize;
-    for row in 0..height {
-        let k = (table.len() - 1) * (height - 1 - row) / (height - 1).max(1);
-        image.fill([x, top + row], [width, 1], table[k]);
-    }
-    let right = (x + width) as f64;
-    for v in ticks(low, high, (height as f64 / 70.0).clamp(2.0, 8.0)) {
-        let y = top as f64 + height as f64 * (high - v) / (high - low);
-        let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
-        image.stroke(&[[[right + 2.0, y], [right + 6.0, y]]], 1.0, QUIET);
-        lettering::draw(image, &text, [right + 11.0, y + 4.5], 9.0, Align::Left, TEXT);
     }
 }
 

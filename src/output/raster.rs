@@ -31,6 +31,10 @@ impl Image {
     pub(super) fn white(width: usize, height: usize) -> Image {
         Image { width, height, rgb: vec![255; 3 * width * height] }
     }
+    /// An image of the given pixels, row by row from the top.
+    pub(super) fn new(width: usize, height: usize, rgb: Vec<u8>) -> Image {
+        Image { width, height, rgb }
+    }
     /// Pixels in a row.
     pub fn width(&self) -> usize {
         self.width
@@ -82,7 +86,7 @@ impl Image {
         for s in segments {
             for y in rows(s) {
                 for x in columns(s) {
-                    let far = distance([x as f64 + 0.5, y as f64 + 0.5], s);
+                    let (far, _) = distance([x as f64 + 0.5, y as f64 + 0.5], s);
                     let c = &mut covered[(y - top) * (right - left) + x - left];
                     *c = c.max((reach - far).clamp(0.0, width.min(1.0)) as f32);
                 }
@@ -121,13 +125,13 @@ impl Image {
     }
 }
 
-/// Distance of a point to a segment.
-fn distance(p: [f64; 2], [a, b]: &Segment) -> f64 {
+/// Distance of a point to a segment, and where on it the nearest point is: 0 at its start, 1 at its end.
+pub(super) fn distance(p: [f64; 2], [a, b]: &Segment) -> (f64, f64) {
     let (d, r) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = d[0] * d[0] + d[1] * d[1];
     let s = if length > 0.0 { ((r[0] * d[0] + r[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
     // Not hypot, which takes most of the time of a picture for nothing: pixels are far from overflow.
-    ((r[0] - s * d[0]).powi(2) + (r[1] - s * d[1]).powi(2)).sqrt()
+    (((r[0] - s * d[0]).powi(2) + (r[1] - s * d[1]).powi(2)).sqrt(), s)
 }
 
 #[cfg(test)]
