@@ -2,6 +2,7 @@
 
 use super::folder::{Frame, RunFolder};
 use crate::base::{Error, Result, Warning};
+use crate::output::solid::{Coat, Slice, SolidPicture, Surface};
 use crate::output::{
     Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded,
     write_file, write_film,
@@ -20,6 +21,8 @@ pub(super) struct Gallery {
     pub pictures: Vec<Figure>,
 }
 
+/// The planes through the middle of space that are shown where there is no interface: across y and across z.
+const SLICES: [usize; 2] = [1, 2];
 /// Pictures of a film at most: a page that holds it must stay small enough to open.
 const MOST_FRAMES: usize = 150;
 
@@ -70,15 +73,12 @@ fn wanted(run: &mut RunFolder) -> bool {
         return false;
     }
     let missing = match run.frames.len() {
-        _ if run.scene.dimension() != 2 => {
-            ["no pictures: they are drawn of the plane only", "open fields.pvd in ParaView"]
-        }
         0 => ["no pictures: the run has stored no fields", "it ended before the first step"],
         1 if output.film => ["no film: the run has stored fields of one time only", "see the picture"],
         _ => return true,
     };
     run.warnings.push(Warning::new(missing[0], missing[1]));
-    run.frames.len() == 1 && run.scene.dimension() == 2
+    run.frames.len() == 1
 }
 
 fn film_figure(film: &Film, caption: String) -> Result<Figure> {
@@ -173,10 +173,7 @@ impl Painter {
         };
         Picture {
             space: &snapshot.space,
-            field: match &field {
-                Field::Borrowed(field) => *field,
-                Field::Stretch(values) => FieldData::Scalar(values),
-            },
+            field: field.data(),
             scale: self.scale,
             title: self.title(),
             time: Some(frame.time),
@@ -188,9 +185,25 @@ impl Painter {
         .draw()
     }
 
-    /// The picture of a frame of space: here it will be drawn.
+    /// The picture of a frame of space: the interfaces, or without any two slices through the middle.
     fn paint_solid(&self, frame: &Frame) -> Result<Image> {
-        Err(Error::internal("pictures of space are not drawn").at(frame.file.display().to_string()))
+        let snapshot = read_vtu::<3>(&frame.file)?;
+        let place = |e: Error| e.at(frame.file.display().to_string());
+        let field = self.field(&snapshot).map_err(place)?;
+        let coat = match (&field, self.quantity) {
+            // It is zero on the interface.
+            (_, Quantity::LevelSet) => Coat::Plain,
+            (field, _) => Coat::Field(field.data()),
+        };
+        let surface = |name: &String| Surface::of_level_set(&snapshot.space, level_set(&snapshot, name)?, coat);
+        let mut picture = SolidPicture::new(&snapshot.space, self.title());
+        picture.surfaces = self.interfaces.iter().map(surface).collect::<Result<_>>().map_err(place)?;
+        if self.interfaces.is_empty() {
+            let (low, high) = snapshot.space.mesh().bounding_box();
+            let middle = (low + high) * 0.5;
+            picture.slices = SLICES.map(|axis| Slice { axis, position: middle[axis], field: field.data() }).to_vec();
+        }
+        SolidPicture { scale: self.scale, time: Some(frame.time), size: [self.size; 2], ..picture }.draw()
     }
 
     fn title(&self) -> &'static str {
@@ -210,10 +223,14 @@ impl Painter {
             rounded(first, 6),
             rounded(last, 6)
         );
-        if !self.interfaces.is_empty() {
-            caption += "; the black line is the interface";
-        }
-        if self.fastest.is_some() {
+        let solid = run.scene.dimension() == 3;
+        caption += match (solid, self.interfaces.is_empty()) {
+            (false, true) => "",
+            (false, false) => "; the black line is the interface",
+            (true, true) => ", on two planes through the middle",
+            (true, false) => ", on the interface",
+        };
+        if self.fastest.is_some() && !solid {
             caption += "; arrows show the velocity, longer by the root of the speed";
         }
         if every > 1 {
@@ -227,6 +244,15 @@ impl Painter {
 enum Field<'a, const D: usize> {
     Borrowed(FieldData<'a, D>),
     Stretch(Vec<f64>),
+}
+
+impl<const D: usize> Field<'_, D> {
+    fn data(&self) -> FieldData<'_, D> {
+        match self {
+            Field::Borrowed(field) => *field,
+            Field::Stretch(values) => FieldData::Scalar(values),
+        }
+    }
 }
 
 fn level_set<'a, const D: usize>(snapshot: &'a Snapshot<D>, membrane: &str) -> Result<&'a [f64]> {

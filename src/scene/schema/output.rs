@@ -238,7 +238,13 @@ static PICTURE: Keys = Keys {
             Default("\"speed\""),
             "The field whose values are the colours; not the velocity, which is a vector.",
         ),
-        row("mesh", Value("true or false"), "", Default("false"), "Whether the edges of the mesh are drawn."),
+        row(
+            "mesh",
+            Value("true or false"),
+            "",
+            Default("false"),
+            "Whether the edges of the mesh are drawn; in the plane alone.",
+        ),
         row("size", Value("whole number from 64 to 8192"), "pixels", Default("800"), "Length of the longer side."),
     ],
 };
@@ -445,9 +451,15 @@ impl<'a> Source<'a> {
             }
             field => Ok(field),
         };
+        let mesh = |i: &Item| match (i.boolean()?, self.context.dimension) {
+            (true, 3) => Err(i
+                .error("the edges of a mesh are drawn in the plane alone, and the scene has 3 dimensions")
+                .remedy("write mesh = false, or open fields.pvd in ParaView")),
+            (mesh, _) => Ok(mesh),
+        };
         Ok(Picture {
             field: table.optional("field", field)?.unwrap_or(self.default_picture().field),
-            mesh: table.optional("mesh", Item::boolean)?.unwrap_or(Picture::DEFAULT.mesh),
+            mesh: table.optional("mesh", mesh)?.unwrap_or(Picture::DEFAULT.mesh),
             size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
         })
     }
