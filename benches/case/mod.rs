@@ -111,8 +111,15 @@ impl<const D: usize> Case<D> {
             body_force: None,
         };
         let (membrane, phi) = (self.membrane(), self.phi.clone());
-        let structure =
-            Structure { name: "membrane".into(), phi, membrane, surface_mass: 0.0, sharp: None, stretch: 1.2 };
+        let structure = Structure {
+            name: "membrane".into(),
+            phi,
+            membrane,
+            surface_mass: 0.0,
+            sharp: None,
+            shear: None,
+            stretch: 1.2,
+        };
         let mesh = self.velocity.space().mesh();
         let mut simulation = Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap();
         for _ in 0..2 {

@@ -1,11 +1,19 @@
 //! Elastic structures that act on the flow: one law per file.
 
 mod area_law;
+mod band_cells;
 mod membrane;
 mod predictor;
 mod sharp;
+mod shear;
+mod surface_law;
+mod surface_strain;
 
 pub use area_law::AreaLaw;
-pub use membrane::{Band, Membrane, explicit_step_limit};
+pub use band_cells::Band;
+pub use membrane::{Membrane, explicit_step_limit};
 pub use predictor::Predictor;
 pub use sharp::{Cut, Force, SharpMembrane};
+pub use shear::{RestMap, ShearMembrane};
+pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};
+pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};

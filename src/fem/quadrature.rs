@@ -11,14 +11,15 @@ pub struct Rule {
 
 impl Rule {
     /// A rule on a simplex of dimension `d` (1, 2 or 3) exact to `degree`: the symmetric rules of Strang & Fix (1973),
-    /// Radon and Dunavant (1985) on triangles where there is one, products of Gauss points otherwise.
+    /// Radon and Dunavant (1985) on triangles, those of Keast (1986) and Walkington (2000) on tetrahedra where there is one, products of Gauss
+    /// points otherwise.
     pub fn simplex(d: usize, degree: usize) -> Rule {
-        if d == 2
-            && let Some(rule) = symmetric_triangle(degree)
-        {
-            return rule;
-        }
-        collapsed_gauss(d, degree)
+        let symmetric = match d {
+            2 => symmetric_triangle(degree),
+            3 => symmetric_tetrahedron(degree),
+            _ => None,
+        };
+        symmetric.unwrap_or_else(|| collapsed_gauss(d, degree))
     }
     /// Number of points.
     pub fn len(&self) -> usize {
@@ -75,6 +76,48 @@ fn symmetric_triangle(degree: usize) -> Option<Rule> {
             vec![[a, b, c, 0.], [b, c, a, 0.], [c, a, b, 0.], [b, a, c, 0.], [a, c, b, 0.], [c, b, a, 0.]];
         if (a - b).abs() < 1e-12 {
             points.truncate(if (a - c).abs() < 1e-12 { 1 } else { 3 });
+        }
+        rule.weights.extend(points.iter().map(|_| w));
+        rule.points.extend(points);
+    }
+    let total: f64 = rule.weights.iter().sum();
+    rule.weights.iter_mut().for_each(|w| *w /= total);
+    Some(rule)
+}
+
+/// Orbits of points `(a, a, b, 1 - 2 a - b)` and their permutations.
+const TETRAHEDRON_2: &[Orbit] = &[(0.25, 0.138196601125010515, 0.138196601125010515)];
+const TETRAHEDRON_5: &[Orbit] = &[
+    (0.11268792571801585080, 0.31088591926330060980, 0.31088591926330060980),
+    (0.07349304311636194954, 0.09273525031089122640, 0.09273525031089122640),
+    (0.04254602077708146644, 0.04550370412564964949, 0.45449629587435035051),
+];
+const TETRAHEDRON_6: &[Orbit] = &[
+    (0.03992275025816787, 0.214602871259151684, 0.214602871259151684),
+    (0.010077211055320657, 0.040673958534611340, 0.040673958534611340),
+    (0.055357181543654391, 0.322337890142275646, 0.322337890142275646),
+    (0.048214285714285695, 0.063661001875017530, 0.269672331458315867),
+];
+
+fn symmetric_tetrahedron(degree: usize) -> Option<Rule> {
+    let orbits = match degree {
+        0 | 1 => return Some(Rule { points: vec![[0.25; 4]], weights: vec![1.0] }),
+        2 => TETRAHEDRON_2,
+        3..=5 => TETRAHEDRON_5,
+        6 => TETRAHEDRON_6,
+        _ => return None,
+    };
+    let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
+    for &(w, a, b) in orbits {
+        let values = [a, a, b, 1.0 - 2.0 * a - b];
+        let mut points: Vec<[f64; 4]> = Vec::new();
+        for code in 0..256usize {
+            let index = [code % 4, code / 4 % 4, code / 16 % 4, code / 64];
+            let point = index.map(|k| values[k]);
+            let same = |p: &[f64; 4]| p.iter().zip(&point).all(|(x, y)| (x - y).abs() < 1e-12);
+            if (0..4).all(|k| index.contains(&k)) && !points.iter().any(same) {
+                points.push(point);
+            }
         }
         rule.weights.extend(points.iter().map(|_| w));
         rule.points.extend(points);

@@ -1,7 +1,8 @@
 //! Half-chords: how far the contour lies from a point along a line.
 
 use super::contour::Contour;
-use super::quadratic::Quadratic;
+use super::isosurface::Isosurface;
+use super::quadratic::{Quadratic, barycentric_direction};
 use crate::fem::Space;
 use crate::mesh::Point;
 use nalgebra::SVector;
@@ -54,4 +55,61 @@ impl Contour {
         let half = 0.5 * (after - before);
         half.is_finite().then_some(half)
     }
+}
+
+impl Isosurface {
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along `direction` (of any
+    /// length): the semi-axis of a centred shape along that line.
+    ///
+    /// In every cell that the surface passes, `phi` on the line is quadratic and its zeros are exact. `phi` must be the function that
+    /// the surface was made from. `None` if there is no surface on one of the sides.
+    pub fn half_chord(
+        &self,
+        space: &Space<3>,
+        phi: &[f64],
+        point: &Point<3>,
+        direction: &SVector<f64, 3>,
+    ) -> Option<f64> {
+        let along = direction.try_normalize(0.0)?;
+        let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
+        for of_cell in self.triangles().chunk_by(|a, b| a.cell == b.cell) {
+            let c = of_cell[0].cell as usize;
+            let Some((from, to)) = passage(space, c, point, &along) else { continue };
+            // About the middle of the way through the cell, against cancellation; OVERLAP lets no zero on a face get lost.
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) + OVERLAP * space.mesh().diameter(c));
+            let l = space.mesh().map(c).barycentric(&(point + along * middle));
+            for t in Quadratic::on_line(space, phi, c, &l, &(along * half)).roots() {
+                if t.abs() > 1.0 {
+                    continue;
+                }
+                let s = middle + t * half;
+                if s >= 0.0 {
+                    after = after.min(s);
+                }
+                if s <= 0.0 {
+                    before = before.max(s);
+                }
+            }
+        }
+        let half = 0.5 * (after - before);
+        half.is_finite().then_some(half)
+    }
+}
+
+/// Between which distances from `point` the line along `along` is in cell `c`, widened a little.
+fn passage(space: &Space<3>, c: usize, point: &Point<3>, along: &SVector<f64, 3>) -> Option<(f64, f64)> {
+    let l = space.mesh().map(c).barycentric(point);
+    let dl = barycentric_direction(space, c, along);
+    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+    for k in 0..4 {
+        let s = (-OVERLAP - l[k]) / dl[k];
+        if dl[k] > 0.0 {
+            from = from.max(s);
+        } else if dl[k] < 0.0 {
+            to = to.min(s);
+        } else if l[k] < -OVERLAP {
+            return None;
+        }
+    }
+    (from <= to && from.is_finite() && to.is_finite()).then_some((from, to))
 }

@@ -1,11 +1,11 @@
 //! The contour `phi = 0` of a P2 field in the plane, cut cell by cell into parabolic segments.
 
 use super::quadratic::{Quadratic, barycentric_direction};
-use crate::base::{Error, Result};
+use super::sign::cut_cells;
+use crate::base::Result;
 use crate::fem::{EDGES, Element, Space};
 use crate::mesh::Point;
 use nalgebra::SVector;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// The four triangles of the P2 lattice of a triangle, positively oriented, by local nodes.
@@ -78,29 +78,7 @@ impl Contour {
     /// # Errors
     /// A space that is not P2, a value of `phi` that is not finite.
     pub fn new(space: &Space<2>, phi: &[f64]) -> Result<Contour> {
-        if space.element() != Element::P2 || phi.len() != space.len() {
-            return Err(Error::internal("a contour needs a P2 function").value(format!(
-                "{:?} with {} values for {} nodes",
-                space.element(),
-                phi.len(),
-                space.len()
-            )));
-        }
-        if let Some(i) = phi.iter().position(|v| !v.is_finite()) {
-            return Err(Error::computation("the level set has a value that is not finite")
-                .at(format!("node {i} at {:?}", space.nodes()[i].as_slice()))
-                .value(phi[i])
-                .remedy("the computation has blown up: reduce the time step"));
-        }
-        let cells: Vec<usize> = (0..space.mesh().cell_count())
-            .into_par_iter()
-            .with_min_len(1024)
-            .filter(|&c| {
-                let nodes = space.cell_nodes(c);
-                let negative = phi[nodes[0] as usize] < 0.0;
-                nodes.iter().any(|&n| (phi[n as usize] < 0.0) != negative)
-            })
-            .collect();
+        let cells = cut_cells(space, phi)?;
         let mut pieces = Vec::with_capacity(4 * cells.len());
         for c in cells {
             Cell { space, phi, c }.cut(&mut pieces);

@@ -1,40 +1,49 @@
-//! Distance to a set of straight segments, by a tree of boxes.
+//! Distance to a set of straight segments (in space: of triangles), by a tree of boxes.
 
 use crate::mesh::Point;
+use nalgebra::SVector;
 
-/// Most segments in a leaf of the tree.
+/// Most of them in a leaf of the tree.
 const LEAF: usize = 8;
 
-/// Segments in a balanced binary tree of axis-aligned boxes: the one over `low..high` has its halves as children, and box
+/// Segments (`D = 2`) or triangles (`D = 3`) in a balanced binary tree of axis-aligned boxes: the one over `low..high` has its halves as children, and box
 /// `k` has the boxes `2 k + 1` and `2 k + 2`.
 #[derive(Clone, Debug)]
-pub(super) struct SegmentTree {
-    segments: Vec<[Point<2>; 2]>,
-    boxes: Vec<(Point<2>, Point<2>)>,
+pub(super) struct Tree<const D: usize> {
+    parts: Vec<[Point<D>; D]>,
+    boxes: Vec<(Point<D>, Point<D>)>,
 }
 
-impl SegmentTree {
-    /// The tree over `segments`, of which there must be at least one for a finite distance.
-    pub(super) fn new(mut segments: Vec<[Point<2>; 2]>) -> SegmentTree {
-        let levels = segments.len().div_ceil(LEAF).next_power_of_two();
-        let mut boxes = vec![(Point::<2>::zeros(), Point::<2>::zeros()); 2 * levels - 1];
-        build(&mut segments, &mut boxes, 0);
-        SegmentTree { segments, boxes }
+impl<const D: usize> Tree<D> {
+    /// The tree over `parts`, of which there must be at least one for a finite distance.
+    pub(super) fn new(mut parts: Vec<[Point<D>; D]>) -> Tree<D> {
+        let levels = parts.len().div_ceil(LEAF).next_power_of_two();
+        let mut boxes = vec![(Point::<D>::zeros(), Point::<D>::zeros()); 2 * levels - 1];
+        build(&mut parts, &mut boxes, 0);
+        Tree { parts, boxes }
     }
-    /// Lower and upper corner of the box around all segments.
-    pub(super) fn bounds(&self) -> (Point<2>, Point<2>) {
+    /// Lower and upper corner of the box around everything.
+    pub(super) fn bounds(&self) -> (Point<D>, Point<D>) {
         self.boxes[0]
     }
-    /// Distance from `x` to the nearest segment.
-    pub(super) fn distance(&self, x: &Point<2>) -> f64 {
-        let mut best = f64::INFINITY;
-        self.search(x, 0, &self.segments, &mut best);
-        best.sqrt()
+    /// Distance from `x` to the nearest part.
+    pub(super) fn distance(&self, x: &Point<D>) -> f64 {
+        self.difference(x).norm()
     }
-    fn search(&self, x: &Point<2>, node: usize, part: &[[Point<2>; 2]], best: &mut f64) {
+    /// `x` less the nearest point.
+    pub(super) fn difference(&self, x: &Point<D>) -> SVector<f64, D> {
+        let mut best = (f64::INFINITY, Point::<D>::repeat(f64::INFINITY));
+        self.search(x, 0, &self.parts, &mut best);
+        best.1
+    }
+    fn search(&self, x: &Point<D>, node: usize, part: &[[Point<D>; D]], best: &mut (f64, SVector<f64, D>)) {
         if part.len() <= LEAF {
-            for [a, b] in part {
-                *best = best.min(segment_distance_squared(x, a, b));
+            for simplex in part {
+                let difference = difference(x, simplex);
+                let square = difference.norm_squared();
+                if square < best.0 {
+                    *best = (square, difference);
+                }
             }
             return;
         }
@@ -44,38 +53,55 @@ impl SegmentTree {
         let order = if children[0].0 <= children[1].0 { [0, 1] } else { [1, 0] };
         for i in order {
             let (distance, child, part) = children[i];
-            if distance < *best {
+            if distance < best.0 {
                 self.search(x, child, part, best);
             }
         }
     }
 }
 
-fn build(part: &mut [[Point<2>; 2]], boxes: &mut [(Point<2>, Point<2>)], node: usize) {
+fn build<const D: usize>(part: &mut [[Point<D>; D]], boxes: &mut [(Point<D>, Point<D>)], node: usize) {
     let Some(first) = part.first() else { return };
-    let (low, high) =
-        part.iter().fold((first[0], first[0]), |(low, high), [a, b]| (low.inf(a).inf(b), high.sup(a).sup(b)));
+    let corners = part.iter().flatten();
+    let (low, high) = corners.fold((first[0], first[0]), |(low, high), a| (low.inf(a), high.sup(a)));
     boxes[node] = (low, high);
     if part.len() <= LEAF {
         return;
     }
     let axis = (high - low).imax();
     let half = part.len() / 2;
-    part.select_nth_unstable_by(half, |a, b| (a[0][axis] + a[1][axis]).total_cmp(&(b[0][axis] + b[1][axis])));
+    let sum = |s: &[Point<D>; D]| s.iter().map(|a| a[axis]).sum::<f64>();
+    part.select_nth_unstable_by(half, |a, b| sum(a).total_cmp(&sum(b)));
     let (left, right) = part.split_at_mut(half);
     build(left, boxes, 2 * node + 1);
     build(right, boxes, 2 * node + 2);
 }
 
-fn segment_distance_squared(x: &Point<2>, a: &Point<2>, b: &Point<2>) -> f64 {
+/// `x` less the nearest point of a segment or triangle.
+fn difference<const D: usize>(x: &Point<D>, s: &[Point<D>; D]) -> SVector<f64, D> {
+    if D < 3 {
+        return from_segment(x, &s[0], &s[1]);
+    }
+    let (u, v, w) = (s[1] - s[0], s[D - 1] - s[0], x - s[0]);
+    let (uu, uv, vv, wu, wv) = (u.norm_squared(), u.dot(&v), v.norm_squared(), w.dot(&u), w.dot(&v));
+    let determinant = uu * vv - uv * uv;
+    let (a, b) = ((vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant);
+    if a >= 0.0 && b >= 0.0 && a + b <= 1.0 {
+        return w - u * a - v * b;
+    }
+    let sides = [(0, 1), (1, D - 1), (D - 1, 0)].map(|(i, j)| from_segment(x, &s[i], &s[j]));
+    sides.into_iter().reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(w)
+}
+
+fn from_segment<const D: usize>(x: &Point<D>, a: &Point<D>, b: &Point<D>) -> SVector<f64, D> {
     let (ab, ax) = (b - a, x - a);
     let length = ab.norm_squared();
     let t = if length > 0.0 { (ax.dot(&ab) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (ax - ab * t).norm_squared()
+    ax - ab * t
 }
 
-fn box_distance_squared(x: &Point<2>, (low, high): &(Point<2>, Point<2>)) -> f64 {
-    (low - x).sup(&(x - high)).sup(&Point::<2>::zeros()).norm_squared()
+fn box_distance_squared<const D: usize>(x: &Point<D>, (low, high): &(Point<D>, Point<D>)) -> f64 {
+    (low - x).sup(&(x - high)).sup(&Point::<D>::zeros()).norm_squared()
 }
 
 #[cfg(test)]
@@ -90,14 +116,36 @@ mod tests {
         ) {
             let segments: Vec<_> = ends.iter().map(|e| [Point::<2>::new(e[0], e[1]), Point::<2>::new(e[2], e[3])]).collect();
             let x = Point::<2>::new(x, y);
-            let all = segments.iter().map(|[a, b]| segment_distance_squared(&x, a, b)).fold(f64::INFINITY, f64::min);
-            prop_assert_eq!(SegmentTree::new(segments).distance(&x), all.sqrt());
+            let all = segments.iter().map(|[a, b]| from_segment(&x, a, b).norm_squared()).fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(Tree::new(segments).distance(&x), all.sqrt());
         }
     }
 
     #[test]
     fn a_segment_without_length_is_a_point() {
         let a = Point::<2>::new(1.0, 0.0);
-        assert_eq!(SegmentTree::new(vec![[a, a]]).distance(&Point::<2>::new(4.0, 4.0)), 5.0);
+        assert_eq!(Tree::new(vec![[a, a]]).distance(&Point::<2>::new(4.0, 4.0)), 5.0);
+    }
+
+    proptest! {
+        /// Nothing sampled on the triangles is nearer, and the nearest point lies on one of them.
+        #[test]
+        fn the_nearest_point_of_triangles_is_found(
+            corners in prop::collection::vec(prop::array::uniform9(-1.0..1.0f64), 1..60), x in prop::array::uniform3(-2.0..2.0f64),
+        ) {
+            let p = |e: &[f64]| Point::<3>::new(e[0], e[1], e[2]);
+            let triangles: Vec<_> = corners.iter().map(|e| [p(&e[..3]), p(&e[3..6]), p(&e[6..])]).collect();
+            let x = Point::<3>::from(x);
+            let n = 40;
+            let mut sampled = f64::INFINITY;
+            for [a, b, c] in &triangles {
+                for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+                    let (s, t) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+                    sampled = sampled.min((a + (b - a) * s + (c - a) * t - x).norm());
+                }
+            }
+            let d = Tree::new(triangles).distance(&x);
+            prop_assert!(d <= sampled + 1e-14 && sampled <= d + 0.06, "{} {}", d, sampled);
+        }
     }
 }

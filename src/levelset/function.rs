@@ -1,12 +1,12 @@
 //! Shapes given by a level function, and the tracing of its zero set.
 
-use super::distance::SegmentTree;
+use super::distance::Tree;
 use super::shape::Shape;
 use crate::base::{Error, Result, parallel};
 use crate::mesh::Point;
 
 /// A level function: negative inside.
-pub(super) type Level = dyn Fn(&Point<2>) -> f64 + Send + Sync;
+pub(super) type Level<const D: usize = 2> = dyn Fn(&Point<D>) -> f64 + Send + Sync;
 
 /// Squares of the tracing grid along the longer side of the domain.
 const GRID: usize = 256;
@@ -26,7 +26,7 @@ const MOST_HALVINGS: usize = 300;
 /// of a square.
 pub struct LevelFunction {
     function: Box<Level>,
-    zero_set: SegmentTree,
+    zero_set: Tree<2>,
 }
 
 impl LevelFunction {
@@ -71,7 +71,7 @@ impl LevelFunction {
                 )));
         }
         let zero_set = grid.trace(&*function, &values)?;
-        Ok(LevelFunction { function, zero_set: SegmentTree::new(zero_set) })
+        Ok(LevelFunction { function, zero_set: Tree::new(zero_set) })
     }
 }
 
@@ -204,7 +204,12 @@ fn lift(f: &Level, middle: Point<2>, half: Point<2>, tolerance: f64) -> Option<P
 
 /// The zero of `f` between a point where it is negative and one where it is not, to within `tolerance`, by
 /// Chandrupatla's method (1997): inverse quadratic interpolation where it is safe, bisection elsewhere.
-fn root(f: &Level, inner: (Point<2>, f64), outer: (Point<2>, f64), tolerance: f64) -> Point<2> {
+pub(super) fn root<const D: usize>(
+    f: &Level<D>,
+    inner: (Point<D>, f64),
+    outer: (Point<D>, f64),
+    tolerance: f64,
+) -> Point<D> {
     let (origin, direction) = (inner.0, outer.0 - inner.0);
     let width = tolerance / direction.norm();
     // The zero lies between a and b; a is the latest point, c the one before.

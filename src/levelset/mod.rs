@@ -1,31 +1,46 @@
-//! Level sets: shapes and their signed distances, the regularised band, the contour `phi = 0` and what is measured on it.
+//! Level sets: shapes and their signed distances, the regularised band, the contour or surface `phi = 0` and what is
+//! measured on it.
 //!
 //! `phi < 0` inside, and a fresh level set is the signed distance of a [`Shape`] times the initial stretch, so that
 //! `|grad phi|` on the contour is the stretch of the membrane.
 
 mod band;
+mod block;
 mod bounds;
 mod chord;
 mod contour;
 mod cut;
 mod distance;
 mod ellipse;
+mod ellipsoid;
 mod fine;
 mod function;
+mod isosurface;
+mod level_solid;
 mod measures;
+mod patch;
 mod polygon;
 mod quadratic;
 mod shape;
+mod sign;
+mod solid;
+mod tetrahedron;
 mod union;
 
 pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use block::{RoundedBlock, Torus};
 pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
 pub use cut::surface;
 pub use ellipse::Ellipse;
+pub use ellipsoid::Ellipsoid;
 pub use fine::{Interface, Sample};
 pub use function::LevelFunction;
+pub use isosurface::{Isosurface, surface_in_space};
+pub use level_solid::LevelSolid;
 pub use measures::{ContourPoint, Measures};
+pub use patch::Triangle;
 pub use polygon::Polygon;
 pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
+pub use solid::SolidMeasures;
 pub use union::Union;

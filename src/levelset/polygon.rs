@@ -1,6 +1,6 @@
 //! Simple closed polygons.
 
-use super::distance::SegmentTree;
+use super::distance::Tree;
 use super::shape::{Shape, check_point};
 use crate::base::{Error, Result};
 use crate::mesh::Point;
@@ -10,7 +10,7 @@ use robust::{Coord, orient2d};
 #[derive(Clone, Debug)]
 pub struct Polygon {
     vertices: Vec<Point<2>>,
-    sides: SegmentTree,
+    sides: Tree<2>,
 }
 
 impl Polygon {
@@ -54,7 +54,7 @@ impl Polygon {
                 }
             }
         }
-        let sides = SegmentTree::new((0..n).map(side).collect());
+        let sides = Tree::new((0..n).map(side).collect());
         Ok(Polygon { vertices, sides })
     }
 

@@ -13,10 +13,19 @@ impl Quadratic {
         Quadratic([v0, 4.0 * v_half - 3.0 * v0 - v1, 2.0 * (v0 + v1) - 4.0 * v_half])
     }
     /// `phi` on the line `x + s step` in cell `c`, where `l` are the barycentric coordinates of `x`.
-    pub(super) fn on_line(space: &Space<2>, phi: &[f64], c: usize, l: &[f64; 4], step: &SVector<f64, 2>) -> Quadratic {
+    pub(super) fn on_line<const D: usize>(
+        space: &Space<D>,
+        phi: &[f64],
+        c: usize,
+        l: &[f64; 4],
+        step: &SVector<f64, D>,
+    ) -> Quadratic {
         let dl = barycentric_direction(space, c, step);
         let at = |s: f64| space.value(phi, c, &std::array::from_fn(|k| l[k] + s * dl[k]));
-        let (minus, zero, plus) = (at(-1.0), at(0.0), at(1.0));
+        Quadratic::about(at(-1.0), at(0.0), at(1.0))
+    }
+    /// From the values at -1, 0 and 1.
+    pub(super) fn about(minus: f64, zero: f64, plus: f64) -> Quadratic {
         Quadratic([zero, 0.5 * (plus - minus), 0.5 * (plus + minus) - zero])
     }
     /// The real roots, the one nearer to 0 first; infinite where there are none.
@@ -44,9 +53,14 @@ impl Quadratic {
 }
 
 /// Barycentric coordinates of a vector: those of `x + v` less those of `x`.
-pub(super) fn barycentric_direction(space: &Space<2>, c: usize, v: &SVector<f64, 2>) -> [f64; 4] {
+pub(super) fn barycentric_direction<const D: usize>(space: &Space<D>, c: usize, v: &SVector<f64, D>) -> [f64; 4] {
     let d = space.mesh().map(c).inverse * v;
-    [-d[0] - d[1], d[0], d[1], 0.0]
+    let mut l = [0.0; 4];
+    for k in 0..D {
+        l[0] -= d[k];
+        l[k + 1] = d[k];
+    }
+    l
 }
 
 #[cfg(test)]

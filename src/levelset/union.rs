@@ -1,6 +1,6 @@
 //! Unions of plane shapes.
 
-use super::distance::SegmentTree;
+use super::distance::Tree;
 use super::function::{Grid, Level};
 use super::shape::Shape;
 use crate::base::{Error, Result};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Union {
     parts: Arc<Vec<Box<dyn Shape<2>>>>,
     /// Boundary of the union; only if the boxes of two parts meet.
-    boundary: Option<SegmentTree>,
+    boundary: Option<Tree<2>>,
     bounds: (Point<2>, Point<2>),
     /// Parts nearer to each other than this are joined.
     seam: f64,
@@ -42,7 +42,7 @@ impl Union {
             let copy = Arc::clone(&parts);
             // Inflated by less than the tolerance, so that a side which two parts share is no boundary.
             let level: Box<Level> = Box::new(move |x| nearest(&copy, x).1 - seam);
-            boundary = Some(SegmentTree::new(grid.trace(&*level, &grid.sample(&*level))?));
+            boundary = Some(Tree::new(grid.trace(&*level, &grid.sample(&*level))?));
         }
         Ok(Union { parts, boundary, bounds, seam })
     }

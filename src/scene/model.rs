@@ -298,6 +298,7 @@ impl Draft<'_> {
                 phi,
                 membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
                 sharp: self.sharp(m),
+                shear: None,
                 stretch: m.stretch,
                 surface_mass: m.mass,
             });

@@ -1,9 +1,13 @@
 //! Carrying level sets by the method of a scene.
 
-use crate::base::Result;
+use crate::base::{Result, parallel};
 use crate::fem::{Projector, Space};
 use crate::mesh::{Location, Point};
-use crate::transport::{CharacteristicMap, Feet, Tracer, Wind, carry_nodal, carry_projected};
+use crate::transport::{
+    CharacteristicMap, Feet, Tracer, Wind, carry_displacement_nodal, carry_displacement_projected, carry_nodal,
+    carry_projected,
+};
+use nalgebra::SVector;
 use std::sync::Arc;
 
 /// A level set at time 0 as a function of position.
@@ -46,12 +50,14 @@ pub(super) struct Carrier<const D: usize> {
     pub remap: f64,
     /// All level sets at time 0, for composed transport alone.
     pub initial: Vec<Initial<D>>,
+    /// Level sets at time 0 that are taken as `phi0(Y)` instead of being carried, one entry a level set; may be none at all.
+    pub mapped: Vec<Option<Arc<InitialFunction<D>>>>,
     feet: Feet,
 }
 
 impl<const D: usize> Carrier<D> {
     pub fn new(tracer: Tracer<D>, projector: Option<Projector<D>>) -> Carrier<D> {
-        Carrier { tracer, projector, remap: REMAP, initial: Vec::new(), feet: Feet::default() }
+        Carrier { tracer, projector, remap: REMAP, initial: Vec::new(), mapped: Vec::new(), feet: Feet::default() }
     }
     /// Carries fields over one step by interpolation, nodal or projected, into `moved`.
     pub fn carry(&mut self, fields: &[Vec<f64>], wind: &Wind<'_, D>, dt: f64, moved: &mut Vec<Vec<f64>>) -> Result<()> {
@@ -68,6 +74,40 @@ impl<const D: usize> Carrier<D> {
             }
         }
         Ok(())
+    }
+    /// Carries the displacement `Y(x) - x` with the feet that [`carry`](Self::carry) has just found: `Y` of the foot, less the node. Through
+    /// a periodic side it goes on without a jump.
+    pub fn carry_displacement(&mut self, field: &[SVector<f64, D>], moved: &mut Vec<SVector<f64, D>>) -> Result<()> {
+        if field.is_empty() {
+            return Ok(());
+        }
+        moved.resize(field.len(), SVector::zeros());
+        match &mut self.projector {
+            Some(projector) => carry_displacement_projected(&self.tracer, projector, field, &self.feet, moved),
+            None => {
+                carry_displacement_nodal(&self.tracer, field, &self.feet, moved);
+                Ok(())
+            }
+        }
+    }
+    /// Sets level sets to `phi0(Y)` where that was asked for; `displacement` is `Y(x) - x`.
+    pub fn map_level_sets(&self, displacement: &[SVector<f64, D>], level_sets: &mut [Vec<f64>]) {
+        let nodes = self.tracer.space().nodes();
+        for (f, phi) in self.mapped.iter().zip(level_sets) {
+            let Some(f) = f else { continue };
+            parallel::fill(phi, 1, |first, part| {
+                let at = |n: usize| f(&(nodes[n] + displacement[n]));
+                part.iter_mut().enumerate().for_each(|(i, v)| *v = at(first + i));
+            });
+        }
+    }
+    /// The displacement `Y(x) - x` of the backward map.
+    pub fn displacement(&self, map: &CharacteristicMap<D>, out: &mut [SVector<f64, D>]) {
+        let (mesh, nodes) = (self.tracer.space().mesh(), self.tracer.space().nodes());
+        parallel::fill(out, 1, |first, part| {
+            let at = |n: usize| mesh.point_at(&map.foot(&self.tracer, self.tracer.home(n))) - nodes[n];
+            part.iter_mut().enumerate().for_each(|(i, v)| *v = at(first + i));
+        });
     }
     /// The backward map one step later.
     pub fn advance(&mut self, map: &mut CharacteristicMap<D>, wind: &Wind<'_, D>, dt: f64) {

@@ -10,7 +10,7 @@ use crate::linalg::Ledger;
 use crate::transport::CharacteristicMap;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x03";
+const MAGIC: &[u8; 8] = b"immersa\x04";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each list after its length.
@@ -32,17 +32,19 @@ impl<const D: usize> State<D> {
         self.phi.iter().for_each(|phi| out.numbers(phi));
         out.integer(self.stretch.len() as u64);
         self.stretch.iter().for_each(|s| out.numbers(s));
+        out.vectors(&self.displacement);
         let submaps = self.map.iter().flat_map(CharacteristicMap::submaps);
         out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
         submaps.for_each(|s| out.vectors(s));
         out.integer(self.markers.len() as u64);
         self.markers.iter().for_each(|m| out.vectors(m));
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { phi, stretch, weight, dt, ledger: l }) = &self.factored {
+        if let Some(Factored { phi, stretch, displacement, weight, dt, ledger: l }) = &self.factored {
             for lists in [phi, stretch] {
                 out.integer(lists.len() as u64);
                 lists.iter().for_each(|list| out.numbers(list));
             }
+            out.vectors(displacement);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
         let (e, b) = (self.energies, self.budget);
@@ -98,15 +100,17 @@ impl<const D: usize> State<D> {
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let phi = from.list(Reader::numbers)?;
         let stretch = from.list(Reader::numbers)?;
+        let displacement = from.vectors()?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         let markers = from.list(Reader::vectors)?;
         let factored = match from.integer()? {
             0 => None,
             _ => {
                 let (phi, stretch) = (from.list(Reader::numbers)?, from.list(Reader::numbers)?);
+                let displacement = from.vectors()?;
                 let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
                 let ledger = Ledger { solves, spent, last, hold, failures };
-                Some(Factored { phi, stretch, weight, dt, ledger })
+                Some(Factored { phi, stretch, displacement, weight, dt, ledger })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
@@ -114,7 +118,21 @@ impl<const D: usize> State<D> {
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged, transferred };
         let flow = FlowState { u, p };
-        Some(State { steps, time, pace, flow, phi, stretch, earlier_u, map, markers, factored, energies, budget })
+        Some(State {
+            steps,
+            time,
+            pace,
+            flow,
+            phi,
+            stretch,
+            displacement,
+            earlier_u,
+            map,
+            markers,
+            factored,
+            energies,
+            budget,
+        })
     }
 }
 
@@ -134,12 +152,14 @@ mod tests {
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
             phi: vec![vec![0.1, 0.2, 0.3]],
             stretch: vec![vec![0.4], vec![]],
+            displacement: vec![SVector::<f64, 2>::new(-0.5, 0.125); 2],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
             markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],
             factored: Some(Factored {
                 phi: vec![vec![0.5, -0.25]],
                 stretch: vec![vec![]],
+                displacement: vec![SVector::<f64, 2>::new(0.25, 0.0)],
                 weight: 1.5,
                 dt: 0.1,
                 ledger: Ledger { spent: 9.0, ..Ledger::default() },

@@ -1,5 +1,6 @@
 //! A simulation: its state, its time step, its energy budget, its checkpoint. Knows no files and prints nothing.
 
+mod backward;
 mod budget;
 mod carrier;
 mod checkpoint;

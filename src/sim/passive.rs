@@ -39,6 +39,7 @@ impl<const D: usize> Simulation<D> {
             flow: FlowState { u, p: Vec::new() },
             phi: Vec::new(),
             stretch: Vec::new(),
+            displacement: Vec::new(),
             earlier_u: Vec::new(),
             map: None,
             markers: Vec::new(),
@@ -160,8 +161,10 @@ impl<const D: usize> Simulation<D> {
         let steps = ((0.5 * courant).ceil() as usize).clamp(1, 100);
         self.phases.begin();
         let mut ahead = std::mem::take(&mut self.work.ahead);
-        let carried = self.carry(&Wind::Given { velocity: &velocity, arrival: start + dt, courant }, &mut ahead);
-        self.work.ahead = ahead;
+        let mut displacement = std::mem::take(&mut self.work.ahead_displacement);
+        let wind = Wind::Given { velocity: &velocity, arrival: start + dt, courant };
+        let carried = self.carry(&wind, &mut ahead, &mut displacement);
+        (self.work.ahead, self.work.ahead_displacement) = (ahead, displacement);
         carried?;
         self.phases.end(Phase::Transport);
         for list in &mut self.state.markers {

@@ -92,11 +92,12 @@ impl Simulation<2> {
         };
         let flow = FlowState { u: bring.vector(&old.flow.u)?, p };
         let (stretch, earlier_u) = (bring.scalars(&old.stretch)?, bring.vector(&old.earlier_u)?);
+        let displacement = bring.vector(&old.displacement)?;
         let pace = match &old.pace {
             Some(pace) => Some(Pace { earliest_u: bring.vector(&pace.earliest_u)?, ..pace.clone() }),
             None => None,
         };
-        sim.state = State { flow, phi, stretch, earlier_u, pace, factored: None, ..old.clone() };
+        sim.state = State { flow, phi, stretch, displacement, earlier_u, pace, factored: None, ..old.clone() };
         sim.pacing.clone_from(&self.pacing);
         if let (Some(flow), true) = (&mut sim.flow, sim.pacing.is_some()) {
             flow.expect_changes();

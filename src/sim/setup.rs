@@ -4,7 +4,7 @@ use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
 use super::clock::Clock;
 use crate::base::{Error, Result};
-use crate::elastic::{Membrane, SharpMembrane, explicit_step_limit};
+use crate::elastic::{Membrane, SharpMembrane, ShearMembrane, explicit_step_limit};
 use crate::fem::Conditions;
 use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, FlowState};
@@ -103,6 +103,12 @@ impl<const D: usize> Settings<D> {
                 .value("force = \"sharp\"")
                 .remedy("take coupling = \"implicit\" or \"explicit\", or force = \"smeared\""));
         }
+        if structures.iter().any(|s| s.shear.is_some()) {
+            let what = "the semi-implicit scheme (3.62)-(3.64) predicts the level set, which knows nothing of shear";
+            return Err(Error::scene(what)
+                .value("coupling = \"semi-implicit\"")
+                .remedy("take coupling = \"implicit\" or \"explicit\""));
+        }
         let Contrast { inside, outside } = self.materials.density;
         let (what, value, remedy) = if self.order != 1 {
             (
@@ -131,6 +137,8 @@ pub struct Structure<const D: usize> {
     pub membrane: Membrane<D>,
     /// The membrane on the interface itself, which then acts in place of the smeared one.
     pub sharp: Option<SharpMembrane<D>>,
+    /// The membrane that resists shear beside the change of its area, which then acts in place of the other two.
+    pub shear: Option<ShearMembrane<D>>,
     /// Stretch at time 0, the same all over the interface.
     pub stretch: f64,
     /// Mass per area at rest.
@@ -140,14 +148,19 @@ pub struct Structure<const D: usize> {
 impl<const D: usize> Structure<D> {
     /// What acts on the flow.
     pub fn term(&self) -> &dyn MomentumTerm<D> {
-        match &self.sharp {
-            Some(sharp) => sharp,
-            None => &self.membrane,
+        match (&self.shear, &self.sharp) {
+            (Some(shear), _) => shear,
+            (None, Some(sharp)) => sharp,
+            (None, None) => &self.membrane,
         }
     }
     /// Largest tension `E'(r)` on what was prepared last; 0 when nothing is under tension.
     pub fn largest_tension(&self) -> f64 {
-        self.sharp.as_ref().map_or_else(|| self.membrane.largest_tension(), SharpMembrane::largest_tension)
+        match (&self.shear, &self.sharp) {
+            (Some(shear), _) => shear.largest_tension(),
+            (None, Some(sharp)) => sharp.largest_tension(),
+            (None, None) => self.membrane.largest_tension(),
+        }
     }
     /// Distance from the interface up to which the force acts: half-width of the band, 0 for a sharp one.
     pub fn reach(&self) -> f64 {
@@ -159,6 +172,17 @@ impl<const D: usize> Structure<D> {
         let thickness = if self.sharp.is_some() { edge } else { self.membrane.thickness() };
         explicit_step_limit(viscosity, thickness, self.largest_tension(), edge)
     }
+}
+
+/// All that the forces of structures are made of.
+#[derive(Clone, Copy)]
+pub(super) struct Configuration<'a, const D: usize> {
+    /// Level sets of the structures.
+    pub phi: &'a [Vec<f64>],
+    /// Logarithms of the stretch, as in [`State::stretch`].
+    pub stretch: &'a [Vec<f64>],
+    /// As [`State::displacement`].
+    pub displacement: &'a [SVector<f64, D>],
 }
 
 /// A level set that is carried and acts on nothing.
@@ -186,11 +210,13 @@ pub struct Pace<const D: usize> {
 /// What the matrix was made of whose factor is kept while the matrix changes: with it a resumed run has the same factor, and goes on
 /// with the same bits.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Factored {
+pub struct Factored<const D: usize> {
     /// Level sets of the structures.
     pub phi: Vec<Vec<f64>>,
     /// Their stretches, where they are carried apart.
     pub stretch: Vec<Vec<f64>>,
+    /// The displacement back to time 0, where it is carried.
+    pub displacement: Vec<SVector<f64, D>>,
     /// Coefficient of the new velocity in the discrete time derivative, over the step.
     pub weight: f64,
     /// The step.
@@ -215,6 +241,9 @@ pub struct State<const D: usize> {
     pub phi: Vec<Vec<f64>>,
     /// Logarithms of the stretch at the nodes, one list a structure; empty for those that are not sharp.
     pub stretch: Vec<Vec<f64>>,
+    /// The displacement `Y(x) - x` of the backward characteristics: from each node to where its particle was at time 0. Empty unless a
+    /// structure resists shear or it was asked for.
+    pub displacement: Vec<SVector<f64, D>>,
     /// Velocity one step earlier; empty when the velocity is prescribed.
     pub earlier_u: Vec<SVector<f64, D>>,
     /// The backward map, with composed transport.
@@ -222,7 +251,7 @@ pub struct State<const D: usize> {
     /// Markers, one list a passive level set.
     pub markers: Vec<Vec<Point<D>>>,
     /// What the factor of the flow was made of, where it outlives its matrix.
-    pub factored: Option<Factored>,
+    pub factored: Option<Factored<D>>,
     /// Energies now.
     pub energies: Energies,
     /// The energy budget.

@@ -4,7 +4,7 @@ use super::budget::{Budget, Energies};
 use super::carrier::Carrier;
 use super::clock::Pacing;
 use super::markers;
-use super::setup::{Coupling, LevelSet, Settings, State, Structure};
+use super::setup::{Configuration, Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::elastic::{Predictor, SharpMembrane};
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
@@ -50,10 +50,13 @@ pub(super) struct Work<const D: usize> {
     next: FlowState<D>,
     /// Level sets one step ahead.
     pub(super) ahead: Vec<Vec<f64>>,
+    /// The displacement back to time 0, one step ahead.
+    pub(super) ahead_displacement: Vec<SVector<f64, D>>,
 }
 
-/// Degree of the rule for energies of the band: the weight is a cosine over a few cells.
-const ENERGY_DEGREE: usize = 8;
+/// Degree of the rule for energies of the band, in the plane and in space, where the rule has more points anyway: the weight is a cosine over
+/// a few cells.
+const ENERGY_DEGREE: [usize; 2] = [8, 6];
 
 impl<const D: usize> Simulation<D> {
     /// A simulation on `mesh` that starts from `initial` velocity (one vector at a position) and the level sets of `structures`.
@@ -88,7 +91,7 @@ impl<const D: usize> Simulation<D> {
         let predictors =
             predictors.map(|_| Predictor::new(flow.velocity().clone(), &translations)).collect::<Result<_>>()?;
         let fine = (!structures.is_empty())
-            .then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, ENERGY_DEGREE.max(settings.quadrature)))));
+            .then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, ENERGY_DEGREE[D - 2].max(settings.quadrature)))));
         let mut state_flow = flow.at_rest();
         state_flow.u = space.interpolate(initial);
         flow.impose(0.0, &mut state_flow.u);
@@ -100,6 +103,7 @@ impl<const D: usize> Simulation<D> {
             flow: state_flow,
             phi: structures.iter().map(|s| s.phi.clone()).collect(),
             stretch: Vec::new(),
+            displacement: Vec::new(),
             map: None,
             markers: Vec::new(),
             factored: None,
@@ -127,8 +131,15 @@ impl<const D: usize> Simulation<D> {
         };
         sim.set_materials(&mut flow, &sim.state.phi);
         sim.begin_stretch();
-        let (phi, stretch) = (sim.state.phi.clone(), sim.state.stretch.clone());
-        sim.prepare_structures(&flow, &phi, &stretch, None)?;
+        if sim.structures.iter().any(|s| s.shear.is_some()) {
+            sim.carry_backward_map();
+        }
+        let State { phi, stretch, displacement, .. } = sim.state.clone();
+        sim.prepare_structures(
+            &flow,
+            Configuration { phi: &phi, stretch: &stretch, displacement: &displacement },
+            None,
+        )?;
         sim.state.energies = sim.measure(&flow, 0.0);
         sim.state.budget = Budget::new(&sim.state.energies);
         sim.flow = Some(flow);
@@ -169,16 +180,17 @@ impl<const D: usize> Simulation<D> {
         let ratio = self.state.pace.as_ref().map_or(1.0, |p| if p.clock.last > 0.0 { dt / p.clock.last } else { 1.0 });
         let (inertia, structures) = (!self.is_stokes(), !self.structures.is_empty());
         let convection = inertia && self.settings.convection;
-        let Work { current, mean, next, ahead } = work;
+        let Work { current, mean, next, ahead, ahead_displacement: displacement } = work;
         current.clone_from(&self.state.flow.u);
         self.phases.begin();
 
         // Where the interface will be.
         let predicts = second && structures;
         if predicts {
-            self.predict(current, ahead)?;
+            self.predict(current, ahead, displacement)?;
         } else {
             ahead.clone_from(&self.state.phi);
+            displacement.clone_from(&self.state.displacement);
         }
         let stretch = if predicts && self.is_sharp() {
             self.stretched(current, &self.state.phi.clone(), ahead)?
@@ -205,7 +217,8 @@ impl<const D: usize> Simulation<D> {
         self.set_materials(solver, ahead);
         self.phases.end(Phase::Assembly);
         let implicit = (self.settings.coupling == Coupling::Implicit).then_some(dt);
-        self.prepare_structures(solver, diffused.as_deref().unwrap_or(ahead), &stretch, implicit)?;
+        let of = Configuration { phi: diffused.as_deref().unwrap_or(ahead), stretch: &stretch, displacement };
+        self.prepare_structures(solver, of, implicit)?;
         self.phases.end(Phase::Force);
 
         // The coupled system of velocity and pressure.
@@ -237,18 +250,18 @@ impl<const D: usize> Simulation<D> {
         let wall_power = solver.wall_power(&step, next);
         self.reactions = self.wants_reactions.then(|| solver.reaction(&step, next, Cells::All));
         self.check_speed(&next.u, time)?;
-        self.note_factor(solver, &report, weight, [ahead, &stretch]);
+        self.note_factor(solver, &report, weight, Configuration { phi: ahead, stretch: &stretch, displacement });
         self.phases.end(Phase::Diagnostics);
 
         // The interface follows, and the fluids with it.
-        if structures || !self.passive.is_empty() {
+        if structures || !self.passive.is_empty() || self.has_backward_map() {
             if second {
                 combine(0.5, current, 0.5, &next.u, mean)
             } else {
                 mean.clone_from(&next.u)
             }
             let before = self.is_sharp().then(|| self.state.phi.clone());
-            self.carry(&Wind::Nodal(mean), ahead)?;
+            self.carry(&Wind::Nodal(mean), ahead, displacement)?;
             if let Some(before) = before {
                 self.state.stretch = self.stretched(mean, &before, &self.state.phi.clone())?;
             }
@@ -279,30 +292,51 @@ impl<const D: usize> Simulation<D> {
         (std::array::from_fn(|k| mine[k] + flow[k]), substitutions)
     }
 
-    /// The level sets of the structures carried over one step with the velocity `w`, without any change of the state.
-    fn predict(&mut self, w: &[SVector<f64, D>], ahead: &mut Vec<Vec<f64>>) -> Result<()> {
+    /// The level sets of the structures and the displacement back to time 0 carried over one step with the velocity `w`, without any change
+    /// of the state.
+    fn predict(
+        &mut self,
+        w: &[SVector<f64, D>],
+        ahead: &mut Vec<Vec<f64>>,
+        displacement: &mut Vec<SVector<f64, D>>,
+    ) -> Result<()> {
         let (wind, dt, count) = (Wind::Nodal(w), self.settings.dt, self.structures.len());
         let Some(mut map) = self.state.map.clone() else {
-            return self.carrier.carry(&self.state.phi[..count], &wind, dt, ahead);
+            self.carrier.carry(&self.state.phi[..count], &wind, dt, ahead)?;
+            self.carrier.carry_displacement(&self.state.displacement, displacement)?;
+            self.carrier.map_level_sets(displacement, &mut ahead[..count]);
+            return Ok(());
         };
         self.carrier.advance(&mut map, &wind, dt);
         *ahead = (0..count).map(|k| self.carrier.composed(&map, k)).collect();
+        self.compose_displacement(&map, displacement);
         Ok(())
     }
 
-    /// Carries all level sets over one step; `moved` is a buffer.
-    pub(super) fn carry(&mut self, wind: &Wind<'_, D>, moved: &mut Vec<Vec<f64>>) -> Result<()> {
+    /// Carries all level sets and the displacement back to time 0 over one step; `moved` and `displaced` are buffers.
+    pub(super) fn carry(
+        &mut self,
+        wind: &Wind<'_, D>,
+        moved: &mut Vec<Vec<f64>>,
+        displaced: &mut Vec<SVector<f64, D>>,
+    ) -> Result<()> {
         let dt = self.settings.dt;
-        let Some(map) = &mut self.state.map else {
+        let Some(mut map) = self.state.map.take() else {
             self.carrier.carry(&self.state.phi, wind, dt, moved)?;
+            self.carrier.carry_displacement(&self.state.displacement, displaced)?;
+            self.carrier.map_level_sets(displaced, moved);
             std::mem::swap(&mut self.state.phi, moved);
+            std::mem::swap(&mut self.state.displacement, displaced);
             return Ok(());
         };
-        self.carrier.advance(map, wind, dt);
+        self.carrier.advance(&mut map, wind, dt);
         map.restart_beyond(&self.space, self.carrier.remap);
         for (k, phi) in self.state.phi.iter_mut().take(self.structures.len()).enumerate() {
-            *phi = self.carrier.composed(map, k);
+            *phi = self.carrier.composed(&map, k);
         }
+        self.compose_displacement(&map, displaced);
+        std::mem::swap(&mut self.state.displacement, displaced);
+        self.state.map = Some(map);
         Ok(())
     }
 
@@ -324,7 +358,7 @@ impl<const D: usize> Simulation<D> {
             return Ok(None);
         }
         let mut level_sets = Vec::new();
-        self.predict(u, &mut level_sets)?;
+        self.predict(u, &mut level_sets, &mut Vec::new())?;
         let (dt, density) = (self.settings.dt, flow.density());
         let parts = self.predictors.iter_mut().zip(&self.structures).zip(&self.state.phi).zip(&mut level_sets);
         for (((predictor, s), phi), carried) in parts {
@@ -338,10 +372,12 @@ impl<const D: usize> Simulation<D> {
         let [kinetic, dissipation, grad_div, div2] = flow.energies(&self.state.flow);
         let elastic = match &self.fine {
             Some(fine) => {
-                let energy = |(s, phi): (&Structure<D>, &Vec<f64>)| {
-                    s.sharp.as_ref().map_or_else(|| s.membrane.energy(fine, phi), SharpMembrane::energy)
+                let energy = |(k, (s, phi)): (usize, (&Structure<D>, &Vec<f64>))| match (&s.shear, &s.sharp) {
+                    (Some(shear), _) => shear.energy(fine, phi, &self.rest_displacement(k)),
+                    (None, Some(sharp)) => sharp.energy(),
+                    (None, None) => s.membrane.energy(fine, phi),
                 };
-                self.structures.iter().zip(&self.state.phi).map(energy).sum()
+                self.structures.iter().zip(&self.state.phi).enumerate().map(energy).sum()
             }
             None => 0.0,
         };
@@ -464,7 +500,7 @@ impl<const D: usize> Simulation<D> {
             let level_sets = s.phi.iter().map(Vec::len);
             let markers = s.markers.iter().map(Vec::len);
             let maps = s.map.iter().map(|m| m.submaps().all(|d| d.len() == s.flow.u.len()));
-            let flow = [s.flow.u.len(), s.flow.p.len(), s.earlier_u.len()];
+            let flow = [s.flow.u.len(), s.flow.p.len(), s.earlier_u.len(), s.displacement.len()];
             (flow, level_sets.collect::<Vec<_>>(), markers.collect::<Vec<_>>(), maps.collect::<Vec<_>>())
         };
         if sizes(&state) != sizes(&self.state) || state.pace.is_some() != self.state.pace.is_some() {

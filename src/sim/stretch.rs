@@ -1,6 +1,6 @@
 //! The stretch of sharp membranes, carried beside their level sets.
 
-use super::setup::Structure;
+use super::setup::{Configuration, Structure};
 use super::step::Simulation;
 use crate::base::Result;
 use crate::flow::FlowSolver;
@@ -21,18 +21,20 @@ impl<const D: usize> Simulation<D> {
         };
         self.state.stretch = self.structures.iter().map(initial).collect();
     }
-    /// Takes stock of the structures where their level sets are `level_sets`.
+    /// Takes stock of the structures where they are as `of` says.
     pub(super) fn prepare_structures(
         &mut self,
         flow: &FlowSolver<D>,
-        level_sets: &[Vec<f64>],
-        stretch: &[Vec<f64>],
+        of: Configuration<'_, D>,
         implicit_step: Option<f64>,
     ) -> Result<()> {
-        for ((s, phi), stretch) in self.structures.iter_mut().zip(level_sets).zip(stretch) {
-            match &mut s.sharp {
-                Some(sharp) => sharp.prepare(&self.space, phi, stretch, implicit_step)?,
-                None => s.membrane.prepare(flow.velocity(), phi, implicit_step),
+        for (k, (phi, stretch)) in of.phi.iter().zip(of.stretch).enumerate().take(self.structures.len()) {
+            let rest = self.rest_of(k, of.displacement);
+            let s = &mut self.structures[k];
+            match (&mut s.shear, &mut s.sharp) {
+                (Some(shear), _) => shear.prepare(flow.velocity(), phi, &rest, implicit_step),
+                (None, Some(sharp)) => sharp.prepare(&self.space, phi, stretch, implicit_step)?,
+                (None, None) => s.membrane.prepare(flow.velocity(), phi, implicit_step),
             }
         }
         Ok(())

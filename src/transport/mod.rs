@@ -10,7 +10,8 @@ pub use feet::{Feet, Tracer, Wind, path};
 pub use map::CharacteristicMap;
 
 use crate::base::Result;
-use crate::fem::{Projector, Space};
+use crate::fem::{At, Projector, Space};
+use nalgebra::SVector;
 
 /// How a scalar field is brought back onto its space after it has been followed along the characteristics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,4 +51,45 @@ pub fn carry_projected<const D: usize>(
         },
         out,
     )
+}
+
+/// The displacement `Y(x) - x` of backward characteristics one step later: at each node that from the foot, and the way there. `feet` belong
+/// to the nodes.
+pub fn carry_displacement_nodal<const D: usize>(
+    tracer: &Tracer<D>,
+    d: &[SVector<f64, D>],
+    feet: &Feet,
+    out: &mut [SVector<f64, D>],
+) {
+    let space = tracer.space();
+    crate::base::parallel::fill(out, 1, |first, part| {
+        for (i, v) in part.iter_mut().enumerate() {
+            let (foot, start) = (feet.get(first + i), space.nodes()[first + i]);
+            let way = tracer.unwrapped(space.mesh().point_at(foot) - start);
+            *v = way + space.value(d, foot.cell as usize, &foot.barycentric);
+        }
+    });
+}
+
+/// The same by L2 projection; `feet` belong to the quadrature points of the projector's basis.
+pub fn carry_displacement_projected<const D: usize>(
+    tracer: &Tracer<D>,
+    projector: &mut Projector<D>,
+    d: &[SVector<f64, D>],
+    feet: &Feet,
+    out: &mut [SVector<f64, D>],
+) -> Result<()> {
+    let space = projector.basis().space().clone();
+    let points = projector.basis().rule().len();
+    let mut component = vec![0.0; out.len()];
+    for k in 0..D {
+        let value = |at: &At<D>| {
+            let foot = feet.get(at.cell * points + at.q);
+            let way = tracer.unwrapped(space.mesh().point_at(foot) - at.x);
+            way[k] + space.value(d, foot.cell as usize, &foot.barycentric)[k]
+        };
+        projector.project(value, &mut component)?;
+        out.iter_mut().zip(&component).for_each(|(v, c)| v[k] = *c);
+    }
+    Ok(())
 }

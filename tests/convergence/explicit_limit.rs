@@ -68,6 +68,7 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
         phi: space.interpolate(|x| x[1] - 0.5 - height(x[0])),
         membrane: membrane.clone(),
         sharp: None,
+        shear: None,
         stretch: 1.0,
         surface_mass: 0.0,
     };

@@ -18,6 +18,7 @@ mod semi_implicit;
 mod sharp;
 mod space_order;
 mod study;
+mod surface;
 mod time_order;
 mod transport;
 mod virtual_work;

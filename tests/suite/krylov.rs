@@ -23,6 +23,7 @@ fn squeezed<const D: usize>(mesh: Mesh<D>, coupling: Coupling, tolerance: f64, d
         phi: space.nodes().iter().map(|x| 1.1 * squeeze(x)).collect(),
         membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.15),
         sharp: None,
+        shear: None,
         stretch: 1.1,
         surface_mass: 0.0,
     };

@@ -83,6 +83,7 @@ fn simulation(cells: usize) -> Simulation<2> {
         phi: signed_distance(&space, &ellipse).iter().map(|d| STRETCH * d).collect(),
         membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, THICKNESS),
         sharp: None,
+        shear: None,
         stretch: 1.0,
         surface_mass: 0.0,
     };
