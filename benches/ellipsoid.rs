@@ -84,8 +84,15 @@ fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<
     let level = |x: &Point<3>| (0..3).map(|k| ((x[k] - 1.0) / AXES[k]).powi(2)).sum::<f64>().sqrt() - 1.0;
     let phi = space.interpolate(|x| STRETCH * AXES[1] * level(x));
     let membrane = Membrane::new(AreaLaw::Linear { modulus: 1.0 }, thickness);
-    let structure =
-        Structure { name: "membrane".into(), phi, membrane, surface_mass: 0.0, sharp: None, stretch: STRETCH };
+    let structure = Structure {
+        name: "membrane".into(),
+        phi,
+        membrane,
+        surface_mass: 0.0,
+        sharp: None,
+        shear: None,
+        stretch: STRETCH,
+    };
     Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 

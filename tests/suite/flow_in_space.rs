@@ -1,7 +1,7 @@
 //! Flows in space that lie in the discrete spaces come back to rounding, with every kind of boundary, on every kind of mesh.
 
 use immersa::fem::{Cells, Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors};
-use immersa::flow::{Coefficient, FlowSolver, FlowState, Step, flux, traction};
+use immersa::flow::{BodyForce, Coefficient, FlowSolver, FlowState, Step, flux, traction};
 use immersa::mesh::{Mesh, Point, ball_in_box, box_mesh, gmsh, refine};
 use nalgebra::{SMatrix, SVector};
 use std::path::Path;
@@ -26,7 +26,7 @@ struct Solved {
     state: FlowState<3>,
 }
 
-fn stokes<'a>(force: &'a (dyn Fn(&Point<3>, f64) -> V + Sync)) -> Step<'a, 3> {
+fn stokes<'a>(force: &'a BodyForce<3>) -> Step<'a, 3> {
     Step {
         time: 0.0,
         dt: 1.0,
@@ -47,7 +47,8 @@ fn assert_exact(what: &str, mesh: Mesh<3>, conditions: Conditions<3>, exact: &Ex
     let mut solver = FlowSolver::new(&velocity, &pressure, &Arc::new(Rule::simplex(3, 5)), &conditions, 1.0).unwrap();
     solver.set_materials(Coefficient::Constant(1.0), Coefficient::Constant(VISCOSITY));
     let mut state = solver.at_rest();
-    let force = |x: &Point<3>, _: f64| (exact.force)(x);
+    let force = exact.force;
+    let force = move |x: &Point<3>, _: f64| force(x);
     solver.step(&stokes(&force), &mut state).unwrap();
     let centre: Point<3> = mesh.bounding_box().0.lerp(&mesh.bounding_box().1, 0.5);
     let level = if open { 0.0 } else { (exact.pressure)(&centre).0 };
