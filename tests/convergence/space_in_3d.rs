@@ -72,7 +72,7 @@ fn ethier_steinman() {
     study("Ethier-Steinman, u in L2", 0).assert(3.0, 3.5e-3);
     study("Ethier-Steinman, u in H1", 1).assert(2.0, 1.4e-1);
     let p = study("Ethier-Steinman, p in L2", 2);
-    println!("{}: errors {:.3e?}, order {:.2}", p.what, p.errors, p.slope());
+    println!("{}: errors {:?}, order {:.2}", p.what, p.errors, p.slope());
     let last = (p.errors[2] / p.errors[3]).ln() / (sizes[2] / sizes[3]).ln();
     assert!((last - 2.0).abs() <= 0.1 && p.errors[3] < 7.8e-2, "{last}: {:?}", p.errors);
 }
