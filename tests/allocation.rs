@@ -42,7 +42,7 @@ fn cavity(n: usize, fluid: &str, more: &str) -> Model {
          [boundary.walls]\nno_slip = true\n[boundary.top]\nvelocity = [\"sin(pi * x)\", 0]\n\
          [time]\nend = 1\nstep = 0.01\n{more}"
     );
-    Model::new(&Scene::parse(&text, Path::new("scene.toml")).unwrap()).unwrap()
+    Model::<2>::new(&Scene::parse(&text, Path::new("scene.toml")).unwrap()).unwrap()
 }
 
 const MEMBRANE: &str = "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\nstretch = 1.2\narea.linear = { modulus = 1 }\n\

@@ -2,7 +2,7 @@
 
 use super::SceneArguments;
 use crate::base::Result;
-use crate::scene::Model;
+use crate::scene;
 use std::io::Write;
 
 #[derive(clap::Args)]
@@ -13,12 +13,11 @@ pub(super) struct Arguments {
 
 pub(super) fn explain(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
-    let mut model = Model::new(&scene)?;
-    let plan = model.plan(&scene)?;
+    let (plan, warnings) = scene::explain(&scene)?;
     let mut out = std::io::stdout().lock();
     // A closed pipe is no reason to fail.
     let _ = writeln!(out, "{}\n\n{plan}", scene.title);
-    for w in &model.warnings {
+    for w in &warnings {
         let _ = writeln!(out, "warning: {w}");
     }
     Ok(())

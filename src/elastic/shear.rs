@@ -43,6 +43,8 @@ pub struct ShearMembrane<const D: usize> {
     stretch: f64,
     /// `Y` at time 0; `None` for the identity.
     map: Option<Arc<RestMap<D>>>,
+    /// Whether `Z1` is the slope of the level set.
+    by_slope: bool,
     band: BandCells<Strained<D>>,
     implicit_step: Option<f64>,
 }
@@ -55,6 +57,7 @@ impl<const D: usize> ShearMembrane<D> {
             width: BandWidth::new(thickness),
             stretch,
             map: None,
+            by_slope: false,
             band: BandCells::default(),
             implicit_step: None,
         }
@@ -62,6 +65,10 @@ impl<const D: usize> ShearMembrane<D> {
     /// The same membrane with the material at places that `map` gives when at rest.
     pub fn with_map(self, map: Arc<RestMap<D>>) -> ShearMembrane<D> {
         ShearMembrane { map: Some(map), ..self }
+    }
+    /// The same membrane with `Z1 = |grad phi|`, (8.1) of the paper with `J = 1` for a level set that starts as a distance times the area stretch.
+    pub fn with_area_by_slope(self) -> ShearMembrane<D> {
+        ShearMembrane { by_slope: true, ..self }
     }
     /// The same membrane over another band; `slope` is that of the level set at the start.
     pub fn with_band(self, band: Band, slope: f64) -> ShearMembrane<D> {
@@ -90,12 +97,12 @@ impl<const D: usize> ShearMembrane<D> {
             tension: Matrix2::zeros(),
             stiffness: (Matrix2::zeros(), SMatrix::zeros()),
         };
-        let (law, stretch) = (self.law, self.stretch);
+        let (law, stretch, by_slope) = (self.law, self.stretch, self.by_slope);
         self.band.prepare(&self.width, basis, phi, nothing, |c, q, b| {
             if b.w == 0.0 {
                 return nothing;
             }
-            let strain = strain_at(basis, c, q, b, rest, stretch);
+            let strain = strain_at(basis, c, q, b, rest, stretch, by_slope);
             let tangent = Tangent::new(law, &strain);
             Strained {
                 w: b.w,
@@ -112,7 +119,7 @@ impl<const D: usize> ShearMembrane<D> {
             if b.w == 0.0 {
                 return 0.0;
             }
-            let strain = strain_at(basis, c, q, b, rest, self.stretch);
+            let strain = strain_at(basis, c, q, b, rest, self.stretch, self.by_slope);
             self.law.response(strain.z1, strain.z2).energy
         })
     }
@@ -135,10 +142,15 @@ fn strain_at<const D: usize>(
     b: &BandPoint<D>,
     rest: &[SVector<f64, D>],
     stretch: f64,
+    by_slope: bool,
 ) -> SurfaceStrain<D> {
     let own = basis.space().on_cell(rest, c);
     let gradient = own.reference_jacobian(basis.reference_gradients(q)) * basis.space().mesh().map(c).inverse;
-    SurfaceStrain::new(&b.n, &(SMatrix::identity() + gradient), stretch)
+    let mut strain = SurfaceStrain::new(&b.n, &(SMatrix::identity() + gradient), stretch);
+    if by_slope {
+        strain.z1 = b.r;
+    }
+    strain
 }
 
 impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {

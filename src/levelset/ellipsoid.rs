@@ -63,7 +63,7 @@ fn distance_in_octant(e: &Point<3>, y: &Point<3>) -> f64 {
     };
     // Each term alone reaches 1 here, so G >= 0; and G <= 0 where all together cannot.
     let mut low = (p - d).max().max(0.0);
-    let mut high = p.norm();
+    let mut high = p.sum();
     let mut t = low;
     for _ in 0..200 {
         let (value, slope) = g(t);

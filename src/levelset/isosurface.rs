@@ -20,9 +20,10 @@ const DEGREE_OF_FORMS: usize = 2;
 ///
 /// The lattice of the P2 nodes cuts a cell into eight tetrahedra. Where the signs at two lattice nodes differ, `phi` is a quadratic
 /// function on the line between them and its zero there is exact; these zeros are the corners of one or two triangles in a
-/// tetrahedron of the lattice. A side of a triangle bulges in the plane of the face it lies on, through the zero of `phi` on the perpendicular
-/// bisector of its chord; the line between two triangles of the same tetrahedron, along the gradient. What lies on a face has
-/// the same bits seen from both its cells, so that the surface is closed, or ends on the boundary of the mesh.
+/// tetrahedron of the lattice. The middle of a side is the zero of `phi` on the line through the middle of its chord along the gradient (its mean
+/// from both cells of a face; in the plane of the facet on the boundary of the mesh). Lifted so, and not within the planes of the faces, narrow triangles do
+/// not fold. What two cells share has the same bits from both, so that the surface is closed, or ends on the boundary of
+/// the mesh.
 ///
 /// Area and volume have an error of order 4 in the mesh size for a smooth `phi` of the space, single points one of order 3.
 ///
@@ -134,6 +135,8 @@ mod tests {
     use std::collections::HashMap;
     use std::sync::Arc;
 
+    type Checked = std::result::Result<(), TestCaseError>;
+
     fn p(x: f64, y: f64, z: f64) -> Point<3> {
         Point::<3>::new(x, y, z)
     }
@@ -159,14 +162,14 @@ mod tests {
         }
         (area, volume)
     }
-    fn check_closed(s: &Isosurface) -> Result<(), TestCaseError> {
+    fn check_closed(s: &Isosurface) -> Checked {
         let (area, volume) = sums(s);
-        prop_assert!(area.norm() < 1e-13, "{area}");
-        prop_assert!(volume.max() - volume.min() < 1e-13, "{volume}");
+        prop_assert!(area.norm() < 1e-12, "{area}");
+        prop_assert!(volume.max() - volume.min() < 1e-12, "{volume}");
         Ok(())
     }
     /// Every curved side has its opposite, the same to the last bit.
-    fn check_sides(s: &Isosurface) -> Result<(), TestCaseError> {
+    fn check_sides(s: &Isosurface) -> Checked {
         let bits = |x: &Point<3>| [x[0].to_bits(), x[1].to_bits(), x[2].to_bits()];
         let mut sides: HashMap<[[u64; 3]; 3], i32> = HashMap::new();
         for t in s.triangles().iter().chain(s.walls()) {
@@ -194,10 +197,12 @@ mod tests {
                     x += space.mesh().points()[v as usize] * l[a];
                 }
                 assert!((x - t.points[k]).norm() < 1e-14);
-                assert!(space.value(phi, cell, l).abs() < 1e-13, "node {k}: {}", space.value(phi, cell, l));
+                // The middles on faces are zeros of the function of one of the two cells.
+                let tolerance = if k < 3 { 1e-13 } else { 1e-6 };
+                assert!(space.value(phi, cell, l).abs() < tolerance, "node {k}: {}", space.value(phi, cell, l));
             }
             let third = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0];
-            assert!(space.gradient(phi, cell, &t.barycentric_at(&third)).dot(&t.area_vector(&third)) > 0.0);
+            assert!(space.gradient(phi, cell, &t.barycentric_at(&third)).dot(&t.area_vector(&third)) > -1e-14);
         }
         for (q, point) in s.quadrature(space, phi).iter().enumerate() {
             assert!(point.at.q == q && point.at.weight > 0.0);
@@ -210,7 +215,8 @@ mod tests {
     fn two_balls_are_closed_and_lie_on_the_zero_set() {
         let ball = |x: &Point<3>, c: Point<3>, r: f64| (x - c).norm_squared() - r * r;
         let two = |x: &Point<3>| ball(x, p(0.52, 0.5, 0.6), 0.3).min(ball(x, p(1.4, 1.3, 1.2), 0.47));
-        let (space, phi, s) = surface(10, two);
+        // Fine enough that no cell with the surface, and none beside it, meets the kink between the balls.
+        let (space, phi, s) = surface(16, two);
         assert!(s.walls().is_empty());
         check_points(&space, &phi, &s);
         check_sides(&s).unwrap();
@@ -233,8 +239,8 @@ mod tests {
                 check_points(&space, &phi, &s);
                 check_closed(&s).unwrap();
                 let m = s.measures().unwrap();
-                assert!((m.surface - area).abs() < 1e-13 && (m.volume - volume).abs() < 1e-13, "{m:?}");
-                assert!((s.integrate(&space, &phi, |_| 1.0) - area).abs() < 1e-13);
+                assert!((m.surface - area).abs() < 1e-12 && (m.volume - volume).abs() < 1e-12, "{m:?}");
+                assert!((s.integrate(&space, &phi, |_| 1.0) - area).abs() < 1e-12);
             }
         }
     }

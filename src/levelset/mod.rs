@@ -24,6 +24,7 @@ mod quadratic;
 mod shape;
 mod sign;
 mod solid;
+mod solid_union;
 mod tetrahedron;
 mod union;
 
@@ -43,4 +44,5 @@ pub use patch::Triangle;
 pub use polygon::Polygon;
 pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
 pub use solid::SolidMeasures;
+pub use solid_union::SolidUnion;
 pub use union::Union;

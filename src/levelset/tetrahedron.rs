@@ -3,7 +3,7 @@
 use super::patch::Triangle;
 use super::quadratic::{Quadratic, barycentric_direction};
 use crate::fem::{EDGES, Space};
-use crate::mesh::Point;
+use crate::mesh::{NONE, Point};
 use nalgebra::SVector;
 
 /// The edges of the sorted vertices, in lexicographic order; node `4 + e` of the lattice is the middle of edge `e`.
@@ -42,6 +42,9 @@ pub(super) struct Tetrahedron<'a> {
 
 /// A point of the cell, by its barycentric coordinates for the sorted vertices.
 type Sorted = [f64; 4];
+
+/// The middle of a side: its place, and its barycentric coordinates.
+type Middle = (Point<3>, Sorted);
 
 impl<'a> Tetrahedron<'a> {
     pub(super) fn new(space: &'a Space<3>, phi: &'a [f64], c: usize) -> Tetrahedron<'a> {
@@ -94,7 +97,7 @@ impl<'a> Tetrahedron<'a> {
                     let alone = (0..3).find(|&i| negative[i] == (count == 1)).unwrap_or(0);
                     let [a, b, c] = [0, 1, 2].map(|i| corners[(alone + i) % 3]);
                     let (ab, ac) = (self.crossing(a, b), self.crossing(a, c));
-                    let middle = Some(self.middle_on_face(&ab, &ac, [a, b, c]));
+                    let middle = Some(self.middle(&ab, &ac, [a, b, c]));
                     if count == 1 {
                         self.push(&[node(a), ab, ac], [None, middle, None], out);
                     } else {
@@ -122,7 +125,7 @@ impl<'a> Tetrahedron<'a> {
             let (b, c) = if count == 1 { (b, c) } else { (c, b) };
             let corners = [self.crossing(a, b), self.crossing(a, c), self.crossing(a, d)];
             let middles = [(0, 1, [a, b, c]), (1, 2, [a, c, d]), (2, 0, [a, d, b])]
-                .map(|(i, j, face)| Some(self.middle_on_face(&corners[i], &corners[j], face)));
+                .map(|(i, j, face)| Some(self.middle(&corners[i], &corners[j], face)));
             self.push(&corners, middles, out);
         }
     }
@@ -131,35 +134,38 @@ impl<'a> Tetrahedron<'a> {
     fn quadrangle(&self, [a, b, c, d]: [usize; 4], out: &mut Vec<Triangle>) {
         let p = [self.crossing(a, c), self.crossing(a, d), self.crossing(b, d), self.crossing(b, c)];
         let faces = [[a, c, d], [d, a, b], [b, d, c], [c, b, a]];
-        let side: [Option<Sorted>; 4] =
-            std::array::from_fn(|i| Some(self.middle_on_face(&p[i], &p[(i + 1) % 4], faces[i])));
+        let side: [Option<Middle>; 4] = std::array::from_fn(|i| Some(self.middle(&p[i], &p[(i + 1) % 4], faces[i])));
         let x = p.map(|l| self.point(&l));
         if (x[0] - x[2]).norm_squared() <= (x[1] - x[3]).norm_squared() {
-            let middle = Some(self.middle_inside(&p[0], &p[2]));
+            let middle = Some(self.middle_inside(&p[0], &p[2], [self.c, self.c]));
             self.push(&[p[0], p[1], p[2]], [side[0], side[1], middle], out);
             self.push(&[p[0], p[2], p[3]], [middle, side[2], side[3]], out);
         } else {
-            let middle = Some(self.middle_inside(&p[1], &p[3]));
+            let middle = Some(self.middle_inside(&p[1], &p[3], [self.c, self.c]));
             self.push(&[p[1], p[2], p[3]], [side[1], side[2], middle], out);
             self.push(&[p[1], p[3], p[0]], [middle, side[3], side[0]], out);
         }
     }
 
     /// Appends a triangle with these corners; a side whose middle is not given is straight.
-    fn push(&self, corners: &[Sorted; 3], middles: [Option<Sorted>; 3], out: &mut Vec<Triangle>) {
-        let straight = |i: usize| between(&corners[i], &corners[(i + 1) % 3]);
-        let m: [Sorted; 3] = std::array::from_fn(|i| middles[i].unwrap_or_else(|| straight(i)));
-        let [a, b, c] = *corners;
+    fn push(&self, corners: &[Sorted; 3], middles: [Option<Middle>; 3], out: &mut Vec<Triangle>) {
+        let straight = |i: usize| self.placed(between(&corners[i], &corners[(i + 1) % 3]));
+        let m: [Middle; 3] = std::array::from_fn(|i| middles[i].unwrap_or_else(|| straight(i)));
+        let [a, b, c] = corners.map(|l| self.placed(l));
         let all = if self.odd { [a, c, b, m[2], m[1], m[0]] } else { [a, b, c, m[0], m[1], m[2]] };
         let triangle = Triangle {
             cell: self.c as u32,
-            points: all.map(|l| self.point(&l)),
-            barycentric: all.map(|l| self.own_order(&l)),
+            points: all.map(|(x, _)| x),
+            barycentric: all.map(|(_, l)| self.own_order(&l)),
         };
         // A zero that is a node leaves pieces without area.
         if (0..6).any(|k| triangle.area_vector(&corner(k)) != SVector::<f64, 3>::zeros()) {
             out.push(triangle);
         }
+    }
+
+    fn placed(&self, l: Sorted) -> Middle {
+        (self.point(&l), l)
     }
 
     /// Barycentric coordinates in the order of the cell.
@@ -197,9 +203,20 @@ impl<'a> Tetrahedron<'a> {
         std::array::from_fn(|k| la[k] + t * (lb[k] - la[k]))
     }
 
-    /// The zero half-way between two crossings on sides of the triangle `face` of the lattice, on the perpendicular bisector of
-    /// their chord in its plane.
-    fn middle_on_face(&self, start: &Sorted, end: &Sorted, face: [usize; 3]) -> Sorted {
+    /// The zero half-way between two crossings on sides of the triangle `face` of the lattice.
+    fn middle(&self, start: &Sorted, end: &Sorted, face: [usize; 3]) -> Middle {
+        // The face of the cell that the triangle lies on, if any, and the cell beyond.
+        let side = (0..4).find(|&k| face.iter().all(|&a| node(a)[k] == 0.0));
+        let beyond = side.map(|k| self.space.mesh().neighbours(self.c)[self.order[k]]);
+        match beyond {
+            Some(NONE) => self.placed(self.middle_on_wall(start, end, face)),
+            Some(other) => self.middle_inside(start, end, [self.c.min(other as usize), self.c.max(other as usize)]),
+            None => self.middle_inside(start, end, [self.c, self.c]),
+        }
+    }
+
+    /// The same on the boundary of the mesh, on the perpendicular bisector of the chord in the plane of the facet.
+    fn middle_on_wall(&self, start: &Sorted, end: &Sorted, face: [usize; 3]) -> Sorted {
         let middle = between(start, end);
         let chord: Sorted = std::array::from_fn(|k| end[k] - start[k]);
         let (v, p, q) = (node(face[0]), node(face[1]), node(face[2]));
@@ -212,29 +229,27 @@ impl<'a> Tetrahedron<'a> {
         let scale = (square / self.vector(&across).norm_squared()).sqrt();
         let step = across.map(|d| scale * d);
         let at = |s: f64| self.value(&std::array::from_fn(|k| middle[k] + s * step[k]));
-        lifted(&middle, &step, &Quadratic::about(at(-1.0), at(0.0), at(1.0)))
+        let s = Quadratic::about(at(-1.0), at(0.0), at(1.0)).roots()[0];
+        if s.abs() <= FARTHEST && scale.is_finite() { std::array::from_fn(|k| middle[k] + s * step[k]) } else { middle }
     }
 
-    /// The zero half-way between two crossings along the gradient.
-    fn middle_inside(&self, start: &Sorted, end: &Sorted) -> Sorted {
+    /// The zero half-way between two crossings along the mean gradient in two cells, that of the function in the first of them: nothing here
+    /// depends on the cell that asks.
+    fn middle_inside(&self, start: &Sorted, end: &Sorted, [first, second]: [usize; 2]) -> Middle {
+        let mesh = self.space.mesh();
         let middle = between(start, end);
-        let l = self.own_order(&middle);
+        let x = self.point(&middle);
         let length = (self.point(end) - self.point(start)).norm();
-        let Some(gradient) = self.space.gradient(self.phi, self.c, &l).try_normalize(0.0) else { return middle };
-        let step = gradient * length;
-        let quadratic = Quadratic::on_line(self.space, self.phi, self.c, &l, &step);
+        let gradient = |c: usize| self.space.gradient(self.phi, c, &mesh.map(c).barycentric(&x));
+        let Some(normal) = (gradient(first) + gradient(second)).try_normalize(0.0) else { return (x, middle) };
+        let step = normal * length;
+        let l = mesh.map(first).barycentric(&x);
+        let s = Quadratic::on_line(self.space, self.phi, first, &l, &step).roots()[0];
+        if s.abs() > FARTHEST {
+            return (x, middle);
+        }
         let dl = barycentric_direction(self.space, self.c, &step);
-        lifted(&middle, &self.order.map(|k| dl[k]), &quadratic)
-    }
-}
-
-/// The root of `quadratic` nearest to 0 on the line `middle + s step`, or the middle if that is far away or there is none.
-fn lifted(middle: &Sorted, step: &Sorted, quadratic: &Quadratic) -> Sorted {
-    let s = quadratic.roots()[0];
-    if s.abs() <= FARTHEST && step.iter().all(|d| d.is_finite()) {
-        std::array::from_fn(|k| middle[k] + s * step[k])
-    } else {
-        *middle
+        (x + step * s, std::array::from_fn(|k| middle[k] + s * dl[self.order[k]]))
     }
 }
 

@@ -22,7 +22,7 @@ const TOLERATED: [f64; 2] = [1.6, 1.25];
 
 /// The lengths that an adapted mesh keeps at interfaces.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lengths {
+pub struct Lengths {
     /// Wanted edges across the interfaces.
     pub edge: f64,
     /// Wanted edges along them.
@@ -38,7 +38,7 @@ impl Lengths {
     ///
     /// # Errors
     /// Neither an edge nor a thickness is given; an edge that is longer than all others.
-    pub fn new(scene: &Scene, adapt: &Adapt, mesh: &Mesh<2>) -> Result<Lengths> {
+    pub(super) fn new<const D: usize>(scene: &Scene, adapt: &Adapt, mesh: &Mesh<D>) -> Result<Lengths> {
         let longest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(0.0, f64::max);
         let thickness = scene.numerics.thickness;
         let edge = adapt.edge.or(thickness.map(|eps| eps / EDGES));
@@ -100,12 +100,12 @@ fn made_anew(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool
     Ok(adapted.mesh)
 }
 
-impl Model {
+impl Model<2> {
     /// Makes the mesh anew where it no longer fits interfaces or fields, and goes on upon it. Returns whether it did.
     ///
     /// # Errors
     /// Those of [`Simulation::on_mesh`].
-    pub fn follow(&mut self, scene: &Scene) -> Result<bool> {
+    pub(super) fn follow_fields(&mut self, scene: &Scene) -> Result<bool> {
         let (Some(adapt), Some(lengths)) = (&scene.adapt, &self.lengths) else { return Ok(false) };
         let sim = &self.simulation;
         if adapt.fields.is_empty() && !self.is_outgrown(lengths) {
@@ -117,7 +117,7 @@ impl Model {
             metric = metric.intersect(&fields)?;
         }
         let mesh = made_anew(scene, sim.space().mesh(), &metric, !sim.translations().is_empty())?;
-        self.go_on(mesh, adapt.transfer)?;
+        self.go_on_upon(mesh, adapt.transfer)?;
         Ok(true)
     }
 
@@ -125,7 +125,7 @@ impl Model {
     ///
     /// # Errors
     /// Those of [`Simulation::on_mesh`].
-    pub(super) fn go_on(&mut self, mesh: Mesh<2>, transfer: Transfer) -> Result<()> {
+    pub(super) fn go_on_upon(&mut self, mesh: Mesh<2>, transfer: Transfer) -> Result<()> {
         self.simulation = self.simulation.on_mesh(&Arc::new(mesh), transfer)?;
         let sim = &self.simulation;
         let phi = sim.state().phi.iter().map(Vec::as_slice);

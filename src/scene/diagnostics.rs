@@ -1,19 +1,16 @@
 //! What a run measures: the columns of the series, and profiles along lines.
 
 use super::Scene;
+use super::dimension::{Dimension, In, point};
 use super::errors;
 use super::model::Model;
 use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
 use crate::flow::{Load, flux, traction};
-use crate::levelset::Interface;
 use crate::mesh::{Location, Locator, Point};
 use crate::sim::Simulation;
 use crate::transport::Method;
 
-/// The columns that each membrane has, after its name and a dot.
-const MEASURES: [&str; 9] =
-    ["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
 /// The columns that every run has.
 const COMMON: [&str; 9] = [
     "energy_kinetic",
@@ -37,21 +34,24 @@ const ADAPTED: [&str; 2] = ["unknowns", "energy_transferred"];
 const MARKERS: [&str; 2] = ["markers_length", "markers_area"];
 
 /// Measures a simulation in the way that a scene asks for.
-pub struct Diagnostics<'a> {
+pub struct Diagnostics<'a, const D: usize = 2> {
     scene: &'a Scene,
     probes: Vec<Location>,
-    profiles: Vec<Vec<(Point<2>, Location)>>,
+    profiles: Vec<Vec<(Point<D>, Location)>>,
 }
 
-impl<'a> Diagnostics<'a> {
+impl<'a, const D: usize> Diagnostics<'a, D>
+where
+    In<D>: Dimension<D>,
+{
     /// Finds the points of all probes and profiles.
     ///
     /// # Errors
     /// A point outside the mesh, or a boundary that the mesh does not have.
-    pub fn new(scene: &'a Scene, model: &Model) -> Result<Diagnostics<'a>> {
+    pub fn new(scene: &'a Scene, model: &Model<D>) -> Result<Diagnostics<'a, D>> {
         let mesh = model.simulation.space().mesh();
         let locator = Locator::new(mesh);
-        let locate = |x: Point<2>, keys: [&str; 3]| {
+        let locate = |x: Point<D>, keys: [&str; 3]| {
             locator.locate(mesh, &x).ok_or_else(|| {
                 let (lo, hi) = mesh.bounding_box();
                 let e = Error::scene("the point lies outside the mesh").value(format!("{:?}", x.as_slice())).remedy(
@@ -77,12 +77,12 @@ impl<'a> Diagnostics<'a> {
     pub fn columns(&self) -> Vec<String> {
         let mut names = Vec::new();
         for m in &self.scene.membranes {
-            names.extend(MEASURES.iter().map(|c| format!("{}.{c}", m.name)));
+            names.extend(In::<D>::MEASURES.iter().map(|c| format!("{}.{c}", m.name)));
             names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name)));
         }
         for s in &self.scene.level_sets {
             let markers: &[&str] = if s.markers > 0 { &MARKERS } else { &[] };
-            names.extend(MEASURES.iter().chain(markers).map(|c| format!("{}.{c}", s.name)));
+            names.extend(In::<D>::MEASURES.iter().chain(markers).map(|c| format!("{}.{c}", s.name)));
         }
         let common: &[&str] = if self.scene.fluid.is_prescribed() { &PASSIVE } else { &COMMON };
         names.extend(common.iter().map(ToString::to_string));
@@ -93,12 +93,11 @@ impl<'a> Diagnostics<'a> {
             names.extend(ADAPTED.iter().map(ToString::to_string));
         }
         for p in &self.scene.output.probes {
-            names.extend(suffixes(p.of).iter().map(|c| format!("{}{c}", p.name)));
+            names.extend(suffixes(p.of, D).iter().map(|c| format!("{}{c}", p.name)));
         }
         for f in &self.scene.output.forces {
-            let moment = f.about.is_some().then_some(["moment", "stress_moment"]);
-            let columns = ["x", "y", "stress_x", "stress_y"].into_iter().chain(moment.into_iter().flatten());
-            names.extend(columns.map(|c| format!("{}_{c}", f.name)));
+            let columns = force_columns(D, f.about.is_some());
+            names.extend(columns.iter().map(|c| format!("{}_{c}", f.name)));
         }
         names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
         names.extend(errors::columns(&self.scene.exact));
@@ -110,22 +109,15 @@ impl<'a> Diagnostics<'a> {
 
     /// One row: a value a column. What cannot be measured (an interface that is gone, the centre and the axes of one that is
     /// passing a periodic side, a force before the first step) is NaN.
-    pub fn row(&self, model: &Model) -> Result<Vec<f64>> {
+    pub fn row(&self, model: &Model<D>) -> Result<Vec<f64>> {
         let sim = &model.simulation;
         let (state, space) = (sim.state(), sim.space());
         let mut row = Vec::new();
         for (k, m) in self.scene.membranes.iter().enumerate() {
-            let interface = sim.interface(k)?;
-            row.extend(measures(sim, &interface));
-            let Interface { space, phi, contour } = &interface;
-            for c in &m.chords {
-                let half = contour.half_chord(space, phi, &point(&c.through), &point(&c.direction));
-                row.push(half.unwrap_or(f64::NAN));
-            }
+            row.extend(In::<D>::measure(sim, k, &m.chords)?);
         }
         for k in 0..self.scene.level_sets.len() {
-            row.extend(measures(sim, &sim.interface(self.scene.membranes.len() + k)?));
-            row.extend(sim.marker_polygon(k).into_iter().flatten());
+            row.extend(In::<D>::measure(sim, self.scene.membranes.len() + k, &[])?);
         }
         if sim.is_prescribed() {
             row.extend([sim.largest_speed(), sim.divergence(), sim.courant()]);
@@ -156,13 +148,15 @@ impl<'a> Diagnostics<'a> {
         }
         for f in &self.scene.output.forces {
             let Some(pressure) = sim.flow().map(|flow| flow.pressure().space()) else { continue };
-            let about = f.about.as_deref().map_or(Point::<2>::zeros(), point);
+            let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
             let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
             let viscosity = |cell: usize, l: &[f64; 4]| sim.viscosity_at(cell, l);
             let stress = traction(space, pressure, viscosity, &state.flow, &f.boundary, &about)?;
-            row.extend([residual.force[0], residual.force[1], stress.force[0], stress.force[1]]);
+            row.extend(residual.force.iter().chain(&stress.force));
             if f.about.is_some() {
-                row.extend([residual.moment[2], stress.moment[2]]);
+                // In the plane a moment has the last component alone.
+                let turns = if D == 2 { 2..3 } else { 0..3 };
+                row.extend(turns.clone().map(|i| residual.moment[i]).chain(turns.map(|i| stress.moment[i])));
             }
         }
         for f in &self.scene.output.fluxes {
@@ -181,30 +175,17 @@ impl<'a> Diagnostics<'a> {
     }
 
     /// Values along profile number `k`, point by point: one list for each component, with the end of its column's name.
-    pub fn profile(&self, sim: &Simulation<2>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
+    pub fn profile(&self, sim: &Simulation<D>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
         let of = self.scene.output.profiles[k].of;
         let rows: Vec<Vec<f64>> = self.profiles[k].iter().map(|(_, at)| values(sim, at, of)).collect();
         let column = |i: usize| rows.iter().map(|row| row[i]).collect();
-        suffixes(of).iter().enumerate().map(|(i, suffix)| (*suffix, column(i))).collect()
+        suffixes(of, D).iter().enumerate().map(|(i, suffix)| (*suffix, column(i))).collect()
     }
 
     /// The points of profile number `k`.
-    pub fn profile_points(&self, k: usize) -> impl Iterator<Item = &Point<2>> {
+    pub fn profile_points(&self, k: usize) -> impl Iterator<Item = &Point<D>> {
         self.profiles[k].iter().map(|(x, _)| x)
     }
-}
-
-/// [`MEASURES`] of an interface.
-fn measures(sim: &Simulation<2>, interface: &Interface) -> [f64; MEASURES.len()] {
-    let contour = &interface.contour;
-    // In parts on the two sides of the mesh a membrane has an area and a length, but no place and no form.
-    let parted = !sim.translations().is_empty() && contour.lines().iter().any(|l| !l.closed);
-    contour.measures().map_or([f64::NAN; MEASURES.len()], |k| {
-        let whole = |v: f64| if parted { f64::NAN } else { v };
-        let form = [k.centroid[0], k.centroid[1], k.axis_1, k.axis_2, k.angle, k.extent_x, k.extent_y];
-        let [x, y, a, b, angle, width, height] = form.map(whole);
-        [k.area, k.perimeter, x, y, a, b, angle, width, height]
-    })
 }
 
 /// Boundary names that the output uses: table, entry, boundary.
@@ -214,25 +195,34 @@ fn named_boundaries(scene: &Scene) -> impl Iterator<Item = (&'static str, &str, 
     forces.chain(fluxes)
 }
 
-fn point(x: &[f64]) -> Point<2> {
-    Point::<2>::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
-}
-
-fn line(p: &Profile) -> impl Iterator<Item = Point<2>> {
+fn line<const D: usize>(p: &Profile) -> impl Iterator<Item = Point<D>> {
     let (from, to, n) = (point(&p.from), point(&p.to), p.points);
     (0..n).map(move |i| from + (to - from) * (i as f64 / (n - 1) as f64))
 }
 
+/// What the columns of a force end with, after its name and `_`.
+fn force_columns(dimension: usize, with_moment: bool) -> Vec<String> {
+    let components = &["x", "y", "z"][..dimension];
+    let of = |way: &'static str| components.iter().map(move |c| format!("{way}{c}"));
+    let mut columns: Vec<String> = of("").chain(of("stress_")).collect();
+    match (with_moment, dimension) {
+        (false, _) => {}
+        (true, 2) => columns.extend(["moment", "stress_moment"].map(String::from)),
+        (true, _) => columns.extend(of("moment_").chain(of("stress_moment_"))),
+    }
+    columns
+}
+
 /// What the columns of a quantity end with, one a component.
-fn suffixes(of: Quantity) -> &'static [&'static str] {
+fn suffixes(of: Quantity, dimension: usize) -> &'static [&'static str] {
     match of {
-        Quantity::Velocity => &["_x", "_y"],
+        Quantity::Velocity => &["_x", "_y", "_z"][..dimension],
         _ => &[""],
     }
 }
 
 /// The components of a quantity at a point.
-fn values(sim: &Simulation<2>, at: &Location, of: Quantity) -> Vec<f64> {
+fn values<const D: usize>(sim: &Simulation<D>, at: &Location, of: Quantity) -> Vec<f64> {
     let (state, space, cell) = (sim.state(), sim.space(), at.cell as usize);
     let velocity = || space.value(&state.flow.u, cell, &at.barycentric);
     // A scene asks for a level set only when there is exactly one.

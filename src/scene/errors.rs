@@ -1,5 +1,6 @@
 //! Errors of a run against the exact solution of its scene: columns of the series.
 
+use super::dimension::coordinates;
 use super::schema::Exact;
 use crate::fem::{Basis, Cells, Rule, integrate, scalar_errors, vector_errors};
 use crate::mesh::Point;
@@ -19,18 +20,17 @@ pub(super) fn columns(exact: &Exact) -> impl Iterator<Item = String> {
 
 /// The norms over the whole mesh, now: of the velocity in L2, of its gradient in L2, of the pressure in L2, the latter up to a
 /// constant where no boundary is open.
-pub(super) fn row(exact: &Exact, sim: &Simulation<2>) -> Vec<f64> {
+pub(super) fn row<const D: usize>(exact: &Exact, sim: &Simulation<D>) -> Vec<f64> {
     let mut row = Vec::new();
     let (state, t) = (sim.state(), sim.time());
     if let Some(velocity) = &exact.velocity {
         let errors = vector_errors(sim.space(), &state.flow.u, |x| {
-            let mut value = SVector::<f64, 2>::zeros();
-            let mut gradient = SMatrix::<f64, 2, 2>::zeros();
-            for (i, e) in velocity.iter().take(2).enumerate() {
-                let (v, g) = e.eval_with_gradient([x[0], x[1], 0.0], t);
+            let mut value = SVector::<f64, D>::zeros();
+            let mut gradient = SMatrix::<f64, D, D>::zeros();
+            for (i, e) in velocity.iter().take(D).enumerate() {
+                let (v, g) = e.eval_with_gradient(coordinates(x), t);
                 value[i] = v;
-                gradient[(i, 0)] = g[0];
-                gradient[(i, 1)] = g[1];
+                (0..D).for_each(|k| gradient[(i, k)] = g[k]);
             }
             (value, gradient)
         });
@@ -38,10 +38,10 @@ pub(super) fn row(exact: &Exact, sim: &Simulation<2>) -> Vec<f64> {
     }
     if let Some((pressure, flow)) = exact.pressure.as_ref().zip(sim.flow()) {
         let space = flow.pressure().space();
-        let at = |x: &Point<2>| pressure.eval([x[0], x[1], 0.0], t);
+        let at = |x: &Point<D>| pressure.eval(coordinates(x), t);
         let mut shift = 0.0;
         if !flow.numbering().is_open() {
-            let basis = Basis::new(space, &Arc::new(Rule::simplex(2, DEGREE)));
+            let basis = Basis::new(space, &Arc::new(Rule::simplex(D, DEGREE)));
             let [sum, area] = integrate(&basis, Cells::All, |q| [basis.value(q, &state.flow.p) - at(&q.x), 1.0]);
             shift = sum / area;
         }

@@ -3,6 +3,7 @@
 mod adapt;
 mod checks;
 mod diagnostics;
+mod dimension;
 mod document;
 mod errors;
 pub mod expression;
@@ -18,13 +19,16 @@ mod refined;
 pub mod render;
 pub mod run;
 pub mod schema;
+mod survey;
 #[cfg(test)]
 mod tests;
 
 pub use diagnostics::Diagnostics;
+pub use dimension::{Dimension, In};
 pub use expression::{Expression, ExpressionError};
 pub use model::Model;
 pub use schema::Settings;
+pub use survey::{Survey, explain};
 
 use crate::base::{Error, Result, Snippet};
 use document::Document;
@@ -115,7 +119,7 @@ impl Scene {
         &self.path
     }
 
-    /// Dimensions of space: 3 when the mesh is a box, else 2.
+    /// Dimensions of space: 2 or 3, those of the mesh.
     pub fn dimension(&self) -> usize {
         self.mesh.dimension()
     }

@@ -1,22 +1,20 @@
 //! From a scene to a simulation: the mesh, the smallest model that answers the scene, and every value that the scene left open.
 
 use super::Scene;
-use super::adapt::{Lengths, adapted_start};
+use super::adapt::Lengths;
 use super::checks::{check_motion_is_fixed, unreached_profiles};
+use super::dimension::{Dimension, In, coordinates};
 use super::expression::Expression;
 use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, prescribed};
 use super::plan::is_stepped;
-use super::refined::refined;
-use super::schema::{self, Condition, MeshSource, Shape};
+use super::schema::{self, Condition, MeshSource};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::elastic::{AreaLaw, Band, Force, Membrane, SharpMembrane};
 use crate::fem::{self, Conditions, Element, Space};
-use crate::levelset::{
-    self, Circle, Ellipse, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union, band_edges, check_band,
-};
-use crate::mesh::{self, Mesh, Point, gmsh};
-use crate::sim::{self, InitialFunction, Materials, Simulation, Structure};
+use crate::levelset::{Shape, band_edges, check_band};
+use crate::mesh::{self, Mesh, Point};
+use crate::sim::{self, InitialFunction, Materials, Simulation, Structure, Transfer};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -37,12 +35,12 @@ const SAMPLES: usize = 64;
 const QUADRATURE: usize = 5;
 
 /// Level sets at time 0 as functions.
-type Functions = Vec<Arc<InitialFunction<2>>>;
+type Functions<const D: usize> = Vec<Arc<InitialFunction<D>>>;
 
 /// A scene brought to the point where it can run.
-pub struct Model {
+pub struct Model<const D: usize = 2> {
     /// The simulation at time 0.
-    pub simulation: Simulation<2>,
+    pub simulation: Simulation<D>,
     /// What the user should know before it runs.
     pub warnings: Vec<Warning>,
     /// Largest stable step of the explicit coupling (1.54) at the start, if there is one.
@@ -54,32 +52,32 @@ pub struct Model {
     /// The velocity scale that grad-div was derived from, if it was.
     pub velocity_scale: Option<f64>,
     /// What was found about the mesh.
-    pub quality: mesh::Quality<2>,
+    pub quality: mesh::Quality<D>,
     /// Nodes on the boundary, periodic sides left aside.
     pub(super) wall_nodes: Vec<u32>,
     /// What an adapted mesh keeps to.
     pub(super) lengths: Option<Lengths>,
 }
 
-impl Model {
+impl<const D: usize> Model<D>
+where
+    In<D>: Dimension<D>,
+{
     /// Builds the model of a scene.
     ///
     /// # Errors
-    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place.
-    pub fn new(scene: &Scene) -> Result<Model> {
-        if scene.dimension() != 2 {
-            let e = Error::scene("three dimensions are not run yet").value("mesh.box");
-            return Err(scene.blame(
-                &["mesh", "box"],
-                e.remedy("use a mesh of the plane: rectangle, disc or a gmsh file of triangles"),
-            ));
+    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place; a scene that has not `D` dimensions.
+    pub fn new(scene: &Scene) -> Result<Model<D>> {
+        if scene.dimension() != D {
+            let e = Error::scene(format!("a scene of {} dimensions has no model of {D}", scene.dimension()));
+            return Err(scene.blame(&["mesh"], e.remedy("build the model of the dimension of its mesh")));
         }
-        let (mesh, mut warnings) = load_mesh(scene)?;
+        let (mesh, mut warnings) = In::<D>::mesh(scene)?;
         // `walls` names every side: whether one lacks a condition is told by name and place when the unknowns are numbered.
         let given = with_walls(mesh);
         let lengths = scene.adapt.as_ref().map(|a| Lengths::new(scene, a, &given)).transpose()?;
         let mesh = Arc::new(match &lengths {
-            Some(lengths) => adapted_start(scene, given, lengths)?,
+            Some(lengths) => In::<D>::adapted_start(scene, given, lengths)?,
             None => given,
         });
         let (quality, found) = mesh::check(&mesh);
@@ -144,6 +142,24 @@ impl Model {
         Ok(model)
     }
 
+    /// Makes the mesh anew where it no longer fits interfaces or fields, and goes on upon it. Returns whether it did.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::on_mesh`].
+    pub fn follow(&mut self, scene: &Scene) -> Result<bool> {
+        In::<D>::follow(self, scene)
+    }
+
+    /// Goes on upon another mesh of the domain.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::on_mesh`].
+    pub(super) fn go_on(&mut self, mesh: Mesh<D>, transfer: Transfer) -> Result<()> {
+        In::<D>::go_on(self, mesh, transfer)
+    }
+}
+
+impl<const D: usize> Model<D> {
     /// Whether the band of structure number `k` has reached the boundary: the stress is cut off there.
     pub fn band_is_cut(&self, k: usize) -> bool {
         let (s, phi) = (&self.simulation.structures()[k], &self.simulation.state().phi[k]);
@@ -165,29 +181,32 @@ impl Model {
 }
 
 /// What the steps of [`Model::new`] share.
-pub(super) struct Draft<'a> {
+pub(super) struct Draft<'a, const D: usize> {
     pub scene: &'a Scene,
-    pub mesh: &'a Arc<Mesh<2>>,
-    pub space: &'a Space<2>,
+    pub mesh: &'a Arc<Mesh<D>>,
+    pub space: &'a Space<D>,
     /// Pairs of facets on periodic sides.
-    pub pairs: Vec<fem::Translation<2>>,
+    pub pairs: Vec<fem::Translation<D>>,
     pub warnings: Vec<Warning>,
 }
 
-impl Draft<'_> {
+impl<const D: usize> Draft<'_, D>
+where
+    In<D>: Dimension<D>,
+{
     fn size(&self) -> f64 {
         let (lo, hi) = self.mesh.bounding_box();
         0.5 * (hi - lo).min()
     }
 
     /// Signed distances of all membranes at the nodes, and the level sets at time 0 as functions.
-    fn distances(&self) -> Result<(Vec<Vec<f64>>, Functions)> {
+    fn distances(&self) -> Result<(Vec<Vec<f64>>, Functions<D>)> {
         let (mut all, mut functions) = (Vec::new(), Vec::new());
         for (k, m) in self.scene.membranes.iter().enumerate() {
             let Placed { nodal, function } = self.placed(&m.shape, &["membrane", &k.to_string(), "shape"])?;
             let stretch = m.stretch;
             all.push(nodal);
-            functions.push(Arc::new(move |x: &Point<2>| stretch * function(x)) as Arc<InitialFunction<2>>);
+            functions.push(Arc::new(move |x: &Point<D>| stretch * function(x)) as Arc<InitialFunction<D>>);
         }
         Ok((all, functions))
     }
@@ -202,12 +221,7 @@ impl Draft<'_> {
     }
 
     /// The distance to the nearest of the images that periodic sides make of a shape, so that the level set is periodic too.
-    pub(super) fn nearest_image(
-        &self,
-        mut distance: Vec<f64>,
-        shape: &dyn Distance<2>,
-        shifts: &[Point<2>],
-    ) -> Vec<f64> {
+    pub(super) fn nearest_image(&self, mut distance: Vec<f64>, shape: &dyn Shape<D>, shifts: &[Point<D>]) -> Vec<f64> {
         for shift in shifts.iter().skip(1) {
             for (d, x) in distance.iter_mut().zip(self.space.nodes()) {
                 *d = d.min(shape.distance(&(x + shift)));
@@ -264,7 +278,7 @@ impl Draft<'_> {
         Err(self.scene.blame(&["fluid", key], e))
     }
 
-    fn structures(&mut self, distances: Vec<Vec<f64>>, thickness: Option<f64>) -> Result<Vec<Structure<2>>> {
+    fn structures(&mut self, distances: Vec<Vec<f64>>, thickness: Option<f64>) -> Result<Vec<Structure<D>>> {
         let mut structures = Vec::new();
         let walls = wall_nodes(self.space, &self.pairs);
         self.warn_of_overlaps(&distances, thickness.unwrap_or(0.0));
@@ -307,10 +321,10 @@ impl Draft<'_> {
     }
 
     /// The membrane on the interface itself, if the scene asks for it.
-    fn sharp(&self, membrane: &schema::Membrane) -> Option<SharpMembrane<2>> {
+    fn sharp(&self, membrane: &schema::Membrane) -> Option<SharpMembrane<D>> {
         let viscosity = self.scene.fluid.viscosity;
         let mean = 0.5 * (viscosity.inside + viscosity.outside);
-        (membrane.force == Force::Sharp).then(|| SharpMembrane::new(membrane.area, mean, levelset::surface))
+        (membrane.force == Force::Sharp).then(|| SharpMembrane::new(membrane.area, mean, In::<D>::surface))
     }
 
     /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.
@@ -337,7 +351,7 @@ impl Draft<'_> {
             for m in &self.scene.membranes {
                 speed = speed.max((m.area.modulus() / (density * length)).sqrt());
             }
-            let gravity = SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()).norm();
+            let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
             speed = speed.max((gravity * length).sqrt());
             let force = vector(&fluid.force);
             let force = self.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max);
@@ -359,11 +373,11 @@ impl Draft<'_> {
         (weight * density * speed * self.size()).max(viscosity)
     }
 
-    pub(super) fn settings(&self, conditions: Conditions<2>, grad_div: f64) -> sim::Settings<2> {
+    pub(super) fn settings(&self, conditions: Conditions<D>, grad_div: f64) -> sim::Settings<D> {
         let (fluid, numerics) = (&self.scene.fluid, &self.scene.numerics);
         let body_force = fluid.has_force().then(|| {
             let f = vector(&fluid.force);
-            Arc::new(move |x: &Point<2>, t: f64| f(x, t)) as Arc<crate::flow::BodyForce<2>>
+            Arc::new(move |x: &Point<D>, t: f64| f(x, t)) as Arc<crate::flow::BodyForce<D>>
         });
         sim::Settings {
             dt: self.scene.time.step,
@@ -376,23 +390,23 @@ impl Draft<'_> {
             quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
             materials: Materials { density: fluid.density, viscosity: fluid.viscosity },
             conditions,
-            gravity: SVector::<f64, 2>::from_iterator(fluid.gravity.iter().copied()),
+            gravity: SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()),
             body_force,
         }
     }
 }
 
 /// Shortest and longest edge in the bands of structures with these level sets.
-pub(super) fn edges_in_bands<'a>(
-    space: &Space<2>,
-    bands: impl Iterator<Item = (&'a Structure<2>, &'a [f64])>,
+pub(super) fn edges_in_bands<'a, const D: usize>(
+    space: &Space<D>,
+    bands: impl Iterator<Item = (&'a Structure<D>, &'a [f64])>,
 ) -> Option<[f64; 2]> {
     let edges = bands.filter_map(|(s, phi)| band_edges(space, phi, s.membrane.thickness()));
     edges.map(|e| [e.smallest, e.largest]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
 /// Nodes on the boundary, periodic sides left aside.
-pub(super) fn wall_nodes(space: &Space<2>, pairs: &[fem::Translation<2>]) -> Vec<u32> {
+pub(super) fn wall_nodes<const D: usize>(space: &Space<D>, pairs: &[fem::Translation<D>]) -> Vec<u32> {
     let facets = space.mesh().facets();
     let mut wall = vec![true; facets.len()];
     pairs.iter().for_each(|p| wall[p.facet as usize] = false);
@@ -400,23 +414,8 @@ pub(super) fn wall_nodes(space: &Space<2>, pairs: &[fem::Translation<2>]) -> Vec
     facets.flat_map(|(f, _)| space.facet_nodes(f).collect::<Vec<_>>()).collect()
 }
 
-fn load_mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
-    let mesh = match &scene.mesh {
-        MeshSource::File { path, refine, geometry } => {
-            let (mesh, warnings) = gmsh::read::<2>(path)?;
-            return Ok((refined(scene, mesh, *refine, geometry)?, warnings));
-        }
-        MeshSource::Rectangle { min, max, cells, diagonals } => mesh::rectangle(*min, *max, *cells, *diagonals),
-        MeshSource::Disc { centre, radius, cells } => mesh::disc(*centre, *radius, *cells),
-        MeshSource::Box { .. } | MeshSource::BallInBox { .. } => {
-            Err(Error::internal("a box reached the mesh of the plane"))
-        }
-    };
-    Ok((mesh.map_err(|e| scene.blame(&["mesh"], e))?, Vec::new()))
-}
-
 /// Adds the name `walls` for the whole boundary to a mesh that does not have it.
-fn with_walls(mut mesh: Mesh<2>) -> Mesh<2> {
+fn with_walls<const D: usize>(mut mesh: Mesh<D>) -> Mesh<D> {
     if !mesh.boundaries().contains_key(schema::WALLS) {
         let all = (0..mesh.facets().len() as u32).collect();
         mesh.set_boundary(schema::WALLS, all);
@@ -424,7 +423,7 @@ fn with_walls(mut mesh: Mesh<2>) -> Mesh<2> {
     mesh
 }
 
-pub(super) fn conditions(scene: &Scene, mesh: &Mesh<2>) -> Result<Conditions<2>> {
+pub(super) fn conditions<const D: usize>(scene: &Scene, mesh: &Mesh<D>) -> Result<Conditions<D>> {
     let mut list = Conditions::new();
     for b in &scene.boundaries {
         let place = |e| scene.blame(&["boundary", &b.name], e);
@@ -454,28 +453,10 @@ pub(super) fn band_of(scene: &Scene, membrane: &schema::Membrane) -> Band {
     scene.numerics.band.unwrap_or(if tension { Band::Carried } else { Band::Renormalised })
 }
 
-/// Two expressions as a vector function.
-pub(super) fn vector(v: &[Expression]) -> impl Fn(&Point<2>, f64) -> SVector<f64, 2> + Send + Sync + 'static {
+/// Expressions as a vector function, one a component.
+pub(super) fn vector<const D: usize>(
+    v: &[Expression],
+) -> impl Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync + 'static {
     let v = v.to_vec();
-    move |x, t| SVector::<f64, 2>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval([x[0], x[1], 0.0], t)))
-}
-
-pub(super) fn shape(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
-    let point = |p: &[f64; 2]| Point::<2>::new(p[0], p[1]);
-    Ok(match shape {
-        Shape::Circle { centre, radius } => Box::new(Circle::new(point(centre), *radius)?),
-        Shape::Ellipse { centre, semi_axes, angle } => Box::new(Ellipse::new(point(centre), point(semi_axes), *angle)?),
-        Shape::RoundedBox { centre, half_size, radius, angle } => {
-            Box::new(RoundedBox::new(point(centre), point(half_size), *radius, *angle)?)
-        }
-        Shape::Polygon(points) => Box::new(Polygon::new(points.iter().map(point).collect())?),
-        Shape::Union(parts) => {
-            let parts = parts.iter().map(|p| self::shape(p, domain)).collect::<Result<_>>()?;
-            Box::new(Union::new(parts)?)
-        }
-        Shape::Expression(e) => {
-            let e = e.clone();
-            Box::new(LevelFunction::new(move |x: &Point<2>| e.eval([x[0], x[1], 0.0], 0.0), domain)?)
-        }
-    })
+    move |x, t| SVector::<f64, D>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval(coordinates(x), t)))
 }

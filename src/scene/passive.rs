@@ -2,11 +2,12 @@
 
 use super::Scene;
 use super::adapt::Lengths;
+use super::dimension::{Dimension, In};
 use super::model::{Draft, Model, vector, wall_nodes};
 use super::schema::Condition;
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Conditions, Translation};
-use crate::levelset::{Contour, check_inside, signed_distance};
+use crate::levelset::{check_inside, signed_distance};
 use crate::mesh::{self, Mesh, Point};
 use crate::sim::{InitialFunction, LevelSet, Simulation};
 use crate::transport::Method;
@@ -18,34 +19,36 @@ const SAMPLES: usize = 16;
 const ROUNDING: f64 = 1e-9;
 
 /// The signed distance of a shape at time 0.
-pub(super) struct Placed {
+pub(super) struct Placed<const D: usize> {
     /// At the nodes.
     pub nodal: Vec<f64>,
     /// Everywhere.
-    pub function: Arc<InitialFunction<2>>,
+    pub function: Arc<InitialFunction<D>>,
 }
 
-impl Draft<'_> {
+impl<const D: usize> Draft<'_, D>
+where
+    In<D>: Dimension<D>,
+{
     /// The signed distance of the shape written at `keys`.
-    pub(super) fn placed(&self, shape: &super::schema::Shape, keys: &[&str]) -> Result<Placed> {
+    pub(super) fn placed(&self, shape: &super::schema::Shape, keys: &[&str]) -> Result<Placed<D>> {
         let domain = self.mesh.bounding_box();
         let place = |e| self.scene.blame(keys, e);
-        let shape = super::model::shape(shape, domain).map_err(place)?;
+        let shape = In::<D>::shape(shape, domain).map_err(place)?;
         check_inside(shape.bounds(), domain, 0.0).map_err(place)?;
         let shifts = images(&self.pairs);
         let nodal = self.nearest_image(signed_distance(self.space, shape.as_ref()), shape.as_ref(), &shifts);
-        let nearest = move |x: &Point<2>| shifts.iter().map(|s| shape.distance(&(x + s))).fold(f64::INFINITY, f64::min);
+        let nearest = move |x: &Point<D>| shifts.iter().map(|s| shape.distance(&(x + s))).fold(f64::INFINITY, f64::min);
         Ok(Placed { nodal, function: Arc::new(nearest) })
     }
 
     /// All passive level sets at time 0.
-    pub(super) fn level_sets(&self) -> Result<Vec<LevelSet<2>>> {
+    pub(super) fn level_sets(&self) -> Result<Vec<LevelSet<D>>> {
         let mut all = Vec::new();
         for (k, s) in self.scene.level_sets.iter().enumerate() {
             let k = k.to_string();
             let Placed { nodal, function } = self.placed(&s.shape, &["level_set", &k, "shape"])?;
-            let contour = Contour::new(self.space, &nodal)?;
-            if contour.is_empty() {
+            if In::<D>::surface(self.space, &nodal)?.is_empty() {
                 let e = Error::scene("no part of the interface lies on the mesh")
                     .remedy("move the shape, or refine the mesh");
                 return Err(self.scene.blame(&["level_set", &k, "shape"], e));
@@ -53,7 +56,7 @@ impl Draft<'_> {
             let markers = match s.markers {
                 0 => Vec::new(),
                 count => self
-                    .markers(&contour, &*function, count)
+                    .markers(&nodal, &*function, count)
                     .map_err(|e| self.scene.blame(&["level_set", &k, "markers"], e))?,
             };
             all.push(LevelSet { name: s.name.clone(), phi: nodal, function: Some(function), markers });
@@ -61,48 +64,22 @@ impl Draft<'_> {
         Ok(all)
     }
 
-    /// Points on an interface at equal distances along it: on the contour of the mesh first, then moved onto the shape.
-    fn markers(&self, contour: &Contour, distance: &InitialFunction<2>, count: usize) -> Result<Vec<Point<2>>> {
+    /// Points on an interface, which no periodic side may interrupt.
+    fn markers(&self, phi: &[f64], distance: &InitialFunction<D>, count: usize) -> Result<Vec<Point<D>>> {
         if !self.pairs.is_empty() {
             return Err(Error::scene("markers do not pass through periodic sides")
                 .value(count)
                 .remedy("leave them out, or give walls to the mesh"));
         }
-        let [line] = contour.lines() else {
-            return Err(Error::scene("markers need an interface of one closed curve")
-                .value(format!("{} curves", contour.lines().len()))
-                .remedy("give each curve a [[level_set]] of its own"));
-        };
-        let polyline = contour.polyline(line);
-        let mut lengths = vec![0.0];
-        for pair in polyline.windows(2) {
-            lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
-        }
-        let whole = lengths[lengths.len() - 1];
-        let delta = 1e-6 * whole;
-        let onto = |x: Point<2>| {
-            let along = |axis: usize| {
-                let mut step = Point::<2>::zeros();
-                step[axis] = delta;
-                (distance(&(x + step)) - distance(&(x - step))) / (2.0 * delta)
-            };
-            x - Point::<2>::new(along(0), along(1)) * distance(&x)
-        };
-        let point = |k: usize| {
-            let s = whole * k as f64 / count as f64;
-            let i = lengths.partition_point(|l| *l <= s).clamp(1, polyline.len() - 1);
-            let t = (s - lengths[i - 1]) / (lengths[i] - lengths[i - 1]).max(f64::MIN_POSITIVE);
-            onto(onto(polyline[i - 1] + (polyline[i] - polyline[i - 1]) * t))
-        };
-        Ok((0..count).map(point).collect())
+        In::<D>::markers(self.space, phi, distance, count)
     }
 }
 
 /// The shifts to all images that periodic sides make, the zero shift first.
-fn images(pairs: &[Translation<2>]) -> Vec<Point<2>> {
-    let mut shifts = vec![Point::<2>::zeros()];
+fn images<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
+    let mut shifts = vec![Point::<D>::zeros()];
     for pair in pairs {
-        let near = |s: &Point<2>| (s - pair.shift).norm() < 1e-6 * pair.shift.norm();
+        let near = |s: &Point<D>| (s - pair.shift).norm() < 1e-6 * pair.shift.norm();
         if !shifts.iter().any(near) {
             shifts = shifts.iter().flat_map(|s| [*s, s + pair.shift, s - pair.shift]).collect();
         }
@@ -114,13 +91,16 @@ fn images(pairs: &[Translation<2>]) -> Vec<Point<2>> {
 ///
 /// # Errors
 /// A velocity that has no finite value somewhere; as for the level sets.
-pub(super) fn prescribed(
+pub(super) fn prescribed<const D: usize>(
     scene: &Scene,
-    draft: Draft<'_>,
-    conditions: Conditions<2>,
-    quality: mesh::Quality<2>,
+    draft: Draft<'_, D>,
+    conditions: Conditions<D>,
+    quality: mesh::Quality<D>,
     lengths: Option<Lengths>,
-) -> Result<Model> {
+) -> Result<Model<D>>
+where
+    In<D>: Dimension<D>,
+{
     let Some(velocity) = &scene.fluid.prescribed_velocity else {
         return Err(Error::internal("no velocity is prescribed"));
     };
@@ -145,7 +125,11 @@ pub(super) fn prescribed(
 
 /// Refuses composed transport where fluid may come in: a particle that was outside at time 0 has no value there. Warns of
 /// projected transport there, which amplifies what the characteristics bring in from the boundary.
-pub(super) fn check_inflow(scene: &Scene, mesh: &Mesh<2>, pairs: &[Translation<2>]) -> Result<Option<Warning>> {
+pub(super) fn check_inflow<const D: usize>(
+    scene: &Scene,
+    mesh: &Mesh<D>,
+    pairs: &[Translation<D>],
+) -> Result<Option<Warning>> {
     let carried = scene.interfaces().next().is_some();
     if !carried || scene.numerics.transport == Method::Nodal {
         return Ok(None);
@@ -163,7 +147,7 @@ pub(super) fn check_inflow(scene: &Scene, mesh: &Mesh<2>, pairs: &[Translation<2
 }
 
 /// A part of the boundary through which fluid may come in.
-fn inflow(scene: &Scene, mesh: &Mesh<2>, pairs: &[Translation<2>]) -> Option<String> {
+fn inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Option<String> {
     let enters = |facets: &[u32], v: &[super::Expression]| {
         let v = vector(v);
         let times = |k: usize| scene.time.end * k as f64 / (SAMPLES - 1) as f64;
@@ -172,8 +156,8 @@ fn inflow(scene: &Scene, mesh: &Mesh<2>, pairs: &[Translation<2>]) -> Option<Str
         for &f in facets {
             let facet = &mesh.facets()[f as usize];
             let (n, _) = mesh.facet_normal(facet);
-            let ends: Vec<Point<2>> = mesh.facet_points(facet).map(|p| mesh.points()[p as usize]).collect();
-            let middle = ends.iter().fold(Point::<2>::zeros(), |s, x| s + x) / ends.len() as f64;
+            let ends: Vec<Point<D>> = mesh.facet_points(facet).map(|p| mesh.points()[p as usize]).collect();
+            let middle = ends.iter().fold(Point::<D>::zeros(), |s, x| s + x) / ends.len() as f64;
             for x in ends.iter().chain([&middle]) {
                 for u in (0..SAMPLES).map(|k| v(x, times(k))) {
                     fastest = fastest.max(u.norm());

@@ -2,15 +2,20 @@
 
 use super::Scene;
 use super::adapt::Lengths;
+use super::dimension::{Dimension, In};
 use super::model::{Model, band_of};
 use super::schema::{Adapt, Condition, MeshSource};
 use crate::base::Result;
 use crate::elastic::{AreaLaw, Band, Force};
+use crate::mesh::Point;
 use crate::sim::{Contrast, Coupling};
 use crate::transport::Method;
 use std::fmt::Write;
 
-impl Model {
+impl<const D: usize> Model<D>
+where
+    In<D>: Dimension<D>,
+{
     /// The plan of this model as plain text, ready to print. Analyses the matrix, but does not factor it.
     pub fn plan(&mut self, scene: &Scene) -> Result<String> {
         self.simulation.analyse()?;
@@ -33,31 +38,42 @@ impl Model {
     }
 }
 
-fn mesh(model: &Model, scene: &Scene) -> Vec<String> {
+fn mesh<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String>
+where
+    In<D>: Dimension<D>,
+{
     let mesh = model.simulation.space().mesh();
     let (lo, hi) = mesh.bounding_box();
     let source = match &scene.mesh {
         MeshSource::File { path, refine: 0, .. } => format!("{}", path.display()),
         MeshSource::File { path, refine, .. } => {
-            format!("{}, every triangle cut into {}", path.display(), 4usize.saturating_pow(*refine as u32))
+            let (cell, parts) = if D == 2 { ("triangle", 4usize) } else { ("tetrahedron", 8) };
+            format!("{}, every {cell} cut into {}", path.display(), parts.saturating_pow(*refine as u32))
         }
         MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
         MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
-        MeshSource::Box { .. } => "box".into(),
-        MeshSource::BallInBox { .. } => "box, fine about a sphere".into(),
+        MeshSource::Box { cells: [x, y, z], .. } => format!("box of {x} x {y} x {z} boxes"),
+        MeshSource::BallInBox { cells: [x, y, z], edge, .. } => {
+            format!("box of {x} x {y} x {z} boxes, cut to edges of {edge} about a sphere")
+        }
     };
     let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
     let q = &model.quality;
     let adapted = scene.adapt.as_ref().zip(model.lengths.as_ref());
     let made = if adapted.is_some() { ", adapted" } else { "" };
     let mut lines = vec![
-        format!("{source}{made}: {} triangles, {} points", mesh.cell_count(), mesh.points().len()),
-        format!("from ({}, {}) to ({}, {})", lo[0], lo[1], hi[0], hi[1]),
+        format!("{source}{made}: {} {}, {} points", mesh.cell_count(), In::<D>::CELLS, mesh.points().len()),
+        format!("from ({}) to ({})", listed(&lo), listed(&hi)),
         format!("edges up to {:.4}, smallest angle {:.1} degrees", q.greatest_diameter.value, q.smallest_angle.value),
         format!("boundary names: {}", names.join(", ")),
     ];
     lines.extend(adapted.map(|(adapt, lengths)| follows(adapt, lengths)));
     lines
+}
+
+/// The coordinates of a point, with commas.
+fn listed<const D: usize>(x: &Point<D>) -> String {
+    x.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// How the mesh follows, in words.
@@ -79,7 +95,7 @@ fn follows(adapt: &Adapt, lengths: &Lengths) -> String {
     text
 }
 
-fn solved(model: &Model, scene: &Scene) -> Vec<String> {
+fn solved<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let sim = &model.simulation;
     if let Some(velocity) = &scene.fluid.prescribed_velocity {
         return passive(scene, velocity);
@@ -125,7 +141,7 @@ fn solved(model: &Model, scene: &Scene) -> Vec<String> {
     lines
 }
 
-fn unknowns(model: &Model) -> Vec<String> {
+fn unknowns<const D: usize>(model: &Model<D>) -> Vec<String> {
     let sim = &model.simulation;
     let mut lines = Vec::new();
     let level_sets = sim.structures().len() + sim.passive().len();
@@ -183,7 +199,7 @@ fn level_sets(scene: &Scene) -> impl Iterator<Item = String> + '_ {
 }
 
 /// What the chain of submaps takes: it grows, by one vector field a restart.
-fn map_memory(model: &Model) -> Option<String> {
+fn map_memory<const D: usize>(model: &Model<D>) -> Option<String> {
     let sim = &model.simulation;
     let submap = sim.state().map.as_ref()?.bytes();
     Some(format!(
@@ -192,7 +208,7 @@ fn map_memory(model: &Model) -> Option<String> {
     ))
 }
 
-fn transport(model: &Model, scene: &Scene) -> String {
+fn transport<const D: usize>(model: &Model<D>, scene: &Scene) -> String {
     let sim = &model.simulation;
     match sim.settings().transport {
         Method::Nodal => "level set carried to the nodes (nodal)".into(),
@@ -205,7 +221,7 @@ fn transport(model: &Model, scene: &Scene) -> String {
     }
 }
 
-fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
+fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
     if model.simulation.is_prescribed() {
         return vec![
@@ -269,13 +285,13 @@ fn numerics(model: &Model, scene: &Scene) -> Vec<String> {
     lines
 }
 
-fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
+fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let sim = &model.simulation;
     let mut lines = Vec::new();
     if sim.is_prescribed() {
         lines.push("flow, pressure, boundary conditions and every matrix of them: the velocity is prescribed");
         lines.push("redistancing: the slope of the level set is the stretch of the interface");
-        lines.push("the third dimension: the mesh is plane");
+        lines.extend(third_dimension(D));
         return lines.into_iter().map(String::from).collect();
     }
     if sim.is_stokes() {
@@ -295,11 +311,15 @@ fn left_out(model: &Model, scene: &Scene) -> Vec<String> {
     if materials.density.is_uniform() && materials.viscosity.is_uniform() {
         lines.push("variable density and viscosity: both sides are the same");
     }
-    lines.push("the third dimension: the mesh is plane");
+    lines.extend(third_dimension(D));
     lines.into_iter().map(String::from).collect()
 }
 
-fn steps(model: &Model, scene: &Scene) -> Vec<String> {
+fn third_dimension(dimension: usize) -> Option<&'static str> {
+    (dimension == 2).then_some("the third dimension: the mesh is plane")
+}
+
+fn steps<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let time = &scene.time;
     let mut lines = vec![match time.tolerance {
         Some(tolerance) => {

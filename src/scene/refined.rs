@@ -1,7 +1,7 @@
 //! A mesh file refined as the scene asks for, its boundary moved onto the curves that the scene names.
 
 use super::Scene;
-use super::model::shape;
+use super::dimension::{Dimension, In};
 use crate::base::{Error, Result};
 use crate::levelset::Shape;
 use crate::mesh::{Mesh, Point, refine};
@@ -14,31 +14,35 @@ const OFF: f64 = 0.05;
 /// The mesh refined `times`, new points of the boundaries `geometry` moved onto their shapes.
 ///
 /// # Errors
-/// A boundary that the mesh does not have, one that does not lie on its shape, a triangle that is turned over.
-pub(super) fn refined(
+/// A boundary that the mesh does not have, one that does not lie on its shape, a cell that is turned over.
+pub(super) fn refined<const D: usize>(
     scene: &Scene,
-    mesh: Mesh<2>,
+    mesh: Mesh<D>,
     times: usize,
     geometry: &[(String, super::schema::Shape)],
-) -> Result<Mesh<2>> {
-    let mut curves: Vec<(&str, Box<dyn Shape<2>>)> = Vec::new();
+) -> Result<Mesh<D>>
+where
+    In<D>: Dimension<D>,
+{
+    let mut curves: Vec<(&str, Box<dyn Shape<D>>)> = Vec::new();
     let (low, high) = mesh.bounding_box();
     let room = (high - low) * 0.05;
     for (name, curve) in geometry {
         let place = |e| scene.blame(&["mesh", "geometry", name], e);
-        let curve = shape(curve, (low - room, high + room)).map_err(place)?;
+        let curve = In::<D>::shape(curve, (low - room, high + room)).map_err(place)?;
         check_lies_on(&mesh, name, curve.as_ref()).map_err(place)?;
         curves.push((name, curve));
     }
     let onto =
-        |name: &str, x: &Point<2>| curves.iter().find(|c| c.0 == name).map(|(_, curve)| nearest(curve.as_ref(), *x));
+        |name: &str, x: &Point<D>| curves.iter().find(|c| c.0 == name).map(|(_, curve)| nearest(curve.as_ref(), *x));
     (0..times).try_fold(mesh, |mesh, _| refine(&mesh, onto)).map_err(|e| scene.blame(&["mesh", "refine"], e))
 }
 
-fn check_lies_on(mesh: &Mesh<2>, name: &str, curve: &dyn Shape<2>) -> Result<()> {
+fn check_lies_on<const D: usize>(mesh: &Mesh<D>, name: &str, curve: &dyn Shape<D>) -> Result<()> {
     for &f in mesh.boundary(name)? {
         let facet = &mesh.facets()[f as usize];
-        let (_, length) = mesh.facet_normal(facet);
+        let (_, size) = mesh.facet_normal(facet);
+        let length = size.powf(1.0 / (D as f64 - 1.0));
         for v in mesh.facet_points(facet) {
             let x = &mesh.points()[v as usize];
             let off = curve.distance(x).abs();
@@ -55,11 +59,12 @@ fn check_lies_on(mesh: &Mesh<2>, name: &str, curve: &dyn Shape<2>) -> Result<()>
 }
 
 /// The point of the boundary of a shape that is nearest to `x`, which lies close to it: along the gradient of the distance.
-fn nearest(curve: &dyn Shape<2>, mut x: Point<2>) -> Point<2> {
+fn nearest<const D: usize>(curve: &dyn Shape<D>, mut x: Point<D>) -> Point<D> {
     let h = 1e-5 * curve.bounds().1.metric_distance(&curve.bounds().0);
     for _ in 0..STEPS {
-        let along = |d: Point<2>| (curve.distance(&(x + d)) - curve.distance(&(x - d))) / (2.0 * h);
-        let gradient = Point::<2>::new(along(Point::<2>::new(h, 0.0)), along(Point::<2>::new(0.0, h)));
+        let along = |d: Point<D>| (curve.distance(&(x + d)) - curve.distance(&(x - d))) / (2.0 * h);
+        let axis = |i: usize| Point::<D>::from_fn(|k, _| if k == i { h } else { 0.0 });
+        let gradient = Point::<D>::from_fn(|i, _| along(axis(i)));
         let length = gradient.norm_squared();
         if length > 0.25 {
             x -= gradient * (curve.distance(&x) / length);

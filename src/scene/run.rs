@@ -9,6 +9,7 @@ pub use solves::Solves;
 
 use super::Scene;
 use super::diagnostics::Diagnostics;
+use super::dimension::{Dimension, In};
 use super::model::Model;
 use crate::base::{Error, Kind, Result, Warning};
 use crate::output::Series;
@@ -63,10 +64,20 @@ pub struct Outcome {
 /// Whatever is wrong with scene, mesh or folder; a computation that failed, its last good state and a summary being kept in the folder;
 /// [`Kind::Interrupted`] when `stop` was set, the state being kept for `resume`.
 pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome> {
+    match scene.dimension() {
+        2 => run_in::<2>(scene, options, observer),
+        _ => run_in::<3>(scene, options, observer),
+    }
+}
+
+fn run_in<const D: usize>(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome>
+where
+    In<D>: Dimension<D>,
+{
     let start = Clock::now();
     observer.phase("building the model");
     let folder = Folder::open(scene, options)?;
-    let mut model = Model::new(scene)?;
+    let mut model = Model::<D>::new(scene)?;
     let plan = model.plan(scene)?;
     observer.plan(&plan);
     for w in &model.warnings {
@@ -92,26 +103,29 @@ impl Clock {
 }
 
 /// A run in progress.
-struct Run<'a> {
+struct Run<'a, const D: usize> {
     scene: &'a Scene,
     folder: &'a Folder,
-    model: Model,
-    diagnostics: Diagnostics<'a>,
+    model: Model<D>,
+    diagnostics: Diagnostics<'a, D>,
     series: Series,
     record: Record,
     plan: String,
     saved: Instant,
 }
 
-impl<'a> Run<'a> {
+impl<'a, const D: usize> Run<'a, D>
+where
+    In<D>: Dimension<D>,
+{
     fn start(
         scene: &'a Scene,
         folder: &'a Folder,
         resume: bool,
-        mut model: Model,
-        diagnostics: Diagnostics<'a>,
+        mut model: Model<D>,
+        diagnostics: Diagnostics<'a, D>,
         plan: String,
-    ) -> Result<Run<'a>> {
+    ) -> Result<Run<'a, D>> {
         let columns = diagnostics.columns();
         let names: Vec<&str> = columns.iter().map(String::as_str).collect();
         let kept = if resume { folder.checkpoint(scene)? } else { None };
@@ -302,8 +316,9 @@ impl<'a> Run<'a> {
                     true => "numerics.transport = \"composed\" or a finer mesh",
                     false => "a larger numerics.grad_div or a finer mesh",
                 };
+                let [enclosed, _] = self.scene.extents();
                 alarms.push(format!(
-                    "Enclosed area: that of `{name}` changed by {:+.2} %. Take {remedy}.",
+                    "Enclosed {enclosed}: that of `{name}` changed by {:+.2} %. Take {remedy}.",
                     100.0 * change
                 ));
             }

@@ -97,6 +97,12 @@ impl<'a> Case<'a> {
             .value(value)
             .remedy(format!("compare with {remedy}")));
         }
+        if scene.dimension() != 2 {
+            return Err(Error::scene("a twin is compared in the plane only")
+                .at(twin.path().display().to_string())
+                .value(format!("{} dimensions", scene.dimension()))
+                .remedy("take a scene whose mesh is plane: rectangle, disc or a gmsh file of triangles"));
+        }
         let model = Model::new(scene)?;
         let mesh = model.simulation.space().mesh();
         Ok(Case {

@@ -199,12 +199,12 @@ mod tests {
         assert_eq!(names, ["expert", "listing"]);
         assert!(twin.settings().iter().any(|s| s == "numerics.coupling=explicit"), "from the included file");
         let scene = Scene::load(&listing(), twin.settings()).unwrap();
-        let arguments = twin.arguments(&scene, &Model::new(&scene).unwrap()).unwrap();
+        let arguments = twin.arguments(&scene, &Model::<2>::new(&scene).unwrap()).unwrap();
         let value = |switch: &str| arguments.iter().find(|a| a.0 == switch).unwrap().1.as_str();
         assert_eq!((value("-dt"), value("-lambda"), value("-b"), value("-gd")), ("0.005", "1.0", "0.5", "1.0"));
         // What the scene leaves open is what the plan decides.
         let scene = scene.with(&["numerics.thickness=auto".into(), "numerics.grad_div=auto".into()]).unwrap();
-        let arguments = twin.arguments(&scene, &Model::new(&scene).unwrap()).unwrap();
+        let arguments = twin.arguments(&scene, &Model::<2>::new(&scene).unwrap()).unwrap();
         let value = |switch: &str| arguments.iter().find(|a| a.0 == switch).unwrap().1.parse::<f64>().unwrap();
         assert!(value("-eps") > 0.1 && value("-gd") > 1.0);
     }
@@ -220,7 +220,7 @@ mod tests {
         let twin = Twin::read(&path).unwrap();
         assert_eq!(twin.loops(), [Loop::default()]);
         let scene = Scene::load(&listing(), &[]).unwrap();
-        let error = twin.arguments(&scene, &Model::new(&scene).unwrap()).unwrap_err();
+        let error = twin.arguments(&scene, &Model::<2>::new(&scene).unwrap()).unwrap_err();
         assert!(error.what().contains("-k") && error.wrong_value() == "membrane.1.stretch", "{error}");
     }
 }

@@ -71,6 +71,7 @@ impl Case {
             phi: signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect(),
             membrane: Membrane::new(law, self.thickness).with_band(band, self.stretch),
             sharp: self.sharp.then(|| SharpMembrane::new(law, self.viscosity, levelset::surface)),
+            shear: None,
             stretch: self.stretch,
             surface_mass: 0.0,
         };

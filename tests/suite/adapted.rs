@@ -94,7 +94,7 @@ fn what_cannot_be_adapted_is_refused_with_its_place() {
     let refused = |set: &[&str]| {
         let set: Vec<String> = set.iter().map(ToString::to_string).collect();
         let scene = Scene::parse_with(MEMBRANE, Path::new("scene.toml"), &set);
-        match scene.and_then(|scene| Model::new(&scene).map(drop)) {
+        match scene.and_then(|scene| Model::<2>::new(&scene).map(drop)) {
             Ok(()) => panic!("{set:?} was not refused"),
             Err(e) => {
                 assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");

@@ -134,7 +134,7 @@ fn the_page_about_the_series_has_every_column() {
         fluxes.FLUX = { boundary = "left" }
     "#;
     let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = Model::<2>::new(&scene).unwrap();
     for column in Diagnostics::new(&scene, &model).unwrap().columns() {
         // A level set has the columns of a membrane.
         let like = column.replace("LEVEL_SET", "MEMBRANE");
@@ -208,7 +208,7 @@ fn every_scene_of_the_book_can_be_run_and_every_fragment_is_one() {
                 Some(file) => {
                     let scene = Scene::load(&page.path.parent().unwrap().join(file), &[])
                         .unwrap_or_else(|e| panic!("{place}\n{e}"));
-                    let model = Model::new(&scene).unwrap_or_else(|e| panic!("{place}\n{e}"));
+                    let model = Model::<2>::new(&scene).unwrap_or_else(|e| panic!("{place}\n{e}"));
                     assert!(model.warnings.is_empty(), "{place}\n{:?}", model.warnings);
                 }
                 None => known(&block.parse().unwrap_or_else(|e| panic!("{place}\n{e}")), &KEYS, &place),

@@ -23,7 +23,7 @@ impl Case {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/scene.toml");
         let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
         let scene = Scene::parse_with(text, &path, &changes).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        let mut model = Model::new(&scene).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let mut model = Model::<2>::new(&scene).unwrap_or_else(|e| panic!("{e}\n{text}"));
         model.simulation.keep_reactions(true);
         Case { scene, model }
     }

@@ -181,7 +181,7 @@ pressure = "cos(3*x + y)"
 #[test]
 fn a_mesh_file_is_refined_onto_its_circle() {
     let area = |refine: &str| {
-        let model = Model::new(&scene(DISC, &[refine])).unwrap_or_else(|e| panic!("{e}"));
+        let model = Model::<2>::new(&scene(DISC, &[refine])).unwrap_or_else(|e| panic!("{e}"));
         let mesh = model.simulation.space().mesh();
         assert_eq!(mesh.boundary("wall").unwrap().len(), mesh.facets().len());
         assert!(
@@ -201,7 +201,7 @@ fn a_mesh_file_is_refined_onto_its_circle() {
         ("mesh.geometry.wall.circle.radius=1.1", "does not lie on the curve"),
         ("mesh.geometry.rim={ circle = { centre = [0, 0], radius = 1 } }", "no boundary of this name"),
     ] {
-        let error = Model::new(&scene(DISC, &[set])).err().unwrap();
+        let error = Model::<2>::new(&scene(DISC, &[set])).err().unwrap();
         assert!(error.to_string().contains(words) && error.place().contains("mesh.geometry"), "{error}");
     }
     let folder = tempfile::tempdir().unwrap();

@@ -135,10 +135,6 @@ fn what_does_not_fit_the_mesh_is_refused_with_its_place() {
         ended.expect(code, words);
         ended.expect(code, &["error: ", "remedy: "]);
     }
-    let solid = "[mesh]\nbox = { min = [0, 0, 0], max = [1, 1, 1], cells = [2, 2, 2] }\n[fluid]\nviscosity = 1\n\
-                 [boundary.walls]\nno_slip = true\n[time]\nend = 1\nstep = 1\n";
-    let words = ["three dimensions are not run yet", "scene.toml:2", "mesh.box", "rectangle, disc or a gmsh file"];
-    immersa(folder_with(solid).path(), &["run", "scene.toml"]).expect(2, &words);
 }
 
 #[test]

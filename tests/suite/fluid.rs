@@ -334,7 +334,7 @@ fn a_band_that_reaches_a_wall_is_refused_and_one_that_reaches_a_periodic_side_is
         )
     };
     let parse = |text: &str| immersa::scene::Scene::parse(text, std::path::Path::new("scene.toml")).unwrap();
-    let refused = immersa::scene::Model::new(&parse(&scene("boundary.walls.no_slip = true"))).err().unwrap();
+    let refused = immersa::scene::Model::<2>::new(&parse(&scene("boundary.walls.no_slip = true"))).err().unwrap();
     assert!(refused.to_string().contains("reaches the boundary"), "{refused}");
     Case::new(&scene("boundary.walls.no_slip = true\nboundary.left.periodic = \"right\"")).steps(2);
 }

@@ -27,4 +27,5 @@ mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod space;
 mod studies;

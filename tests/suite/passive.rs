@@ -46,7 +46,7 @@ transport = "composed"
 fn refused(text: &str, set: &[&str]) -> String {
     let set: Vec<String> = set.iter().map(ToString::to_string).collect();
     let scene = Scene::parse_with(text, Path::new("scene.toml"), &set);
-    match scene.and_then(|scene| immersa::scene::Model::new(&scene).map(drop)) {
+    match scene.and_then(|scene| immersa::scene::Model::<2>::new(&scene).map(drop)) {
         Ok(()) => panic!("{set:?} was not refused"),
         Err(e) => {
             assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");

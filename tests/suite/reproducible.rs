@@ -18,6 +18,7 @@ fn simulation((transport, coupling, order, force): (Method, Coupling, usize, For
         name: "skin".into(),
         phi: signed_distance(&space, &shape).iter().map(|d| 1.2 * d).collect(),
         membrane: Membrane::new(LAW, 0.2),
+        shear: None,
         sharp: (force == Force::Sharp).then(|| SharpMembrane::new(LAW, 0.1, surface)),
         stretch: 1.2,
         surface_mass: 0.1,

@@ -42,6 +42,14 @@ pub fn read<const D: usize>(path: &Path) -> Result<(Mesh<D>, Vec<Warning>)> {
     MshData::read(path)?.mesh()
 }
 
+/// Dimension of the mesh of a file: 3 if it has tetrahedra, else 2.
+///
+/// # Errors
+/// See [`MshData::read`] and [`MshData::dimension`].
+pub fn dimension(path: &Path) -> Result<usize> {
+    MshData::read(path)?.dimension()
+}
+
 impl MshData {
     /// Reads a file.
     ///

@@ -31,10 +31,11 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         "0 or less when nothing drives the flow",
     );
     for (name, _) in run.scene.interfaces() {
-        let area = run.column_of(name, "area");
+        let enclosed = run.words().enclosed;
+        let area = run.column_of(name, enclosed);
         let changes: Option<Vec<f64>> = area.map(|a| a.iter().map(|v| v / a[0] - 1.0).collect());
         row(
-            format!("change of the area in {name}"),
+            format!("change of the {enclosed} in {name}"),
             area_change(run, name).map(per_cent),
             changes.as_deref().and_then(relative),
             "0: no fluid crosses an interface",
@@ -57,7 +58,7 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         }
     }
     for force in &run.scene.output.forces {
-        for component in ["x", "y"] {
+        for component in ["x", "y", "z"] {
             let [a, b] = ["", "_stress"].map(|way| format!("{}{way}_{component}", force.name));
             let difference = run.column(&a).zip(run.column(&b));
             let difference: Option<Vec<f64>> = difference.map(|(a, b)| a.iter().zip(b).map(|(a, b)| b - a).collect());
@@ -82,10 +83,10 @@ pub(super) fn energy_balance(run: &RunFolder) -> Option<f64> {
     run.summary.balance.energy.or_else(|| run.last("energy_balance"))
 }
 
-/// The change of the area in a membrane from start to end, relative.
+/// The change of the area (in space: volume) in a membrane from start to end, relative.
 pub(super) fn area_change(run: &RunFolder, membrane: &str) -> Option<f64> {
     let said = run.summary.balance.area.get(membrane).copied().flatten();
-    said.or_else(|| run.column_of(membrane, "area").and_then(|a| Some(a.last()? / a.first()? - 1.0)))
+    said.or_else(|| run.column_of(membrane, run.words().enclosed).and_then(|a| Some(a.last()? / a.first()? - 1.0)))
 }
 
 /// The value of the largest magnitude, with its sign.

@@ -3,7 +3,6 @@
 use super::folder::RunFolder;
 use crate::output::{Chart, Curve, Stroke, Table, rounded};
 use crate::scene::schema::{Membrane, Probe, Profile, Quantity};
-use std::f64::consts::PI;
 
 /// A chart and its words.
 pub(super) struct Drawn {
@@ -59,77 +58,107 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     charts
 }
 
-/// The radius of the circle of the enclosed area.
+/// The radius of the circle of the enclosed area (in space: of the sphere of the volume).
 fn round_radius(run: &RunFolder, name: &str) -> Option<Vec<f64>> {
-    Some(run.column_of(name, "area")?.iter().map(|a| (a / PI).sqrt()).collect())
+    let words = run.words();
+    Some(run.column_of(name, words.enclosed)?.iter().map(|v| (words.radius)(*v)).collect())
 }
 
 fn axes(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
-    let name = &m.name;
-    sheet.line("larger", run.column_of(name, "axis_1"));
-    sheet.line("smaller", run.column_of(name, "axis_2"));
+    let (name, words) = (&m.name, run.words());
+    words.axes.iter().for_each(|(column, what)| sheet.line(*what, run.column_of(name, column)));
     if !sheet.curves.is_empty() {
-        sheet.add("circle", round_radius(run, name), Stroke::Dashed);
+        sheet.add(words.round, round_radius(run, name), Stroke::Dashed);
     }
     let title = format!("Semi-axes of {name}");
     sheet.draw(
         format!("axes-{name}"),
         [&title, "length"],
-        "Semi-axes of the ellipse that has the second moments of the inside. Dashed: the radius of the circle of the same \
-         area, the shape at rest in a fluid at rest; both axes end there when nothing drives the flow. A zigzag from row to \
-         row would mean that the time step is too large for the stiffness of the membrane.",
+        format!(
+            "Semi-axes of the {} that has the second moments of the inside. Dashed: the radius of the {} of the same \
+             {}, the shape at rest in a fluid at rest; {} axes end there when nothing drives the flow. A zigzag from row to \
+             row would mean that the time step is too large for the stiffness of the membrane.",
+            words.oval,
+            words.round,
+            words.enclosed,
+            if words.axes.len() == 2 { "both" } else { "all" }
+        ),
     )
 }
 
 /// The chords that the scene asks for, or else the extents.
 fn chords(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
-    let name = &m.name;
+    let (name, words) = (&m.name, run.words());
     m.chords.iter().for_each(|c| sheet.line(c.name.as_str(), run.column_of(name, &c.name)));
     let title = format!("Half-chords of {name}");
     if !sheet.curves.is_empty() {
-        let caption = "Half the distance of the two points where a line of the scene crosses the contour: on a centred ellipse \
-                       along the axes, its semi-axis. Where a chord parts from the semi-axis the shape is no ellipse. A gap \
-                       means that the line misses the contour.";
+        let caption = format!(
+            "Half the distance of the two points where a line of the scene crosses the {cut}: on a centred {oval} \
+             along the axes, its semi-axis. Where a chord parts from the semi-axis the shape is no {oval}. A gap \
+             means that the line misses the {cut}.",
+            cut = words.cut,
+            oval = words.oval
+        );
         return sheet.draw(format!("chords-{name}"), [&title, "length"], caption);
     }
-    sheet.line("half width", run.column_of(name, "extent_x"));
-    sheet.line("half height", run.column_of(name, "extent_y"));
+    words.extents.iter().for_each(|(column, what)| sheet.line(*what, run.column_of(name, column)));
     let title = format!("Extents of {name}");
-    let caption = "Half the width and half the height of the contour. On an ellipse along the axes they are its semi-axes; \
-                   where they part from them the shape is turned, or no ellipse.";
+    let caption = format!(
+        "{} of the {}. On an {oval} along the axes they are its semi-axes; \
+         where they part from them the shape is turned, or no {oval}.",
+        words.widths,
+        words.cut,
+        oval = words.oval
+    );
     sheet.draw(format!("extents-{name}"), [&title, "length"], caption)
 }
 
-/// Perimeters over the length at rest, which is the perimeter at the start over the stretch there.
+/// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over the stretch there.
 fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
-    let alone = run.scene.membranes.len() == 1;
+    let (alone, words) = (run.scene.membranes.len() == 1, run.words());
     // Of a passive level set the length itself is drawn.
     for m in &run.scene.membranes {
-        let Some(perimeter) = run.column_of(&m.name, "perimeter") else { continue };
+        let Some(perimeter) = run.column_of(&m.name, words.own) else { continue };
         let rest = perimeter.first().map_or(f64::NAN, |p| p / m.stretch);
         sheet.add(m.name.as_str(), Some(perimeter.iter().map(|p| p / rest).collect()), Stroke::Line);
         let least = round_radius(run, &m.name).filter(|_| alone);
-        sheet.add("circle", least.map(|r| r.iter().map(|r| 2.0 * PI * r / rest).collect()), Stroke::Dashed);
+        let size = |r: Vec<f64>| r.iter().map(|r| (words.round_size)(*r) / rest).collect();
+        sheet.add(words.round, least.map(size), Stroke::Dashed);
     }
-    let circle = if alone { " Dashed: that of a circle of the same area, the least there can be." } else { "" };
+    let (own, size, round, enclosed) = (words.own, words.size, words.round, words.enclosed);
+    let least = match alone {
+        true => format!(" Dashed: that of a {round} of the same {enclosed}, the least there can be."),
+        false => String::new(),
+    };
     sheet.draw(
         "stretch",
-        ["Mean stretch", "perimeter / length at rest"],
+        ["Mean stretch", &format!("{own} / {size} at rest")],
         format!(
-            "The perimeter over its length at rest: above 1 a membrane pulls.{circle} Below the circle it cannot come: then \
-             area is lost."
+            "The {own} over its {size} at rest: above 1 a membrane pulls.{least} Below the {round} it cannot come: then \
+             {enclosed} is lost."
         ),
     )
 }
 
 /// The length of a passive interface, and that of the polygon of its markers.
 fn length(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
+    if run.scene.dimension() == 3 {
+        return surface(run, name, sheet);
+    }
     sheet.line("interface", run.column_of(name, "perimeter"));
     sheet.add("markers", run.column_of(name, "markers_length").map(<[f64]>::to_vec), Stroke::Dashed);
     let title = format!("Length of {name}");
     let caption = "The length of the interface, and (dashed) that of the closed polygon of markers that are carried with it, if there are any: \
                    the truth, as long as neighbours are near each other. Where the interface is shorter, thin parts of it have been lost.";
     sheet.draw(format!("length-{name}"), [&title, "length"], caption)
+}
+
+/// The area of a passive interface in space.
+fn surface(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
+    sheet.line("interface", run.column_of(name, "surface"));
+    let title = format!("Surface of {name}");
+    let caption = "The area of the interface. It falls where thin parts of the interface are lost to the mesh.";
+    sheet.draw(format!("surface-{name}"), [&title, "area"], caption)
 }
 
 /// The error of the backward map, by its determinant.
@@ -144,13 +173,14 @@ fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
 }
 
 fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+    let enclosed = run.words().enclosed;
     for (name, _) in run.scene.interfaces() {
         let change = |a: &[f64]| a.iter().map(|v| 100.0 * (v / a[0] - 1.0)).collect();
-        sheet.add(name, run.column_of(name, "area").map(change), Stroke::Line);
+        sheet.add(name, run.column_of(name, enclosed).map(change), Stroke::Line);
     }
     sheet.draw(
-        "area",
-        ["Change of the enclosed area", "change (%)"],
+        enclosed,
+        [&format!("Change of the enclosed {enclosed}"), "change (%)"],
         "No fluid crosses an interface, so the truth is zero. A few hundredths of a per cent are the error of the mesh and \
          shrink with it; a steady drift to a per cent or more would mean that the mesh is too coarse or grad_div too small.",
     )

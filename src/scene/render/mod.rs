@@ -10,6 +10,7 @@ mod pictures;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod words;
 
 pub use summary::{Balance, Summary};
 

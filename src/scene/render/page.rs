@@ -83,18 +83,22 @@ fn headline(run: &RunFolder) -> Vec<Number> {
         let of = if several { format!(" of {name}") } else { String::new() };
         let last = |quantity: &str| run.last(&format!("{name}.{quantity}"));
         let elastic = k < run.scene.membranes.len();
-        if let Some(length) = last("perimeter").filter(|_| !elastic) {
+        let words = run.words();
+        let (enclosed, round) = (words.enclosed, words.round);
+        let axes: Option<Vec<f64>> = words.axes.iter().map(|(column, _)| last(column)).collect();
+        if let Some(length) = last(words.own).filter(|_| !elastic) {
             let note = last("markers_length").map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
-            numbers.push(number(&format!("Length{of}"), rounded(length, 4), note));
-        } else if let Some((a, b)) = last("axis_1").zip(last("axis_2")) {
-            let circle = last("area").map(|a| (a / std::f64::consts::PI).sqrt());
-            let note = circle.map_or_else(String::new, |r| format!("circle of the same area: {}", rounded(r, 4)));
-            numbers.push(number(&format!("Semi-axes{of}"), pair(a, b), note));
+            numbers.push(number(&format!("{}{of}", capitalised(words.size)), rounded(length, 4), note));
+        } else if let Some(axes) = axes {
+            let radius = last(enclosed).map(words.radius);
+            let note =
+                radius.map_or_else(String::new, |r| format!("{round} of the same {enclosed}: {}", rounded(r, 4)));
+            numbers.push(number(&format!("Semi-axes{of}"), side_by_side(&axes), note));
         }
-        if let Some(area) = last("area") {
+        if let Some(area) = last(enclosed) {
             let note =
                 area_change(run, name).map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
-            numbers.push(number(&format!("Area inside{of}"), rounded(area, 5), note));
+            numbers.push(number(&format!("{} inside{of}", capitalised(enclosed)), rounded(area, 5), note));
         }
     }
     if let Some(balance) = energy_balance(run) {
@@ -120,14 +124,21 @@ fn headline(run: &RunFolder) -> Vec<Number> {
     numbers
 }
 
-/// Two lengths with equally many decimals, four digits of the larger.
-fn pair(a: f64, b: f64) -> String {
-    let decade = a.abs().max(b.abs()).log10().floor();
-    if !(-3.0..6.0).contains(&decade) {
-        return format!("{} × {}", rounded(a, 4), rounded(b, 4));
-    }
+/// Lengths with equally many decimals, four digits of the largest.
+fn side_by_side(lengths: &[f64]) -> String {
+    let decade = lengths.iter().fold(0.0, |m: f64, l| m.max(l.abs())).log10().floor();
     let decimals = (3.0 - decade).max(0.0) as usize;
-    format!("{a:.decimals$} × {b:.decimals$}")
+    let shown = |l: &f64| match (-3.0..6.0).contains(&decade) {
+        true => format!("{l:.decimals$}"),
+        false => rounded(*l, 4),
+    };
+    lengths.iter().map(shown).collect::<Vec<_>>().join(" × ")
+}
+
+/// A word with a capital letter.
+fn capitalised(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Membranes that have numbers at the top; the others stand in the tables.

@@ -25,14 +25,22 @@ const MOST_FRAMES: usize = 150;
 
 /// Draws all stored fields of a run.
 pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
-    if !wanted(run) {
-        return Ok(Gallery::default());
+    match run.scene.dimension() {
+        _ if !wanted(run) => Ok(Gallery::default()),
+        2 => draw_with::<2>(run, Painter::paint),
+        _ => draw_with::<3>(run, Painter::paint_solid),
     }
+}
+
+/// Makes the picture of a frame.
+type Paint = fn(&Painter, &Frame) -> Result<Image>;
+
+fn draw_with<const D: usize>(run: &mut RunFolder, picture: Paint) -> Result<Gallery> {
     let folder = run.folder("pictures")?;
-    let painter = Painter::new(run)?;
+    let painter = Painter::new::<D>(run)?;
     let file = |f: &Frame| folder.join(format!("{}.png", f.name));
     let paint = |frame: &Frame| -> Result<Image> {
-        let image = painter.paint(frame)?;
+        let image = picture(&painter, frame)?;
         write_file(&file(frame), &image.png()?)?;
         Ok(image)
     };
@@ -107,7 +115,7 @@ struct Painter {
 
 impl Painter {
     /// Reads all fields once for the scale.
-    fn new(run: &RunFolder) -> Result<Painter> {
+    fn new<const D: usize>(run: &RunFolder) -> Result<Painter> {
         let picture = run.scene.output.picture;
         let mut painter = Painter {
             quantity: picture.field,
@@ -117,7 +125,7 @@ impl Painter {
             scale: Scale::of::<2>(FieldData::Scalar(&[])),
             fastest: None,
         };
-        let ranges: Vec<Scale> = run.frames.par_iter().map(|f| painter.range(f)).collect::<Result<_>>()?;
+        let ranges: Vec<Scale> = run.frames.par_iter().map(|f| painter.range::<D>(f)).collect::<Result<_>>()?;
         painter.scale = ranges.into_iter().fold(painter.scale, Scale::with);
         if painter.quantity == Quantity::Speed {
             painter.fastest = Some(painter.scale.high);
@@ -125,8 +133,8 @@ impl Painter {
         Ok(painter)
     }
 
-    fn range(&self, frame: &Frame) -> Result<Scale> {
-        let snapshot = read_vtu::<2>(&frame.file)?;
+    fn range<const D: usize>(&self, frame: &Frame) -> Result<Scale> {
+        let snapshot = read_vtu::<D>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         match self.field(&snapshot).map_err(place)? {
             Field::Borrowed(field) => Ok(Scale::of(field)),
@@ -134,13 +142,13 @@ impl Painter {
             Field::Stretch(values) => {
                 let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
                 let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
-                Ok(Scale::of::<2>(FieldData::Scalar(&values)))
+                Ok(Scale::of::<D>(FieldData::Scalar(&values)))
             }
         }
     }
 
     /// What is coloured.
-    fn field<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<Field<'a>> {
+    fn field<'a, const D: usize>(&self, snapshot: &'a Snapshot<D>) -> Result<Field<'a, D>> {
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
@@ -150,7 +158,7 @@ impl Painter {
     }
 
     /// The level set of the interface; a scene asks for it only when there is exactly one.
-    fn level_set<'a>(&self, snapshot: &'a Snapshot<2>) -> Result<&'a [f64]> {
+    fn level_set<'a, const D: usize>(&self, snapshot: &'a Snapshot<D>) -> Result<&'a [f64]> {
         level_set(snapshot, self.interfaces.first().map_or("", |name| name))
     }
 
@@ -178,6 +186,11 @@ impl Painter {
             size: [self.size; 2],
         }
         .draw()
+    }
+
+    /// The picture of a frame of space: here it will be drawn.
+    fn paint_solid(&self, frame: &Frame) -> Result<Image> {
+        Err(Error::internal("pictures of space are not drawn").at(frame.file.display().to_string()))
     }
 
     fn title(&self) -> &'static str {
@@ -211,17 +224,17 @@ impl Painter {
 }
 
 /// A field of the snapshot, or one derived from it.
-enum Field<'a> {
-    Borrowed(FieldData<'a, 2>),
+enum Field<'a, const D: usize> {
+    Borrowed(FieldData<'a, D>),
     Stretch(Vec<f64>),
 }
 
-fn level_set<'a>(snapshot: &'a Snapshot<2>, membrane: &str) -> Result<&'a [f64]> {
+fn level_set<'a, const D: usize>(snapshot: &'a Snapshot<D>, membrane: &str) -> Result<&'a [f64]> {
     snapshot.scalar(&format!("{membrane}.level_set"))
 }
 
 /// Which nodes belong to a cell that the interface cuts.
-fn near_interface(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<bool> {
+fn near_interface<const D: usize>(snapshot: &Snapshot<D>, phi: &[f64]) -> Vec<bool> {
     let space = &snapshot.space;
     let mut near = vec![false; space.len()];
     for c in 0..space.mesh().cell_count() {
@@ -235,13 +248,13 @@ fn near_interface(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<bool> {
 }
 
 /// `|grad phi|` at the nodes, the gradient being the mean over the cells around a node.
-fn stretch(snapshot: &Snapshot<2>, phi: &[f64]) -> Vec<f64> {
+fn stretch<const D: usize>(snapshot: &Snapshot<D>, phi: &[f64]) -> Vec<f64> {
     let space = &snapshot.space;
-    let mut sums = vec![(SVector::<f64, 2>::zeros(), 0.0); space.len()];
+    let mut sums = vec![(SVector::<f64, D>::zeros(), 0.0); space.len()];
     for c in 0..space.mesh().cell_count() {
         for (k, &node) in space.cell_nodes(c).iter().enumerate() {
             let (sum, count) = &mut sums[node as usize];
-            *sum += space.gradient(phi, c, &space.element().node(k, 2));
+            *sum += space.gradient(phi, c, &space.element().node(k, D));
             *count += 1.0;
         }
     }

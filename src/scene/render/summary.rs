@@ -77,7 +77,8 @@ pub struct Balance {
     pub energy: Option<f64>,
     /// Largest rise of kinetic and elastic energy in one step, over the energy at the start.
     pub largest_rise: Option<f64>,
-    /// Relative change of the enclosed area by membrane.
+    /// Relative change of the enclosed area (in space: `volume`) by membrane.
+    #[serde(alias = "volume")]
     pub area: Numbers,
 }
 

@@ -10,6 +10,9 @@ use crate::sim::{Simulation, State};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
+/// What a checkpoint holds, if there is one: the record, the mesh where it is adapted, and the state.
+type Kept<const D: usize> = Option<(Record, Option<Mesh<D>>, State<D>)>;
+
 /// The folder of a run, with the scene as resolved in it.
 pub struct Folder(PathBuf);
 
@@ -71,7 +74,7 @@ impl Folder {
 
     /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole: the length of the record and its
     /// hash, 8 bytes each, the record as JSON; the same of the mesh, which is empty unless it is adapted; the state.
-    pub(super) fn save(&self, scene: &Scene, record: &Record, sim: &Simulation<2>) -> Result<()> {
+    pub(super) fn save<const D: usize>(&self, scene: &Scene, record: &Record, sim: &Simulation<D>) -> Result<()> {
         let record =
             serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
         let mesh = if scene.adapt.is_some() { sim.space().mesh().to_bytes() } else { Vec::new() };
@@ -86,7 +89,7 @@ impl Folder {
     }
 
     /// The state that was kept last, if there is one, and the mesh that it lives on where the scene adapts it.
-    pub(super) fn checkpoint(&self, scene: &Scene) -> Result<Option<(Record, Option<Mesh<2>>, State<2>)>> {
+    pub(super) fn checkpoint<const D: usize>(&self, scene: &Scene) -> Result<Kept<D>> {
         let path = self.latest();
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -106,13 +109,13 @@ impl Folder {
         let (record, rest) = part(&bytes).ok_or_else(damaged)?;
         let (mesh, state) = part(rest).ok_or_else(damaged)?;
         let record = serde_json::from_slice(record).map_err(|_| damaged())?;
-        let mesh = if mesh.is_empty() { None } else { Some(Mesh::<2>::from_bytes(mesh).ok_or_else(damaged)?) };
+        let mesh = if mesh.is_empty() { None } else { Some(Mesh::<D>::from_bytes(mesh).ok_or_else(damaged)?) };
         let state = State::from_bytes(state, tag(scene)).map_err(|e| e.at(path.display().to_string()))?;
         Ok(Some((record, mesh, state)))
     }
 
     /// Writes velocity, pressure and level sets of the current state.
-    pub(super) fn write_fields(&self, sim: &Simulation<2>, step: usize) -> Result<()> {
+    pub(super) fn write_fields<const D: usize>(&self, sim: &Simulation<D>, step: usize) -> Result<()> {
         let state = sim.state();
         let names = sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name));
         let names: Vec<String> = names.map(|name| format!("{name}.level_set")).collect();
@@ -132,20 +135,26 @@ impl Folder {
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
-    pub(super) fn write_profile(&self, name: &str, points: &[Point<2>], values: &[Column]) -> Result<()> {
-        let column = |f: &dyn Fn(&Point<2>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
+    pub(super) fn write_profile<const D: usize>(
+        &self,
+        name: &str,
+        points: &[Point<D>],
+        values: &[Column],
+    ) -> Result<()> {
+        let column = |f: &dyn Fn(&Point<D>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
         let distance = column(&|p| (p - points[0]).norm());
-        let (x, y) = (column(&|p| p[0]), column(&|p| p[1]));
-        let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance), ("x", &x), ("y", &y)];
+        let places: Vec<Vec<f64>> = (0..D).map(|i| column(&|p| p[i])).collect();
+        let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance)];
+        columns.extend(["x", "y", "z"].into_iter().zip(places.iter().map(Vec::as_slice)));
         columns.extend(values.iter().map(|(name, v)| (name.as_str(), v.as_slice())));
         Table::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
     }
 
     #[allow(clippy::too_many_arguments, reason = "a summary is about everything")]
-    pub(super) fn write_summary(
+    pub(super) fn write_summary<const D: usize>(
         &self,
         scene: &Scene,
-        model: &Model,
+        model: &Model<D>,
         record: &Record,
         result: &Result<()>,
         alarms: &[String],
@@ -190,7 +199,7 @@ impl Folder {
                 "energy": (!sim.is_prescribed()).then(|| sim.state().budget.residual(&sim.state().energies)),
                 "largest_energy": (!sim.is_prescribed()).then_some(record.worst_balance),
                 "largest_rise": (!sim.is_prescribed()).then_some(record.largest_rise),
-                "area": record.area_change,
+                scene.extents()[0]: record.area_change,
             },
             "final": record.last,
         });
@@ -210,7 +219,7 @@ fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 
 /// What the substitutions read of the factor, and how fast a large block of memory is copied on this machine, in bytes a second; not
 /// for a run so short that the measurement would show in its time.
-fn bandwidth(sim: &Simulation<2>, record: &Record) -> serde_json::Value {
+fn bandwidth<const D: usize>(sim: &Simulation<D>, record: &Record) -> serde_json::Value {
     let solve = record.step_seconds.get("solve").copied().unwrap_or_default();
     let factor = sim.flow().and_then(|flow| flow.factor()).map_or(0, |f| 8 * f.nonzeros());
     if solve < LONG_ENOUGH || factor == 0 {

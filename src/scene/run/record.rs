@@ -24,7 +24,7 @@ pub(super) struct Record {
     pub largest_rise: f64,
     /// Largest energy balance residual.
     pub worst_balance: f64,
-    /// Enclosed areas at the start.
+    /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
     pub area_change: BTreeMap<String, f64>,
@@ -61,7 +61,7 @@ pub(super) struct Record {
 pub(super) struct MeshRecord {
     /// When it was made.
     pub time: f64,
-    /// Its triangles.
+    /// Its cells.
     pub cells: usize,
     /// Unknowns of velocity and pressure on it.
     pub unknowns: usize,
@@ -71,7 +71,7 @@ pub(super) struct MeshRecord {
 
 impl Record {
     /// Notes the mesh of a run that adapts it.
-    pub(super) fn note_mesh(&mut self, model: &Model) {
+    pub(super) fn note_mesh<const D: usize>(&mut self, model: &Model<D>) {
         let sim = &model.simulation;
         if model.lengths.is_some() {
             self.band_edges = model.band_edges;
@@ -91,7 +91,7 @@ impl Record {
     }
 
     /// Counts what the steps cost since this was called last.
-    pub(super) fn note_costs(&mut self, sim: &mut Simulation<2>) {
+    pub(super) fn note_costs<const D: usize>(&mut self, sim: &mut Simulation<D>) {
         let (seconds, substitutions) = sim.take_costs();
         for ((_, name), s) in PHASES.iter().zip(seconds) {
             *self.step_seconds.entry(name.to_string()).or_default() += s;
@@ -108,7 +108,7 @@ impl Record {
     }
 
     /// Notes a rise of the energy in the step that was just made.
-    pub(super) fn note_rise(&mut self, before: f64, sim: &Simulation<2>) {
+    pub(super) fn note_rise<const D: usize>(&mut self, before: f64, sim: &Simulation<D>) {
         let (e, budget) = (sim.state().energies, sim.state().budget);
         let put_in = e.power.max(0.0) * sim.settings().dt;
         if budget.initial > 0.0 {
@@ -118,7 +118,7 @@ impl Record {
     }
 
     /// Notes the structures whose bands reach the boundary.
-    pub(super) fn note_walls(&mut self, model: &Model) {
+    pub(super) fn note_walls<const D: usize>(&mut self, model: &Model<D>) {
         for (k, s) in model.simulation.structures().iter().enumerate() {
             if model.band_is_cut(k) {
                 self.at_wall.entry(s.name.clone()).or_insert(model.simulation.time());
@@ -130,9 +130,10 @@ impl Record {
     pub(super) fn note_row(&mut self, scene: &Scene, columns: &[String], row: &[f64]) {
         // JSON knows no NaN: what could not be measured is left out.
         self.last = columns.iter().cloned().zip(row.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+        let [enclosed, _] = scene.extents();
         for (name, _) in scene.interfaces() {
             // An interface that is gone has no area.
-            let area = self.last.get(&format!("{name}.area")).copied().unwrap_or(0.0);
+            let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);
             let first = *self.area.entry(name.to_string()).or_insert(area);
             let change = area / first - 1.0;
             let worst = self.area_change.entry(name.to_string()).or_insert(0.0);

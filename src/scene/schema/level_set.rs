@@ -28,7 +28,7 @@ pub(super) static KEYS: Keys = Keys {
             Value("whole number from 3, or 0 for none"),
             "",
             Default("0"),
-            "Particles on the interface, in columns of their own: the length and the area of their polygon.",
+            "Particles on the interface, in columns of their own: the length and the area of their polygon. In the plane alone.",
         ),
     ],
 };
@@ -56,6 +56,11 @@ impl LevelSet {
     fn read(item: &Item, context: &Context) -> Result<LevelSet> {
         let table = item.table(&KEYS)?;
         let shape = "give one: shape.circle = { centre = [0.5, 0.75], radius = 0.15 }";
+        if let (Some(item), 3) = (table.get("markers").filter(|i| !i.is_zero()), context.dimension) {
+            return Err(item
+                .key_error("markers follow a curve, and the interface is a surface: the scene has 3 dimensions")
+                .remedy("leave them out"));
+        }
         // A polygon has three corners.
         let markers = |i: &Item| if i.is_zero() { Ok(0) } else { i.count(3, MOST_MARKERS) };
         Ok(LevelSet {

@@ -4,7 +4,7 @@ use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::Shape;
 use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
-use crate::mesh::{self, Diagonals, Mesh};
+use crate::mesh::{self, Diagonals, Mesh, gmsh};
 use crate::scene::item::{Context, Item, Table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,9 +16,11 @@ pub enum MeshSource {
     File {
         /// The file, as an absolute path.
         path: PathBuf,
-        /// How many times every triangle is cut into four.
+        /// 3 for a mesh of tetrahedra, 2 for one of triangles.
+        dimension: usize,
+        /// How many times every triangle is cut into four, every tetrahedron into eight.
         refine: usize,
-        /// Curves that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
+        /// Curves (in space: surfaces) that boundaries of the mesh stand for, by name: new points of a refined mesh are moved onto them.
         geometry: Vec<(String, Shape)>,
     },
     /// A rectangle of `cells[0] x cells[1]` rectangles, each cut into triangles.
@@ -83,23 +85,36 @@ pub(super) static KEYS: Keys = Keys {
             OneOf,
             "A mesh of gmsh (MSH 2.2, 4.0 or 4.1), relative to the folder of the scene.",
         ),
+        row(
+            "dimension",
+            Value("2 or 3"),
+            "",
+            Derived("3 where the file has tetrahedra"),
+            "Whether a mesh file has triangles or tetrahedra. Where this is written, the file is not looked into before it is needed.",
+        ),
         row("rectangle", Table(&RECTANGLE), "", OneOf, "A rectangle; its sides are left, right, bottom and top."),
         row("disc", Table(&DISC), "", OneOf, "A disc."),
-        row("box", Table(&BOX), "", OneOf, "A box of tetrahedra; no flow can be computed on it yet."),
+        row(
+            "box",
+            Table(&BOX),
+            "",
+            OneOf,
+            "A box of tetrahedra; its sides are left and right (in x), bottom and top (in y), back and front (in z).",
+        ),
         row("ball_in_box", Table(&BALL_IN_BOX), "", OneOf, "A box of tetrahedra that is fine about a sphere."),
         row(
             "refine",
             Value("whole number from 0 to 10"),
             "",
             Default("0"),
-            "How often every triangle of a mesh file is cut into four.",
+            "How often every triangle of a mesh file is cut into four, every tetrahedron into eight.",
         ),
         row(
             "geometry",
             Value("shapes with names, each as in `membrane.shape`"),
             "",
             Optional,
-            "Curves that new points on named boundaries of a mesh file are moved onto when it is refined.",
+            "Curves (in space: surfaces) that new points on named boundaries of a mesh file are moved onto when it is refined.",
         ),
         row(
             "adapt",
@@ -176,14 +191,22 @@ const MOST_REFINEMENTS: usize = 10;
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
-    pub(super) fn read(item: &Item, folder: &Path, constants: &BTreeMap<String, f64>) -> Result<MeshSource> {
+    /// Reads `[mesh]`. Without a word from the scene a mesh file has the dimension `assumed`, or that which it says, or 2.
+    pub(super) fn read(
+        item: &Item,
+        folder: &Path,
+        constants: &BTreeMap<String, f64>,
+        assumed: Option<usize>,
+    ) -> Result<MeshSource> {
         let mesh = item.table(&KEYS)?;
         let (kind, item) = mesh.exactly_one(&KEYS)?;
-        for key in ["refine", "geometry"] {
+        for (key, remedy) in [
+            ("refine", format!("give the {kind} more cells")),
+            ("geometry", format!("give the {kind} more cells")),
+            ("dimension", format!("leave it out: a {kind} has one dimension only")),
+        ] {
             if let (Some(item), true) = (mesh.get(key), kind != "file") {
-                return Err(item
-                    .key_error(format!("`{key}` is for mesh files"))
-                    .remedy(format!("give the {kind} more cells")));
+                return Err(item.key_error(format!("`{key}` is for mesh files")).remedy(remedy));
             }
         }
         match kind {
@@ -192,9 +215,16 @@ impl MeshSource {
                 if file.is_empty() {
                     return Err(item.error("the name of the mesh file is empty").remedy("name a gmsh file (.msh)"));
                 }
-                let context = Context { dimension: 2, constants: constants.clone() };
+                let path = absolute(&folder.join(file));
+                let dimension = match mesh.optional("dimension", |i| i.count(2, 3))? {
+                    Some(dimension) => dimension,
+                    // What is wrong with the file is told when the mesh is made.
+                    None => assumed.or_else(|| gmsh::dimension(&path).ok()).unwrap_or(2),
+                };
+                let context = Context { dimension, constants: constants.clone() };
                 Ok(MeshSource::File {
-                    path: absolute(&folder.join(file)),
+                    path,
+                    dimension,
                     refine: mesh.optional("refine", |i| i.count(0, MOST_REFINEMENTS))?.unwrap_or(0),
                     geometry: mesh.optional("geometry", |i| curves(i, &context))?.unwrap_or_default(),
                 })
@@ -231,9 +261,13 @@ impl MeshSource {
         }
     }
 
-    /// Components of a vector: 3 for a box, else 2. What a mesh file holds is known when it is read.
+    /// Components of a vector: 2 or 3.
     pub fn dimension(&self) -> usize {
-        if matches!(self, MeshSource::Box { .. } | MeshSource::BallInBox { .. }) { 3 } else { 2 }
+        match self {
+            MeshSource::File { dimension, .. } => *dimension,
+            MeshSource::Rectangle { .. } | MeshSource::Disc { .. } => 2,
+            MeshSource::Box { .. } | MeshSource::BallInBox { .. } => 3,
+        }
     }
 
     /// The mesh in space that this generates; `None` for files and for meshes of the plane.
@@ -262,8 +296,11 @@ impl MeshSource {
     pub(super) fn write(&self, out: &mut Writer) {
         out.header("[mesh]");
         match self {
-            MeshSource::File { path, refine, geometry } => {
+            MeshSource::File { path, dimension, refine, geometry } => {
                 out.entry("file", text(&path.to_string_lossy()));
+                if *dimension == 3 {
+                    out.entry("dimension", dimension);
+                }
                 out.entry("refine", refine);
                 for (name, curve) in geometry {
                     out.entry(&format!("geometry.{}", key(name)), curve.write());

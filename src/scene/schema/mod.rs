@@ -109,11 +109,23 @@ pub static KEYS: Keys = Keys {
 impl Settings {
     /// Reads a scene whose file lies in `folder` and is called `name`.
     pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<Settings> {
+        let read = |dimension| Settings::read_as(root, folder, name, dimension);
+        // Where the scene says otherwise than its mesh file, or the file is missing, that is told when the mesh is made.
+        read(None).or_else(|e| [2, 3].into_iter().find_map(|d| read(Some(d)).ok()).ok_or(e))
+    }
+
+    /// Reads a scene, its mesh file being of this dimension; without one, of that which the file says, or else of the plane.
+    fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> Result<Settings> {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
-        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants))?;
+        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants, dimension))?;
         let adapt_item = scene.get("mesh").map(|i| i.open_table()).transpose()?.and_then(|t| t.get("adapt"));
+        if let (Some(item), 3) = (&adapt_item, mesh.dimension()) {
+            return Err(item
+                .key_error("meshes of tetrahedra are not adapted")
+                .remedy("leave mesh.adapt out, and make the mesh fine where the interface passes"));
+        }
         let adapt = adapt_item.as_ref().map(Adapt::read).transpose()?;
         let context = Context { dimension: mesh.dimension(), constants };
         let membranes = membrane::read(scene.get("membrane"), &context)?;
@@ -160,6 +172,11 @@ impl Settings {
     pub fn interfaces(&self) -> impl Iterator<Item = (&str, f64)> {
         let passive = self.level_sets.iter().map(|s| (s.name.as_str(), 1.0));
         self.membranes.iter().map(|m| (m.name.as_str(), m.stretch)).chain(passive)
+    }
+
+    /// What an interface encloses and what it has of its own, as their columns are called.
+    pub fn extents(&self) -> [&'static str; 2] {
+        if self.mesh.dimension() == 2 { ["area", "perimeter"] } else { ["volume", "surface"] }
     }
 
     /// The scene as TOML with every default written out; reads as the same settings.

@@ -83,8 +83,8 @@ impl Rung<'_> {
             }
         }
         if halved.space || !self.meshes.meshes.is_empty() {
-            let (value, name) = self.mesh(times(halved.space))?;
-            set.push(value);
+            let (values, name) = self.mesh(times(halved.space))?;
+            set.extend(values);
             label.push(name);
         }
         if halved.time {
@@ -96,27 +96,35 @@ impl Rung<'_> {
     }
 
     /// The mesh of level `k`: what is set, and its name.
-    fn mesh(&self, k: usize) -> Result<(String, String)> {
+    fn mesh(&self, k: usize) -> Result<(Vec<String>, String)> {
         if let Some(path) = self.meshes.meshes.get(k).or(self.meshes.meshes.first()) {
             let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
             let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-            return Ok((format!("mesh.file={}", quoted(&path)), name));
+            return Ok((vec![format!("mesh.file={}", quoted(&path))], name));
         }
         let finer = |n: usize| n.saturating_mul(1 << k.min(30));
         Ok(match &self.scene.mesh {
             MeshSource::Rectangle { cells: [nx, ny], .. } => {
                 let [nx, ny] = [finer(*nx), finer(*ny)];
                 let name = if nx == ny { format!("n = {nx}") } else { format!("n = {nx} x {ny}") };
-                (format!("mesh.rectangle.cells=[{nx}, {ny}]"), name)
+                (vec![format!("mesh.rectangle.cells=[{nx}, {ny}]")], name)
             }
             MeshSource::Disc { cells, .. } => {
-                (format!("mesh.disc.cells={}", finer(*cells)), format!("n = {}", finer(*cells)))
+                (vec![format!("mesh.disc.cells={}", finer(*cells))], format!("n = {}", finer(*cells)))
             }
             MeshSource::File { refine, .. } => {
-                (format!("mesh.refine={}", refine + k), format!("refine = {}", refine + k))
+                (vec![format!("mesh.refine={}", refine + k)], format!("refine = {}", refine + k))
             }
-            MeshSource::Box { .. } | MeshSource::BallInBox { .. } => {
-                return Err(Error::scene("three dimensions are not studied yet"));
+            MeshSource::Box { cells, .. } => {
+                let cells = cells.map(finer);
+                let [nx, ny, nz] = cells;
+                let name = if nx == ny && ny == nz { format!("n = {nx}") } else { format!("n = {nx} x {ny} x {nz}") };
+                (vec![format!("mesh.box.cells={cells:?}")], name)
+            }
+            MeshSource::BallInBox { cells, edge, .. } => {
+                let (cells, edge) = (cells.map(finer), edge / power(k)?);
+                let set = [format!("mesh.ball_in_box.cells={cells:?}"), format!("mesh.ball_in_box.edge={edge:?}")];
+                (set.to_vec(), format!("edge = {edge}"))
             }
         })
     }

@@ -13,7 +13,7 @@ use super::{Campaign, Findings, Outcome};
 use crate::base::{Error, Kind, Result};
 use crate::output::Snapshot;
 use crate::scene::schema::{MeshSource, Settings as SceneSettings};
-use crate::scene::{Diagnostics, Model, Scene, nearest};
+use crate::scene::{Scene, Survey, nearest};
 use interface::fields_at;
 use ladder::Ladder;
 use std::path::PathBuf;
@@ -80,8 +80,7 @@ const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
 pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Findings> {
     let scene = campaign.scene().clone();
     // The model of the coarsest level knows the columns, and the band that the mesh would choose.
-    let model = Model::new(&scene)?;
-    let columns = Diagnostics::new(&scene, &model)?.columns();
+    let Survey { columns, thickness, .. } = Survey::of(&scene)?;
     let quantities = quantities(&scene, &settings.quantities, &columns)?;
     let times = times(&scene, &settings.times)?;
     let common = common(&scene, &times, quantities.iter().any(|q| q.meaning == Meaning::Change));
@@ -90,8 +89,7 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<F
             .at("--meshes")
             .remedy("write mesh.file in the scene; its other keys then fit every mesh of the list"));
     }
-    let ladder = Ladder::new(&scene, settings, model.thickness, &common)?;
-    drop(model);
+    let ladder = Ladder::new(&scene, settings, thickness, &common)?;
     let trials: Vec<_> = ladder.levels.iter().chain(ladder.checks.iter().map(|c| &c.1)).cloned().collect();
     // The checks come first: they are cheap.
     let order: Vec<usize> = (ladder.levels.len()..trials.len()).chain(0..ladder.levels.len()).collect();
@@ -178,7 +176,9 @@ impl Row {
 
 /// The quantities that are asked for, or a choice of those that the scene has.
 fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Result<Vec<Quantity>> {
-    let distances = || scene.membranes.iter().flat_map(|m| DISTANCES.map(|d| format!("{}.{d}", m.name)));
+    // Surfaces in space are not compared.
+    let compared = if scene.mesh.dimension() == 2 { &scene.membranes[..] } else { &[] };
+    let distances = || compared.iter().flat_map(|m| DISTANCES.map(|d| format!("{}.{d}", m.name)));
     let meaning = |name: &str| match name.starts_with("error_") {
         true => Meaning::Error,
         false if distances().any(|d| d == name) => Meaning::Change,
@@ -188,12 +188,12 @@ fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Re
     let chosen = if asked.is_empty() { choice(scene, columns) } else { asked.to_vec() };
     for name in chosen {
         let known = columns.contains(&name) || distances().any(|d| d == name);
-        if name == INTERFACE && !scene.membranes.is_empty() {
+        if name == INTERFACE && !compared.is_empty() {
             names.extend(distances());
         } else if known {
             names.push(name);
         } else {
-            let interface = (!scene.membranes.is_empty()).then_some(INTERFACE);
+            let interface = (!compared.is_empty()).then_some(INTERFACE);
             return Err(Error::scene("the runs of this scene have no such quantity")
                 .at("--quantity")
                 .value(&name)
@@ -212,19 +212,21 @@ fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Re
 /// Errors where they are known; lengths, area and place of the interfaces; energies; what the scene measures itself.
 fn choice(scene: &SceneSettings, columns: &[String]) -> Vec<String> {
     let mut names: Vec<String> = columns.iter().filter(|c| c.starts_with("error_")).cloned().collect();
+    let (dimension, [enclosed, own]) = (scene.mesh.dimension(), scene.extents());
     for m in &scene.membranes {
         match m.chords.is_empty() {
-            true => names.extend(["axis_1", "axis_2"].map(|c| format!("{}.{c}", m.name))),
+            true => names.extend((1..=dimension).map(|k| format!("{}.axis_{k}", m.name))),
             false => names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name))),
         }
-        names.extend(["perimeter", "area"].map(|c| format!("{}.{c}", m.name)));
+        names.extend([own, enclosed].map(|c| format!("{}.{c}", m.name)));
     }
-    names.extend(scene.level_sets.iter().flat_map(|s| ["perimeter", "area"].map(|c| format!("{}.{c}", s.name))));
+    names.extend(scene.level_sets.iter().flat_map(|s| [own, enclosed].map(|c| format!("{}.{c}", s.name))));
     if columns.iter().any(|c| c == "energy_kinetic") && names.iter().all(|n| !n.starts_with("error_")) {
         names.push("energy_kinetic".into());
     }
     if !scene.membranes.is_empty() {
-        names.extend(["energy_elastic".into(), INTERFACE.into()]);
+        names.push("energy_elastic".into());
+        names.extend((dimension == 2).then(|| INTERFACE.into()));
     }
     // Columns of forces, fluxes and probes come after those that every run has.
     let own = columns.iter().skip_while(|c| *c != "step_over_limit").skip(1).filter(|c| !c.starts_with("error_"));
@@ -286,7 +288,8 @@ fn sizes(scene: &SceneSettings, settings: &Settings, ladder: &Ladder, levels: &[
         return edges;
     }
     // The longest edge of a mesh of a generator is a matter of chance; the mean size of its cells is not.
-    let sizes: Vec<f64> = levels.iter().map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(-0.5))).collect();
+    let power = -1.0 / scene.mesh.dimension() as f64;
+    let sizes: Vec<f64> = levels.iter().map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(power))).collect();
     let scale = edges.iter().zip(&sizes).map(|(e, s)| e / s).find(|s| s.is_finite()).unwrap_or(f64::NAN);
     sizes.iter().map(|s| s * scale).collect()
 }

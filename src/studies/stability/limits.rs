@@ -6,7 +6,7 @@ use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, Grid, Number, rounded};
-use crate::scene::Model;
+use crate::scene::Survey;
 use crate::sim::Coupling;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
 use crate::studies::{Campaign, Findings, Trial};
@@ -100,8 +100,8 @@ impl Limits {
     ) -> Result<Limit> {
         let mut limit = Limit { combination: combination.to_vec(), ..Limit::default() };
         let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
-        match Model::new(&scene) {
-            Ok(model) => (limit.edge, limit.formula) = (model.band_edges.map(|e| e[0]), model.explicit_limit),
+        match Survey::of(&scene) {
+            Ok(survey) => (limit.edge, limit.formula) = (survey.band_edges.map(|e| e[0]), survey.explicit_limit),
             Err(e) if e.kind() == Kind::Scene => {
                 campaign.listener().note(&format!("[{k}/{of}] {}: refused", in_words(combination)));
                 return Ok(Limit { refused: Some(e.to_string()), ..limit });

@@ -4,7 +4,7 @@ use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::Result;
 use crate::output::{Cell, Chart, Curve, Grid, Stroke, rounded};
-use crate::scene::Model;
+use crate::scene::Survey;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
 use crate::studies::{Campaign, Drawing, Findings, Trial};
 
@@ -65,8 +65,8 @@ impl Scan {
             let outcome = campaign.run(&run, k + 1, all.len())?;
             let verdict = Verdict::of(&outcome, self.tolerance)?;
             // A mesh that cannot be read ended the study above.
-            let model = Model::new(&scene).ok();
-            let resolution = model.and_then(|m| Some(m.thickness? / m.band_edges?[1])).unwrap_or(f64::NAN);
+            let survey = Survey::of(&scene).ok();
+            let resolution = survey.and_then(|s| Some(s.thickness? / s.band_edges?[1])).unwrap_or(f64::NAN);
             points.push(Point { combination: combination.clone(), resolution, verdict });
         }
         let mut grids = vec![self.table(&points)];

@@ -1,0 +1,99 @@
+//! What differs between a scene of the plane and one of space; all else is written once, for `D` dimensions.
+
+mod plane;
+mod solid;
+
+use super::Scene;
+use super::adapt::Lengths;
+use super::model::Model;
+use super::schema::{self, Chord};
+use crate::base::{Error, Result, Warning};
+use crate::fem::{Space, SurfacePoint};
+use crate::levelset::Shape;
+use crate::mesh::{Mesh, Point};
+use crate::sim::{InitialFunction, Simulation, Transfer};
+
+/// Stands for `D` dimensions, of which [`Dimension`] says what is particular.
+pub struct In<const D: usize>;
+
+/// What a scene has or does in its own way in each number of dimensions. What is given here is for those that lack it.
+pub trait Dimension<const D: usize> {
+    /// The columns that each interface has, after its name and a dot; what it encloses comes first.
+    const MEASURES: &'static [&'static str];
+    /// What cells are called, more than one of them.
+    const CELLS: &'static str;
+
+    /// The mesh of the scene before it is adapted, and what is to be said of it.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has another dimension; sizes that make no mesh.
+    fn mesh(scene: &Scene) -> Result<(Mesh<D>, Vec<Warning>)>;
+
+    /// The shape that a scene describes; `domain` is the bounding box of the mesh.
+    ///
+    /// # Errors
+    /// One that cannot be, or that belongs to another number of dimensions.
+    fn shape(shape: &schema::Shape, domain: (Point<D>, Point<D>)) -> Result<Box<dyn Shape<D>>>;
+
+    /// Quadrature points on the zero set of a function of the space.
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    fn surface(space: &Space<D>, phi: &[f64]) -> Result<Vec<SurfacePoint<D>>>;
+
+    /// The row of interface number `k`: [`MEASURES`](Self::MEASURES), the half-chords, and what is measured of its markers. What cannot be
+    /// measured is NaN.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn measure(sim: &Simulation<D>, k: usize, chords: &[Chord]) -> Result<Vec<f64>>;
+
+    /// As many points on the zero set of `phi`, at equal distances, moved onto that of `distance`.
+    ///
+    /// # Errors
+    /// An interface that cannot have them.
+    fn markers(_space: &Space<D>, _phi: &[f64], _distance: &InitialFunction<D>, count: usize) -> Result<Vec<Point<D>>> {
+        Err(Error::scene("markers follow a curve, and the interface is a surface")
+            .value(count)
+            .remedy("leave them out"))
+    }
+
+    /// The mesh of a scene that follows its interfaces, at the start: from the mesh as given.
+    ///
+    /// # Errors
+    /// Shapes that do not lie on the mesh.
+    fn adapted_start(_scene: &Scene, given: Mesh<D>, _lengths: &Lengths) -> Result<Mesh<D>> {
+        Ok(given)
+    }
+
+    /// Makes the mesh anew where it no longer fits interfaces or fields, and goes on upon it. Returns whether it did.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::on_mesh`].
+    fn follow(_model: &mut Model<D>, _scene: &Scene) -> Result<bool> {
+        Ok(false)
+    }
+
+    /// Goes on upon another mesh of the domain.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::on_mesh`].
+    fn go_on(_model: &mut Model<D>, _mesh: Mesh<D>, _transfer: Transfer) -> Result<()> {
+        Err(Error::internal("a mesh that cannot be adapted was adapted"))
+    }
+}
+
+/// A point of the scene, as expressions take it.
+pub(super) fn coordinates<const D: usize>(x: &Point<D>) -> [f64; 3] {
+    std::array::from_fn(|i| if i < D { x[i] } else { 0.0 })
+}
+
+/// Numbers of the scene as a point.
+pub(super) fn point<const D: usize>(x: &[f64]) -> Point<D> {
+    Point::<D>::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
+}
+
+/// The error for a shape that belongs to another number of dimensions.
+fn other_dimension(shape: &schema::Shape, dimension: usize) -> Error {
+    Error::scene(format!("the shape does not belong into {dimension} dimensions")).value(shape.write())
+}
