@@ -1,65 +1,97 @@
-//! Meshes for FreeFEM: its own `.msh` format (not gmsh's), which `readmesh` of every FreeFEM reads without a plugin.
+//! Meshes for FreeFEM, in formats that every FreeFEM reads without a plugin: triangles in its own `.msh` (not gmsh's) by `readmesh`, tetrahedra in
+//! Medit's `.mesh` by `readmesh3`.
 
-use super::Mesh;
+use super::{Facet, Mesh};
 use crate::base::{Error, Result};
 use std::fmt::Write;
 
-/// The sides of a rectangle have the labels that FreeFEM's `square` gives them, from 1.
-const SQUARE: [&str; 4] = ["bottom", "right", "top", "left"];
+/// The sides of a rectangle and of a box have the labels that FreeFEM's `square` and `cube` give them, from 1.
+const SIDES: [&str; 6] = ["bottom", "right", "top", "left", "back", "front"];
 
-/// The labels of the boundaries in [`text`]: `bottom`, `right`, `top` and `left` are 1 to 4 as in FreeFEM's `square`, the others
-/// have the numbers from 5 in the order of the alphabet. A facet of several boundaries gets the label of the smallest of them, so that
-/// `walls`, which is all of them, gets none; a facet of none gets 0.
-pub fn labels(mesh: &Mesh<2>) -> Vec<(String, u32)> {
-    let owners = owners(mesh);
+/// The labels of the boundaries in [`text`]: `bottom`, `right`, `top`, `left`, in space also `back` and `front`, are 1 to 4 or 6 as in FreeFEM's `square`
+/// and `cube`, the others have the numbers after these in the order of the alphabet. A facet of several boundaries gets the label of the smallest of
+/// them, so that `walls`, which is all of them, gets none; a facet of none gets 0.
+pub fn labels<const D: usize>(mesh: &Mesh<D>) -> Vec<(String, u32)> {
+    let (owners, sides) = (owners(mesh), &SIDES[..2 * D]);
     let mut used: Vec<&str> = owners.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
-    let others = used.iter().filter(|name| !SQUARE.contains(name));
-    let sides = SQUARE.iter().zip(1..).filter(|(name, _)| used.contains(name));
-    sides.map(|(name, k)| (name.to_string(), k)).chain(others.map(ToString::to_string).zip(5..)).collect()
+    let others = used.iter().filter(|name| !sides.contains(name));
+    let sides = sides.iter().zip(1..).filter(|(name, _)| used.contains(name));
+    sides
+        .map(|(name, k)| (name.to_string(), k))
+        .chain(others.map(ToString::to_string).zip(2 * D as u32 + 1..))
+        .collect()
 }
 
-/// The mesh in FreeFEM's format: a line with the numbers of vertices, triangles and boundary edges; then `x y label` a vertex, three
-/// vertices (from 1) and a region a triangle, two vertices and a label an edge. Coordinates come back bit by bit.
+/// The mesh in FreeFEM's format: triangles as a line with the numbers of vertices, triangles and boundary edges, then `x y label` a vertex, three
+/// vertices (from 1) and a region a triangle, two vertices and a label an edge; tetrahedra as the parts `Vertices`, `Tetrahedra` and `Triangles` of a
+/// file of Medit, each with its number of lines of the same kind. Coordinates come back bit by bit.
 ///
 /// # Errors
 /// Of kind `Input`: a boundary without a name, on which no condition could be set.
-pub fn text(mesh: &Mesh<2>) -> Result<String> {
+pub fn text<const D: usize>(mesh: &Mesh<D>) -> Result<String> {
     let (labels, owners) = (labels(mesh), owners(mesh));
     let label = |name: &str| labels.iter().find(|l| l.0 == name).map_or(0, |l| l.1);
     let mut of_point = vec![0; mesh.points().len()];
-    let mut edges = String::new();
+    let mut facets = String::new();
     for (facet, owner) in mesh.facets().iter().zip(&owners) {
-        let Some(owner) = owner else {
-            let at: Vec<_> = mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
-            return Err(Error::input("an edge of the boundary belongs to no named boundary")
-                .at(format!("edge with the ends {at:?}"))
-                .remedy("name all of the boundary in the mesh (gmsh: Physical Curve)"));
-        };
-        // From the outside of the facet's cell, in the order in which FreeFEM's own meshes have them.
-        let cell = mesh.cell(facet.cell as usize);
-        let (a, b) = (cell[(facet.opposite as usize + 1) % 3], cell[(facet.opposite as usize + 2) % 3]);
-        for v in [a, b] {
+        let Some(owner) = owner else { return Err(nameless(mesh, facet)) };
+        for v in seen_from_outside(mesh, facet) {
             of_point[v as usize] = label(owner);
+            // Writing to a string cannot fail, here and below.
+            let _ = write!(facets, "{} ", v + 1);
         }
-        // Writing to a string cannot fail, here and below.
-        let _ = writeln!(edges, "{} {} {}", a + 1, b + 1, label(owner));
+        let _ = writeln!(facets, "{}", label(owner));
     }
-    let mut out = String::new();
-    let _ = writeln!(out, "{} {} {}", mesh.points().len(), mesh.cell_count(), mesh.facets().len());
+    let mut vertices = String::new();
     for (p, label) in mesh.points().iter().zip(of_point) {
-        let _ = writeln!(out, "{:?} {:?} {label}", p[0], p[1]);
+        for x in p.iter() {
+            let _ = write!(vertices, "{x:?} ");
+        }
+        let _ = writeln!(vertices, "{label}");
     }
+    let mut cells = String::new();
     for c in 0..mesh.cell_count() {
-        let v = mesh.cell(c);
-        let _ = writeln!(out, "{} {} {} 0", v[0] + 1, v[1] + 1, v[2] + 1);
+        for v in mesh.cell(c) {
+            let _ = write!(cells, "{} ", v + 1);
+        }
+        cells.push_str("0\n");
     }
-    Ok(out + &edges)
+    let [points, count, sides] = [mesh.points().len(), mesh.cell_count(), mesh.facets().len()];
+    Ok(if D == 2 {
+        format!("{points} {count} {sides}\n{vertices}{cells}{facets}")
+    } else {
+        format!(
+            "MeshVersionFormatted 2\nDimension 3\nVertices\n{points}\n{vertices}Tetrahedra\n{count}\n{cells}Triangles\n{sides}\n{facets}End\n"
+        )
+    })
+}
+
+/// The corners of a facet, counter-clockwise from the outside of its cell, as FreeFEM's own meshes have them.
+fn seen_from_outside<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> impl Iterator<Item = u32> {
+    let order: &[usize] = match (D, facet.opposite) {
+        (2, 0) => &[1, 2],
+        (2, 1) => &[2, 0],
+        (2, _) => &[0, 1],
+        (_, 0) => &[1, 2, 3],
+        (_, 1) => &[0, 3, 2],
+        (_, 2) => &[0, 1, 3],
+        _ => &[0, 2, 1],
+    };
+    order.iter().map(|&k| mesh.cell(facet.cell as usize)[k])
+}
+
+fn nameless<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> Error {
+    let at: Vec<_> = mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
+    let (what, part) = if D == 2 { ("an edge", "Curve") } else { ("a triangle", "Surface") };
+    Error::input(format!("{what} of the boundary belongs to no named boundary"))
+        .at(format!("the one with the corners {at:?}"))
+        .remedy(format!("name all of the boundary in the mesh (gmsh: Physical {part})"))
 }
 
 /// The smallest boundary of every facet, the first in the alphabet among equals.
-fn owners(mesh: &Mesh<2>) -> Vec<Option<&str>> {
+fn owners<const D: usize>(mesh: &Mesh<D>) -> Vec<Option<&str>> {
     let mut owners: Vec<Option<(usize, &str)>> = vec![None; mesh.facets().len()];
     for (name, facets) in mesh.boundaries() {
         for &f in facets {
@@ -75,7 +107,7 @@ fn owners(mesh: &Mesh<2>) -> Vec<Option<&str>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Diagonals, disc, rectangle};
+    use crate::mesh::{Diagonals, Point, box_mesh, disc, rectangle};
 
     /// What FreeFem++ 4.11 writes with `savemesh` for `square(3, 2, [2*x, y], flags=1)`, its edges sorted.
     const SAVED: &str = "12 12 10
@@ -120,5 +152,33 @@ mod tests {
         let mesh =
             Mesh::<2>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Into::into).to_vec(), vec![0, 1, 2]).unwrap();
         assert!(text(&mesh).unwrap_err().advice().contains("Physical Curve"));
+    }
+
+    #[test]
+    fn tetrahedra_are_written_for_readmesh3() {
+        let mesh = box_mesh([0.0; 3], [1.0, 2.0, 3.0], [1, 2, 3]).unwrap();
+        let text_of = text(&mesh).unwrap();
+        let lines: Vec<&str> = text_of.lines().collect();
+        let part = |name: &str| {
+            let at = lines.iter().position(|l| *l == name).unwrap();
+            let count: usize = lines[at + 1].parse().unwrap();
+            let numbers = |l: &&str| l.split(' ').map(|w| w.parse::<f64>().unwrap()).collect::<Vec<_>>();
+            lines[at + 2..at + 2 + count].iter().map(numbers).collect::<Vec<_>>()
+        };
+        let (vertices, tetrahedra, triangles) = (part("Vertices"), part("Tetrahedra"), part("Triangles"));
+        assert_eq!((vertices.len(), tetrahedra.len(), triangles.len()), (24, 36, 44));
+        assert!(lines.len() == 3 + 6 + 24 + 36 + 44 && lines[lines.len() - 1] == "End");
+        let point = |v: f64| Point::<3>::from_column_slice(&vertices[v as usize - 1][..3]);
+        for t in &tetrahedra {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| point(t[k]));
+            assert!((b - a).cross(&(c - a)).dot(&(d - a)) > 0.0);
+        }
+        // The labels of FreeFEM's cube, and normals that point out of the box.
+        for t in &triangles {
+            let [a, b, c] = [0, 1, 2].map(|k| point(t[k]));
+            let n = (b - a).cross(&(c - a)).normalize();
+            let (axis, sign) = [(1, -1.0), (0, 1.0), (1, 1.0), (0, -1.0), (2, -1.0), (2, 1.0)][t[3] as usize - 1];
+            assert!((n[axis] - sign).abs() < 1e-12, "{t:?}: {n:?}");
+        }
     }
 }

@@ -53,7 +53,7 @@ fn stokes_errors<const D: usize>(
 }
 
 /// L2 error of a pressure, both of zero mean.
-fn pressure_error<const D: usize>(
+pub fn pressure_error<const D: usize>(
     space: &Arc<Space<D>>,
     p: &[f64],
     exact: impl Fn(&Point<D>) -> (f64, SVector<f64, D>) + Sync,

@@ -14,6 +14,7 @@ mod examples;
 mod explain;
 mod failures;
 mod flow;
+mod flow_in_space;
 mod fluid;
 mod krylov;
 mod layers;
