@@ -26,4 +26,5 @@ mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod solvers;
 mod studies;
