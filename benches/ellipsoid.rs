@@ -74,6 +74,7 @@ fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<
         convection: true,
         grad_div: GRAD_DIV,
         solve_tolerance: 1e-10,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(VISCOSITY) },
         conditions: vec![("walls".into(), Condition::NoSlip)],

@@ -104,6 +104,7 @@ impl<const D: usize> Case<D> {
             convection: true,
             grad_div: 1.0,
             solve_tolerance: 1e-10,
+            solving: Default::default(),
             quadrature: 5,
             materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(0.01) },
             conditions: self.conditions.clone(),

@@ -95,6 +95,21 @@ impl<const D: usize> Numbering<D> {
     pub fn first_pressure(&self) -> usize {
         self.first_pressure
     }
+    /// For every velocity unknown the axis of its node's frame that it is a component along.
+    pub fn components(&self) -> Vec<u8> {
+        let mut components = vec![0; self.first_pressure];
+        for node in &self.velocity {
+            for (i, &unknown) in node.iter().enumerate().filter(|(_, u)| **u != NONE) {
+                components[unknown as usize] = i as u8;
+            }
+        }
+        components
+    }
+    /// The pressure unknowns by node, counted from 0; [`NONE`] where there is none.
+    pub fn pressure_unknowns(&self) -> Vec<u32> {
+        let first = self.first_pressure as u32;
+        self.pressure.iter().map(|&p| if p == NONE { NONE } else { p - first }).collect()
+    }
     /// Whether some part of the boundary is open, so that the pressure needs no fixing.
     pub fn is_open(&self) -> bool {
         self.open

@@ -2,16 +2,15 @@
 
 use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
-use super::term::MomentumTerm;
-use crate::base::{Error, PHASES, Phase, Phases, Result, parallel};
-use crate::fem::{
-    At, Basis, Cells, Conditions, Numbering, Rule, Space, VectorForm, add_surface_matrix, add_surface_vector,
-    assemble_flow_matrix, assemble_scalar, assemble_source, assemble_vector,
-};
-use crate::linalg::{Change, Factor, LaggedFactor, LaggedReport, Ledger, Ordering, SymmetricMatrix};
-use crate::mesh::Mesh;
-use nalgebra::{SMatrix, SVector};
+use crate::base::{Error, PHASES, Phase, Phases, Result};
+use crate::fem::{Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar};
+use crate::linalg::{Change, Factor, FactorSize, LaggedFactor, LaggedReport, Ledger, Solving, SymmetricMatrix, Way};
+use nalgebra::SVector;
 use std::sync::Arc;
+
+mod balance;
+mod load;
+mod matrix;
 
 /// Assembles and solves the coupled system; keeps the factor while the matrix does not change.
 pub struct FlowSolver<const D: usize> {
@@ -30,6 +29,10 @@ pub struct FlowSolver<const D: usize> {
     factor: Option<LaggedFactor>,
     /// Relative residual of iterations with an old factor; 0 where every matrix is to be factored.
     tolerance: f64,
+    /// Which ways of solving are allowed.
+    solving: Solving,
+    /// Nodes of the pressure on open boundaries.
+    open_nodes: Vec<u32>,
     /// Whether `factor` belongs to `base` alone.
     factor_is_base: bool,
     /// `weight / dt` of the matrix that was factored last.
@@ -85,6 +88,11 @@ impl<const D: usize> FlowSolver<D> {
         numbering.prescribed_nodes().for_each(|n| prescribed[n as usize] = true);
         let touches = |c: usize| velocity.cell_nodes(c).iter().any(|&n| prescribed[n as usize]);
         let boundary_cells = (0..mesh.cell_count()).filter(|&c| touches(c)).map(|c| c as u32).collect();
+        let mut open_nodes = Vec::new();
+        for (name, _) in conditions.iter().filter(|(_, c)| matches!(c, Condition::Open)) {
+            let facets = mesh.boundary(name)?.iter().map(|&f| &mesh.facets()[f as usize]);
+            open_nodes.extend(facets.flat_map(|facet| pressure.facet_nodes(facet).collect::<Vec<_>>()));
+        }
         let gradients = Basis::new(velocity, &Arc::new(Rule::simplex(D, 2)));
         let (velocity, pressure) = (Basis::new(velocity, rule), Basis::new(pressure, rule));
         let nodes = velocity.space().len();
@@ -114,6 +122,8 @@ impl<const D: usize> FlowSolver<D> {
             matrix,
             factor: None,
             tolerance: 0.0,
+            solving: Solving::default(),
+            open_nodes,
             factor_is_base: false,
             factored_weight: f64::NAN,
             factored_plain: false,
@@ -129,6 +139,10 @@ impl<const D: usize> FlowSolver<D> {
     /// `tolerance`, where that is cheaper than factoring; 0 (as at the start) factors each. To be called before the first step.
     pub fn iterate(&mut self, tolerance: f64) {
         self.tolerance = tolerance;
+    }
+    /// Allows some ways of solving, and sets the memory that factors may take. To be called before the first step.
+    pub fn solve_by(&mut self, solving: Solving) {
+        self.solving = solving;
     }
     /// Tells that the step will change, and with it the matrix: no change of it is taken to last.
     pub fn expect_changes(&mut self) {
@@ -182,9 +196,30 @@ impl<const D: usize> FlowSolver<D> {
     pub fn matrix_nonzeros(&self) -> usize {
         self.matrix.nonzeros()
     }
-    /// The factor, once there is one.
+    /// The factor of the whole matrix, once there is one; none on the Schur route.
     pub fn factor(&self) -> Option<&Factor> {
-        self.factor.as_ref().map(LaggedFactor::factor)
+        self.factor.as_ref().and_then(LaggedFactor::factor)
+    }
+    /// The way of solving and the size of its factors, once they are planned.
+    pub fn solver_size(&self) -> Option<(Way, FactorSize)> {
+        self.factor.as_ref().map(|f| (f.way(), f.size()))
+    }
+    /// Whether each system is solved for by iterations, so that a good start pays.
+    pub fn always_iterates(&self) -> bool {
+        self.factor.as_ref().is_some_and(LaggedFactor::always_iterates)
+    }
+    /// The way of solving with its sizes, and estimates of its times on one core of a server.
+    pub fn way_in_words(&self) -> Option<String> {
+        let (way, size) = self.solver_size()?;
+        Some(format!(
+            "solved by {way}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",
+            size.entries as f64,
+            size.bytes as f64 / 1e6,
+            size.factoring_seconds(),
+            size.operations,
+            size.solving_seconds(),
+            if way == Way::Direct { "a solve" } else { "an iteration" }
+        ))
     }
     /// How a matrix that changes from step to step is solved for, with a passive verb.
     pub fn way_of_solving(&self) -> String {
@@ -222,164 +257,6 @@ impl<const D: usize> FlowSolver<D> {
         for n in self.numbering.prescribed_nodes() {
             u[n as usize] = lift[n as usize];
         }
-    }
-
-    /// The viscous, grad-div and inertial parts of the bilinear form.
-    fn form<'a>(
-        &'a self,
-        weight: f64,
-    ) -> impl Fn(&At<D>, &SVector<f64, D>, &SMatrix<f64, D, D>) -> VectorForm<D> + Sync + 'a {
-        move |at, u, grad| {
-            let mut stress = (grad + grad.transpose()) * self.viscosity.at(at);
-            let divergence = self.grad_div * grad.trace();
-            for i in 0..D {
-                stress[(i, i)] += divergence;
-            }
-            (u * (weight * self.density.at(at)), stress)
-        }
-    }
-
-    /// Assembles the part of the matrix that stays, for `weight / dt`, and analyses it without factoring.
-    pub fn analyse(&mut self, weight: f64) -> Result<()> {
-        self.phases.begin();
-        self.assemble_base(weight)?;
-        self.phases.end(Phase::Assembly);
-        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
-        if self.factor.is_none() {
-            let ordering = Ordering::saddle_point(base, self.numbering.first_pressure())?;
-            self.factor = Some(LaggedFactor::analyse(base, ordering, self.tolerance)?);
-            self.factor_is_base = false;
-        }
-        self.phases.end(Phase::Factor);
-        Ok(())
-    }
-
-    fn assemble_base(&mut self, weight: f64) -> Result<()> {
-        if self.base.as_ref().is_some_and(|(_, w)| *w == weight) {
-            return Ok(());
-        }
-        let mut matrix = match self.base.take() {
-            Some((m, _)) => m,
-            None => self.matrix.clone(),
-        };
-        matrix.zero();
-        let form = self.form(weight);
-        assemble_flow_matrix(
-            &self.velocity,
-            Some(&self.pressure),
-            &self.numbering,
-            Cells::All,
-            &mut matrix,
-            &mut Vec::new(),
-            form,
-        )?;
-        self.base = Some((matrix, weight));
-        self.factor_is_base = false;
-        Ok(())
-    }
-
-    /// Makes the matrix fit the step. Returns what that means for the factor.
-    fn prepare(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>]) -> Result<Change> {
-        let implicit = terms.iter().any(|t| t.is_implicit());
-        self.analyse(weight)?;
-        if self.factor_is_base && !implicit {
-            return Ok(Change::None);
-        }
-        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
-        self.matrix.copy_values_from(base)?;
-        for term in terms.iter().filter(|t| t.is_implicit()) {
-            assemble_flow_matrix(
-                &self.velocity,
-                None,
-                &self.numbering,
-                term.cells(),
-                &mut self.matrix,
-                &mut self.work.scalars,
-                |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
-            )?;
-            let (space, numbering) = (self.velocity.space(), &self.numbering);
-            add_surface_matrix(space, numbering, term.surface(), &mut self.matrix, |p, grad| {
-                term.surface_stiffness(p, grad)
-            })?;
-        }
-        self.phases.end(Phase::Assembly);
-        let constant = !implicit && self.density.is_constant() && self.viscosity.is_constant();
-        self.factor_is_base = constant && self.factored_plain && self.factored_weight == weight;
-        if self.factor_is_base {
-            return Ok(Change::None);
-        }
-        // The formula begins with another coefficient than it goes on with: a factor of the first step would serve badly ever after.
-        let lasting = !self.expects_changes && (constant || self.factored_weight != weight);
-        Ok(if lasting { Change::Lasting } else { Change::Passing })
-    }
-
-    /// Makes the factor that a run had when it was interrupted: of `weight / dt`, the materials that were set last and `terms`.
-    ///
-    /// # Errors
-    /// A factorisation that fails.
-    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], ledger: Ledger) -> Result<()> {
-        self.prepare(weight, terms)?;
-        let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
-        self.factored_weight = weight;
-        self.factored_plain = terms.iter().all(|t| !t.is_implicit());
-        factor.restore(&self.matrix, ledger)
-    }
-
-    /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
-    fn assemble_load(&mut self, step: &Step<'_, D>) {
-        self.work.load.fill(SVector::zeros());
-        self.assemble_inertia(step);
-        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
-        let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
-        if step.body_force.is_some() || step.gravity.norm() > 0.0 {
-            assemble_source(velocity, load, scratch, |c, cell| {
-                for q in 0..velocity.rule().len() {
-                    let at = velocity.at(c, q);
-                    let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
-                    cell.add(q, step.gravity * density.at(&at) + force);
-                }
-            });
-        }
-        self.phases.end(Phase::Assembly);
-        for term in step.terms {
-            assemble_vector(velocity, term.cells(), load, scratch, |at| {
-                let (f0, mut f1) = term.force(at);
-                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
-                    f1 += term.stiffness(at, &velocity.jacobian(at, u));
-                }
-                (f0, f1)
-            });
-            add_surface_vector(space, term.surface(), load, |p| {
-                let (f0, mut f1) = term.surface_force(p);
-                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
-                    f1 += term.surface_stiffness(p, &space.jacobian(u, p.at.cell, &p.at.barycentric));
-                }
-                (f0, f1)
-            });
-        }
-        self.phases.end(Phase::Force);
-    }
-
-    /// `rho sum weight u o X / dt`, each earlier velocity gathered once a cell: most feet lie in the cell of their points.
-    fn assemble_inertia(&mut self, step: &Step<'_, D>) {
-        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
-        let (space, points) = (velocity.space(), velocity.rule().len());
-        if step.history.is_empty() {
-            return;
-        }
-        assemble_source(velocity, &mut work.load, &mut work.vectors, |c, cell| {
-            for h in step.history {
-                let own = space.on_cell(h.u, c);
-                for q in 0..points {
-                    let u = match h.feet.map(|feet| feet.get(c * points + q)) {
-                        None => own.combined(velocity.values(q)),
-                        Some(foot) if foot.cell as usize == c => own.value(&foot.barycentric),
-                        Some(foot) => space.value(h.u, foot.cell as usize, &foot.barycentric),
-                    };
-                    cell.add(q, u * (h.weight * density.value(c, q) / step.dt));
-                }
-            }
-        });
     }
 
     /// Takes one step and writes the new velocity and pressure into `state`, whose values iterations start from.
@@ -420,7 +297,7 @@ impl<const D: usize> FlowSolver<D> {
         }
         self.numbering.gather(&work.residual, &work.continuity, &mut work.rhs);
         let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not factored")) };
-        if change == Change::Passing {
+        if change == Change::Passing || factor.always_iterates() {
             self.numbering.restrict(&state.u, &state.p, &work.lift, &mut work.x);
         }
         let report = factor.solve(&self.matrix, change, &work.rhs, &mut work.x).map_err(|e| {
@@ -434,124 +311,6 @@ impl<const D: usize> FlowSolver<D> {
             state.p.iter_mut().for_each(|p| *p -= mean);
         }
         Ok(report)
-    }
-
-    /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`, less the mean of `div g` when the
-    /// boundary is closed, so that what the interpolation of `g` lets through is spread evenly.
-    fn bring_in_boundary_values(&mut self, step: &Step<'_, D>, work: &mut Work<D>) -> Result<()> {
-        let space = self.velocity.space();
-        self.numbering.lift(space, step.time, &mut work.lift);
-        if let Some(n) = work.lift.iter().position(|g| g.iter().any(|v| !v.is_finite())) {
-            return Err(Error::computation("a prescribed velocity is not a finite number")
-                .at(format!("time {:.6}, node at {:?}", step.time, space.nodes()[n].as_slice()))
-                .value(format!("{:?}", work.lift[n].as_slice()))
-                .remedy("check the velocity expressions of the boundary"));
-        }
-        let cells = Cells::Some(&self.boundary_cells);
-        let g = &work.lift;
-        let velocity = &self.velocity;
-        let form = self.form(step.weight / step.dt);
-        assemble_vector(velocity, cells, &mut work.residual, &mut work.vectors, |at| {
-            let grad = velocity.jacobian(at, g);
-            let (f0, mut f1) = form(at, &velocity.value(at, g), &grad);
-            for term in step.terms.iter().filter(|t| t.is_implicit()) {
-                f1 += term.stiffness(at, &grad);
-            }
-            (-f0, -f1)
-        });
-        assemble_scalar(&self.pressure, cells, &mut work.continuity, &mut work.scalars, |at| {
-            (velocity.jacobian(at, g).trace(), SVector::zeros())
-        });
-        if !self.numbering.is_open() {
-            let mesh = space.mesh();
-            let through: f64 = work.continuity.iter().sum();
-            let [scale, along] = boundary_flow(mesh, space, g);
-            // A wall that moves along itself may have a normal velocity of rounding, such as sin(pi).
-            if through.abs() > 1e-3 * scale && scale > 1e-12 * along {
-                return Err(Error::scene(
-                    "the prescribed velocities let more fluid in than out, and no boundary is open",
-                )
-                .at(format!("time {:.6}", step.time))
-                .value(format!("net outflow {through:e}, gross flow {scale:e}"))
-                .remedy("balance the velocities, or set open = true on an outlet"));
-            }
-            let mean = through / mesh.volume();
-            work.continuity.iter_mut().zip(&work.pressure_mass).for_each(|(c, m)| *c -= mean * m);
-        }
-        Ok(())
-    }
-
-    /// Power that the walls put into the flow through prescribed velocities: the sum over nodes of reaction times velocity,
-    /// after [`step`](Self::step) with the same data.
-    pub fn wall_power(&mut self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
-        if self.numbering.is_homogeneous() {
-            return 0.0;
-        }
-        // The buffers of the solve are free now.
-        let mut r = std::mem::take(&mut self.work.residual);
-        let mut scratch = std::mem::take(&mut self.work.vectors);
-        self.find_reaction(step, state, Cells::Some(&self.boundary_cells), &mut r, &mut scratch);
-        let power = self.numbering.prescribed_nodes().map(|n| r[n as usize].dot(&state.u[n as usize])).sum();
-        (self.work.residual, self.work.vectors) = (r, scratch);
-        power
-    }
-
-    /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` whose support lies in `cells`: at nodes on
-    /// a wall, the force of the wall on the fluid. Valid after [`step`](Self::step) with the same data.
-    pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
-        let mut r = self.work.load.clone();
-        self.find_reaction(step, state, cells, &mut r, &mut Vec::new());
-        r
-    }
-
-    /// [`reaction`](Self::reaction) in place of what `r` holds.
-    fn find_reaction(
-        &self,
-        step: &Step<'_, D>,
-        state: &FlowState<D>,
-        cells: Cells<'_>,
-        r: &mut [SVector<f64, D>],
-        scratch: &mut Vec<SVector<f64, D>>,
-    ) {
-        r.iter_mut().zip(&self.work.load).for_each(|(r, f)| *r = -f);
-        let (velocity, pressure) = (&self.velocity, &self.pressure);
-        let form = self.form(step.weight / step.dt);
-        assemble_vector(velocity, cells, r, scratch, |at| {
-            let grad = velocity.jacobian(at, &state.u);
-            let (f0, mut f1) = form(at, &velocity.value(at, &state.u), &grad);
-            for term in step.terms.iter().filter(|t| t.is_implicit()) {
-                f1 += term.stiffness(at, &grad);
-            }
-            let p = pressure.value(at, &state.p);
-            for i in 0..D {
-                f1[(i, i)] -= p;
-            }
-            (f0, f1)
-        });
-    }
-
-    /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
-    /// each integrated. With one viscosity the gradients are taken at the points of a rule of degree 2, which is exact.
-    pub fn energies(&self, state: &FlowState<D>) -> [f64; 4] {
-        let values = &self.velocity;
-        let gradients = if self.viscosity.is_constant() { &self.gradients } else { values };
-        let mesh = values.space().mesh();
-        let [kinetic, dissipation, div2] = parallel::sum(mesh.cell_count(), |c| {
-            let (u, map) = (values.space().on_cell(&state.u, c), mesh.map(c));
-            let mut sums = [0.0; 3];
-            for q in 0..values.rule().len() {
-                let square = u.combined(values.values(q)).norm_squared();
-                sums[0] += 0.5 * values.weight(c, q) * self.density.value(c, q) * square;
-            }
-            for q in 0..gradients.rule().len() {
-                let grad = u.reference_jacobian(gradients.reference_gradients(q)) * map.inverse;
-                let (weight, strain) = (gradients.weight(c, q), (grad + grad.transpose()) * 0.5);
-                sums[1] += 2.0 * weight * self.viscosity.value(c, q) * strain.norm_squared();
-                sums[2] += weight * grad.trace().powi(2);
-            }
-            sums
-        });
-        [kinetic, dissipation, self.grad_div * div2, div2]
     }
 }
 
@@ -569,20 +328,4 @@ impl<const D: usize> Work<D> {
             pressure_mass: Vec::new(),
         }
     }
-}
-
-/// Integrals of `|g . n|` and `|g|` over the boundary, by the mean over the nodes of each facet: scales to judge the net flux with.
-fn boundary_flow<const D: usize>(mesh: &Mesh<D>, space: &Space<D>, g: &[SVector<f64, D>]) -> [f64; 2] {
-    let mut flow = [0.0; 2];
-    for f in mesh.facets() {
-        let (n, size) = mesh.facet_normal(f);
-        let (mut sums, mut count) = ([0.0; 2], 0.0);
-        for node in space.facet_nodes(f) {
-            let g = g[node as usize];
-            sums = [sums[0] + g.dot(&n).abs(), sums[1] + g.norm()];
-            count += 1.0;
-        }
-        flow = [flow[0] + size * sums[0] / count, flow[1] + size * sums[1] / count];
-    }
-    flow
 }

@@ -1,28 +1,26 @@
 //! The direct solver: supernodal LDL^T without pivoting and iterative refinement. The only module that names faer.
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Side};
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, StackReq};
+use faer::linalg::cholesky::ldlt::factor::LdltError;
+use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 
 use super::memory::{available, readable};
+use super::single::Single;
+use super::size::FactorSize;
 use super::substitution::Supernodes;
 use super::{Ordering, SymmetricMatrix};
 use crate::base::{Error, Result};
+
+mod kernel;
+
+use kernel::{numeric, supernodes, symbolic_factor, view_of_pattern};
 
 /// Relative residual above which a solution is refused.
 const TOLERANCE: f64 = 1e-9;
 /// Relative residual above which a solution is refined: the bare substitution is near 3e-16 in a good order.
 const REFINED: f64 = 1e-13;
 const MOST_REFINEMENTS: usize = 3;
-/// Nanoseconds of a factorisation: per operation, and per entry of the factor.
-const FACTORING: [f64; 2] = [0.028, 8.0];
-/// Nanoseconds of an iteration (substitution, product with the matrix, orthogonalisation): per entry of the factor, and per unknown.
-const ITERATING: [f64; 2] = [1.3, 100.0];
 
 /// How well a linear system was solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +33,31 @@ pub struct SolveReport {
     pub iterations: usize,
 }
 
+/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions are in double precision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits: one substitution is accurate to rounding.
+    Double,
+    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to follow.
+    Single,
+}
+
+impl Precision {
+    /// Bytes of a number.
+    pub fn bytes(self) -> usize {
+        match self {
+            Precision::Double => size_of::<f64>(),
+            Precision::Single => size_of::<f32>(),
+        }
+    }
+}
+
+/// The numbers of a factor; none before the first numeric factorisation.
+enum Values {
+    Double(Vec<f64>),
+    Single(Single),
+}
+
 /// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive definite, or a saddle
 /// point in the order of [`Ordering::saddle_point`].
 ///
@@ -43,11 +66,10 @@ pub struct Factor {
     symbolic: SymbolicCholesky<usize>,
     supernodes: Supernodes,
     pattern: u64,
-    /// Empty before the first numeric factorisation.
-    values: Vec<f64>,
+    values: Values,
     is_valid: bool,
     scratch: MemBuffer,
-    scratch_bytes: usize,
+    matrix_entries: usize,
     residual: Vec<f64>,
     /// A right-hand side or solution in the order of elimination.
     permuted: Vec<f64>,
@@ -68,24 +90,47 @@ impl Factor {
     /// # Errors
     /// As [`analyse`](Factor::analyse).
     pub fn analyse_within(matrix: &SymmetricMatrix, ordering: Ordering, limit: Option<usize>) -> Result<Factor> {
+        let factor = Factor::plan(matrix, ordering)?;
+        match limit {
+            Some(limit) if factor.bytes() > limit => Err(factor.too_large(Some(limit))),
+            _ => Ok(factor),
+        }
+    }
+
+    /// [`analyse`](Factor::analyse) without a limit: what the factor takes is known, and no memory was asked for.
+    ///
+    /// # Errors
+    /// Internal, if the ordering is not one of this matrix.
+    pub fn plan(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Factor> {
         let symbolic = symbolic_factor(matrix, &ordering)?;
-        let request = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
-        let mut factor = Factor {
+        Ok(Factor {
             supernodes: supernodes(&symbolic)?,
             symbolic,
             pattern: matrix.pattern(),
-            values: Vec::new(),
+            values: Values::Double(Vec::new()),
             is_valid: false,
             scratch: MemBuffer::new(StackReq::EMPTY),
-            scratch_bytes: request.unaligned_bytes_required(),
+            matrix_entries: matrix.nonzeros(),
             residual: vec![0.0; matrix.order()],
             permuted: vec![0.0; matrix.order()],
+        })
+    }
+
+    /// The same factor in another precision, without values.
+    pub fn with_precision(self, precision: Precision) -> Factor {
+        let values = match precision {
+            Precision::Double => Values::Double(Vec::new()),
+            Precision::Single => Values::Single(Single::default()),
         };
-        if limit.is_some_and(|limit| factor.bytes() > limit) {
-            return Err(factor.too_large(limit));
+        Factor { values, is_valid: false, scratch: MemBuffer::new(StackReq::EMPTY), ..self }
+    }
+
+    /// The precision of the factor.
+    pub fn precision(&self) -> Precision {
+        match self.values {
+            Values::Double(_) => Precision::Double,
+            Values::Single(_) => Precision::Single,
         }
-        factor.scratch = MemBuffer::try_new(request).map_err(|_| factor.too_large(limit))?;
-        Ok(factor)
     }
 
     /// Number of unknowns.
@@ -115,20 +160,40 @@ impl Factor {
         lengths.map(squares).sum()
     }
 
-    /// What a numeric factorisation costs, in iterations that this factor preconditions: counted operations and entries, weighed with
-    /// constants that were measured once and are the same on every machine, so that no choice depends on a clock.
-    ///
-    /// Measured on one core of a server (November 2026): factorisation over substitution and product for P2-P1 on `n x n` squares, n = 30,
-    /// 60, 120: 6.8, 4.2, 5.3 (by this model 4.2, 5.4, 7.3); on `n^3` cubes, n = 4, 6, 8, 10: 8.3, 9.3, 10.4, 15.0 (6.4, 10.4, 14.5, 20.6).
+    /// What the factor takes, and an estimate of how long.
+    pub fn size(&self) -> FactorSize {
+        FactorSize {
+            unknowns: self.order(),
+            entries: self.nonzeros(),
+            read: self.nonzeros(),
+            operations: self.operations(),
+            bytes: self.bytes(),
+            precision: self.precision(),
+        }
+    }
+
+    /// What a numeric factorisation costs, in iterations that this factor preconditions: see [`FactorSize::cost`].
     pub fn cost(&self) -> f64 {
-        let (entries, order) = (self.nonzeros() as f64, self.order() as f64);
-        let factoring = FACTORING[0] * self.operations() + FACTORING[1] * entries;
-        factoring / (ITERATING[0] * entries + ITERATING[1] * order).max(1.0)
+        self.size().cost()
     }
 
     /// Bytes that the factor takes with its working space, all of them after the first [`refactor`](Factor::refactor).
     pub fn bytes(&self) -> usize {
-        8 * self.nonzeros() + self.supernodes.bytes() + self.scratch_bytes
+        let extra = match self.precision() {
+            Precision::Double => 0,
+            Precision::Single => Single::extra_bytes(self.order(), self.matrix_entries),
+        };
+        self.precision().bytes() * self.nonzeros()
+            + extra
+            + self.supernodes.bytes()
+            + self.scratch_request().unaligned_bytes_required()
+    }
+
+    fn scratch_request(&self) -> StackReq {
+        match self.precision() {
+            Precision::Double => self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()),
+            Precision::Single => self.symbolic.factorize_numeric_ldlt_scratch::<f32>(Par::Seq, Default::default()),
+        }
     }
 
     /// Factorises the matrix, whose values may have changed but not its pattern. Allocates at the first call only.
@@ -142,24 +207,37 @@ impl Factor {
         if let Some(k) = matrix.values().iter().position(|v| !v.is_finite()) {
             return Err(not_finite("an entry of the matrix", matrix.values()[k], column_of_entry(matrix, k)));
         }
-        if self.values.is_empty() {
-            let length = self.nonzeros();
-            self.values.try_reserve_exact(length).map_err(|_| self.too_large(None))?;
-            self.values.resize(length, 0.0);
-        }
-        let factored = self.symbolic.factorize_numeric_ldlt(
-            &mut self.values,
-            SparseColMatRef::new(view_of_pattern(matrix, matrix.upper().indptr().raw_storage()), matrix.values()),
-            Side::Upper,
-            LdltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-            Default::default(),
-        );
+        self.reserve()?;
+        let pointers = matrix.upper().indptr();
+        let pattern = view_of_pattern(matrix, pointers.raw_storage());
+        let (symbolic, scratch) = (&self.symbolic, &mut self.scratch);
+        let factored = match &mut self.values {
+            Values::Double(factor) => numeric(symbolic, pattern, matrix.values(), factor, scratch),
+            Values::Single(single) => {
+                single.take(matrix);
+                numeric(symbolic, pattern, &single.matrix, &mut single.factor, scratch)
+            }
+        };
         if let Err(LdltError::ZeroPivot { index }) = factored {
             return Err(self.zero_pivot(index));
         }
         self.is_valid = true;
+        Ok(())
+    }
+
+    /// Allocates what a numeric factorisation needs, once.
+    fn reserve(&mut self) -> Result<()> {
+        let (length, entries) = (self.nonzeros(), self.matrix_entries);
+        let reserved = match &mut self.values {
+            Values::Double(factor) => resize(factor, length),
+            Values::Single(single) => resize(&mut single.factor, length) && resize(&mut single.matrix, entries),
+        };
+        if !reserved {
+            return Err(self.too_large(None));
+        }
+        if self.scratch.is_empty() {
+            self.scratch = MemBuffer::try_new(self.scratch_request()).map_err(|_| self.too_large(None))?;
+        }
         Ok(())
     }
 
@@ -182,9 +260,7 @@ impl Factor {
                 x.len()
             )));
         }
-        if let Some(k) = rhs.iter().position(|v| !v.is_finite()) {
-            return Err(not_finite("the right-hand side", rhs[k], k % n));
-        }
+        rhs.chunks_exact(n).try_for_each(require_finite)?;
         self.residual.resize(rhs.len().max(self.residual.len()), 0.0);
         x.copy_from_slice(rhs);
         self.substitute(x);
@@ -207,15 +283,21 @@ impl Factor {
 
     /// Replaces each right-hand side in `x` by its solution, without refinement.
     pub(super) fn substitute(&mut self, x: &mut [f64]) {
+        if let Values::Single(single) = &self.values {
+            single.scale(x);
+        }
         let unknowns = self.symbolic.perm().map(|p| p.arrays().0);
         for x in x.chunks_exact_mut(self.symbolic.nrows()) {
             let Some(unknowns) = unknowns else {
-                self.supernodes.solve(&self.values, x);
+                self.values.solve(&mut self.supernodes, x);
                 continue;
             };
             self.permuted.iter_mut().zip(unknowns).for_each(|(v, &i)| *v = x[i]);
-            self.supernodes.solve(&self.values, &mut self.permuted);
+            self.values.solve(&mut self.supernodes, &mut self.permuted);
             self.permuted.iter().zip(unknowns).for_each(|(&v, &i)| x[i] = v);
+        }
+        if let Values::Single(single) = &self.values {
+            single.scale(x);
         }
     }
 
@@ -264,44 +346,31 @@ impl Factor {
     }
 }
 
-fn symbolic_factor(matrix: &SymmetricMatrix, ordering: &Ordering) -> Result<SymbolicCholesky<usize>> {
-    let n = matrix.order();
-    if ordering.unknowns().len() != n {
-        let sizes = format!("{} unknowns, ordering of {}", n, ordering.unknowns().len());
-        return Err(Error::internal("an ordering does not belong to the matrix").value(sizes));
+impl Values {
+    fn solve(&self, supernodes: &mut Supernodes, x: &mut [f64]) {
+        match self {
+            Values::Double(factor) => supernodes.solve(factor, x),
+            Values::Single(single) => supernodes.solve(&single.factor, x),
+        }
     }
-    let pointers = matrix.upper().indptr();
-    let permutation = faer::perm::PermRef::new_checked(ordering.unknowns(), ordering.positions(), n);
-    let params = CholeskySymbolicParams {
-        // Faster than the simplicial method from a few hundred unknowns on.
-        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-        ..Default::default()
-    };
-    let pattern = view_of_pattern(matrix, pointers.raw_storage());
-    factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Custom(permutation), params).map_err(|error| {
-        Error::computation("the factor of a matrix could not be planned")
-            .at(format!("{n} unknowns, {} entries", matrix.nonzeros()))
-            .value(error)
-            .remedy("use a coarser mesh or a machine with more memory")
-    })
 }
 
-/// The blocks of the factor, without faer.
-fn supernodes(symbolic: &SymbolicCholesky<usize>) -> Result<Supernodes> {
-    let SymbolicCholeskyRaw::Supernodal(blocks) = symbolic.raw() else {
-        return Err(Error::internal("a factor has no supernodes"));
-    };
-    let block = |s: usize| {
-        let [begin, end] = [blocks.supernode_begin()[s], blocks.supernode_end()[s]];
-        let rows = blocks.supernode(s).pattern().iter().map(|&i| i as u32);
-        (begin, end - begin, blocks.col_ptr_for_val()[s], rows)
-    };
-    Ok(Supernodes::new((0..blocks.n_supernodes()).map(block)))
+/// Gives a list its length, once; whether the memory sufficed.
+fn resize<T: Clone + Default>(list: &mut Vec<T>, length: usize) -> bool {
+    let fits = list.len() == length || list.try_reserve_exact(length).is_ok();
+    if fits {
+        list.resize(length, T::default());
+    }
+    fits
 }
 
-fn view_of_pattern<'a>(matrix: &'a SymmetricMatrix, pointers: &'a [usize]) -> SymbolicSparseColMatRef<'a, usize> {
-    let n = matrix.order();
-    SymbolicSparseColMatRef::new_checked(n, n, pointers, None, matrix.upper().indices())
+/// # Errors
+/// Computation, if an entry of a right-hand side is not finite.
+pub(super) fn require_finite(rhs: &[f64]) -> Result<()> {
+    match rhs.iter().position(|v| !v.is_finite()) {
+        Some(k) => Err(not_finite("the right-hand side", rhs[k], k)),
+        None => Ok(()),
+    }
 }
 
 fn not_finite(what: &str, value: f64, unknown: usize) -> Error {

@@ -3,7 +3,7 @@
 use super::SymmetricMatrix;
 
 /// Directions that are kept before the method starts anew from the solution so far.
-const RESTART: usize = 40;
+pub(super) const RESTART: usize = 40;
 /// Iterations before the speed of convergence is judged.
 const TRIAL: usize = 4;
 

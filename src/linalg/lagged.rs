@@ -1,8 +1,11 @@
 //! A factor that is kept while the matrix changes: it preconditions, and is made anew when that is cheaper.
 
-use super::gmres::Gmres;
-use super::{Factor, Ordering, SolveReport, SymmetricMatrix};
-use crate::base::Result;
+use super::direct::require_finite;
+use super::engine::{Engine, Solving, Way};
+use super::gmres::{Gmres, Iterated, RESTART};
+use super::schur::Saddle;
+use super::{Factor, FactorSize, Ordering, SolveReport, SymmetricMatrix};
+use crate::base::{Error, Result};
 use cpu_time::ProcessTime;
 
 /// What the factor has to do with the matrix of a solve.
@@ -32,7 +35,8 @@ pub struct LaggedReport {
 impl LaggedReport {
     /// Of a direct solve, after a factorisation that took these seconds or none.
     fn direct(solve: SolveReport, factoring: Option<f64>) -> LaggedReport {
-        let substitutions = 1 + solve.refinements + solve.iterations;
+        let substitutions =
+            solve.iterations + if solve.iterations == 0 || factoring.is_some() { 1 + solve.refinements } else { 0 };
         LaggedReport { solve, refactored: factoring.is_some(), substitutions, factoring: factoring.unwrap_or_default() }
     }
 }
@@ -65,15 +69,17 @@ const LEAST_COST: f64 = 3.0;
 const WORTHWHILE: f64 = 0.95;
 /// What a solve with the factor of the matrix costs, in iterations.
 const DIRECT_SOLVE: f64 = 1.0;
+/// Relative residual of iterations with a factor of the matrix itself, where no other is given.
+const OWN_TOLERANCE: f64 = 1e-10;
 
 impl Ledger {
     fn wants_factor(&self) -> bool {
         self.hold > 0.0 || self.last * self.solves > self.spent
     }
-    /// A factorisation begins another period, `wasted` iterations after the last one. A period that saved nothing is a failure, and the
+    /// A factorisation begins another period, `wasted` iterations after the last one; the solve with it cost `own`. A period that saved nothing is a failure, and the
     /// next trials come after 0, 1, 3, 7, ... further factorisations.
-    fn factored(&mut self, cost: f64, wasted: usize) {
-        let direct = cost + DIRECT_SOLVE;
+    fn factored(&mut self, cost: f64, own: f64, wasted: usize) {
+        let direct = cost + own;
         let tried = self.solves > 1.0 || wasted > 0;
         if tried && self.spent + wasted as f64 > WORTHWHILE * direct * self.solves {
             self.failures = (self.failures + 1.0).min(LONGEST_HOLD.log2() + 1.0);
@@ -92,9 +98,12 @@ impl Ledger {
 }
 
 /// A factorisation that serves while the matrix changes: its matrix is solved for by GMRES with the old factor as preconditioner,
-/// as long as this costs less than factoring; what does not converge is factored and solved directly.
+/// as long as this costs less than factoring; what does not converge is factored and solved with its own factor.
+///
+/// A factor in double precision solves its own matrix directly. One in single precision, and the scalar factors of the Schur route, precondition GMRES
+/// for it as well, to the same tolerance (1e-10 where it is 0); a solve that does not reach it is an error.
 pub struct LaggedFactor {
-    factor: Factor,
+    engine: Engine,
     krylov: Gmres,
     ledger: Ledger,
     /// Relative residual at which iterations stop; 0 factors every matrix.
@@ -109,13 +118,51 @@ impl LaggedFactor {
     /// # Errors
     /// As [`Factor::analyse`].
     pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering, tolerance: f64) -> Result<LaggedFactor> {
-        let factor = Factor::analyse(matrix, ordering)?;
-        let cost = factor.cost();
-        Ok(LaggedFactor { factor, krylov: Gmres::default(), ledger: Ledger::default(), tolerance, cost })
+        Ok(LaggedFactor::with(Engine::Whole(Factor::analyse(matrix, ordering)?), tolerance))
     }
-    /// The factor.
-    pub fn factor(&self) -> &Factor {
-        &self.factor
+    /// Finds the way of solving for a saddle point whose multipliers begin at `first`, by what fits into the memory: directly, with
+    /// a factor in single precision, by the Schur route. `saddle` is asked for where the last comes into question.
+    ///
+    /// # Errors
+    /// Computation, if nothing that `solving` allows fits.
+    pub fn choose(
+        matrix: &SymmetricMatrix,
+        first: usize,
+        solving: Solving,
+        tolerance: f64,
+        saddle: impl FnOnce() -> Result<Saddle>,
+    ) -> Result<LaggedFactor> {
+        Ok(LaggedFactor::with(Engine::choose(matrix, first, solving, saddle)?, tolerance))
+    }
+    fn with(engine: Engine, tolerance: f64) -> LaggedFactor {
+        let cost = engine.size().cost();
+        LaggedFactor { engine, krylov: Gmres::default(), ledger: Ledger::default(), tolerance, cost }
+    }
+    /// The factor of the whole matrix, where there is one.
+    pub fn factor(&self) -> Option<&Factor> {
+        match &self.engine {
+            Engine::Whole(factor) => Some(factor),
+            Engine::Schur(_) => None,
+        }
+    }
+    /// The way of solving.
+    pub fn way(&self) -> Way {
+        self.engine.way()
+    }
+    /// What the factor, or all factors, take.
+    pub fn size(&self) -> FactorSize {
+        self.engine.size()
+    }
+    /// Whether the matrix of the factor is solved for by iterations too, so that a good start pays.
+    pub fn always_iterates(&self) -> bool {
+        self.way() != Way::Direct
+    }
+    /// The operators on the multipliers, to be filled before a solve whose matrix has changed; none but on the Schur route.
+    pub fn operators_mut(&mut self) -> &mut [SymmetricMatrix] {
+        match &mut self.engine {
+            Engine::Whole(_) => &mut [],
+            Engine::Schur(schur) => schur.operators_mut(),
+        }
     }
     /// Whether a matrix that changes from solve to solve may be iterated for.
     pub fn may_iterate(&self) -> bool {
@@ -131,8 +178,13 @@ impl LaggedFactor {
     }
     /// Bytes that the factor takes with all working space.
     pub fn bytes(&self) -> usize {
-        let vectors = if self.may_iterate() { 2 * (self.cost + DIRECT_SOLVE) as usize + 2 } else { 0 };
-        self.factor.bytes() + vectors * self.factor.order() * size_of::<f64>()
+        let most = if self.may_iterate() { self.most_iterations() } else { 0 };
+        let vectors = if most > 0 { 2 * most.min(RESTART) + 2 } else { 0 };
+        let own = vectors * self.engine.size().unknowns * size_of::<f64>();
+        match self.way() {
+            Way::Direct => self.engine.size().bytes + own,
+            way => self.engine.size().bytes + own.saturating_sub(way.vector_bytes(self.engine.size().unknowns)),
+        }
     }
     /// The books.
     pub fn ledger(&self) -> Ledger {
@@ -143,15 +195,23 @@ impl LaggedFactor {
     /// # Errors
     /// As [`Factor::refactor`].
     pub fn restore(&mut self, matrix: &SymmetricMatrix, ledger: Ledger) -> Result<()> {
-        self.factor.refactor(matrix)?;
+        self.engine.refactor(matrix)?;
         self.ledger = ledger;
         Ok(())
+    }
+
+    /// More iterations with an old factor than the factorisation is worth are not made.
+    fn most_iterations(&self) -> usize {
+        match self.way() {
+            Way::Direct => (self.cost + DIRECT_SOLVE) as usize,
+            way => self.cost as usize + way.most_iterations(),
+        }
     }
 
     /// Solves `A x = rhs`; `x` holds the start of an iteration.
     ///
     /// # Errors
-    /// As [`Factor::refactor`] and [`Factor::solve`].
+    /// As [`Factor::refactor`] and [`Factor::solve`]; an iteration with a factor of the matrix itself that does not converge.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,
@@ -159,17 +219,14 @@ impl LaggedFactor {
         rhs: &[f64],
         x: &mut [f64],
     ) -> Result<LaggedReport> {
-        if change == Change::None && self.factor.is_valid() {
-            return Ok(LaggedReport::direct(self.factor.solve(matrix, rhs, x)?, None));
+        if change == Change::None && self.engine.is_valid() {
+            return Ok(LaggedReport::direct(self.solve_own(matrix, rhs, x)?, None));
         }
         let try_krylov =
-            change == Change::Passing && self.may_iterate() && self.factor.is_valid() && !self.ledger.wants_factor();
+            change == Change::Passing && self.may_iterate() && self.engine.is_valid() && !self.ledger.wants_factor();
         let mut wasted = 0;
         if try_krylov {
-            // More iterations than the factorisation is worth are not made.
-            let limits = (self.tolerance, (self.cost + DIRECT_SOLVE) as usize);
-            let factor = &mut self.factor;
-            let done = self.krylov.solve(matrix, |v| factor.substitute(v), rhs, x, limits);
+            let done = self.iterate(matrix, rhs, x, (self.tolerance, self.most_iterations()));
             if done.converged {
                 self.ledger.iterated(done.iterations);
                 let solve = SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations };
@@ -178,11 +235,41 @@ impl LaggedFactor {
             wasted = done.iterations;
         }
         let start = ProcessTime::now();
-        self.factor.refactor(matrix)?;
+        self.engine.refactor(matrix)?;
         let factoring = start.elapsed().as_secs_f64();
-        self.ledger.factored(self.cost, wasted);
-        let solve = SolveReport { iterations: wasted, ..self.factor.solve(matrix, rhs, x)? };
+        let solve = self.solve_own(matrix, rhs, x)?;
+        self.ledger.factored(self.cost, DIRECT_SOLVE.max(solve.iterations as f64), wasted);
+        let solve = SolveReport { iterations: wasted + solve.iterations, ..solve };
         Ok(LaggedReport::direct(solve, Some(factoring)))
+    }
+
+    /// Solves with the factor of this very matrix.
+    fn solve_own(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
+        if let (Way::Direct, Engine::Whole(factor)) = (self.way(), &mut self.engine) {
+            return factor.solve(matrix, rhs, x);
+        }
+        require_finite(rhs)?;
+        if !x.iter().all(|v| v.is_finite()) {
+            x.fill(0.0);
+        }
+        let tolerance = if self.tolerance > 0.0 { self.tolerance } else { OWN_TOLERANCE };
+        let most = self.way().most_iterations();
+        let done = self.iterate(matrix, rhs, x, (tolerance, most));
+        if done.converged {
+            return Ok(SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations });
+        }
+        Err(Error::computation("the iterations for a linear system did not converge")
+            .at(format!("{} unknowns, {}", rhs.len(), self.way()))
+            .value(format!(
+                "relative residual {:.1e} after {} iterations, asked for {tolerance:e}",
+                done.residual, done.iterations
+            ))
+            .remedy("take a smaller time.step or a smaller numerics.grad_div, or numerics.solver = \"direct\" where the memory suffices"))
+    }
+
+    fn iterate(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64], limits: (f64, usize)) -> Iterated {
+        let engine = &mut self.engine;
+        self.krylov.solve(matrix, |v| engine.precondition(matrix, v), rhs, x, limits)
     }
 }
 
@@ -205,7 +292,7 @@ mod tests {
     fn an_old_factor_solves_a_matrix_that_creeps_away_from_it() {
         let (mut old, mut direct) = (lagged(1e-10), lagged(0.0));
         assert!(old.may_iterate() && !direct.may_iterate());
-        let rhs = scattered(old.factor.order());
+        let rhs = scattered(old.size().unknowns);
         let (mut x, mut exact) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
         let (mut factored, mut iterations) = (0, 0);
         for k in 0..20 {
@@ -231,7 +318,7 @@ mod tests {
     #[test]
     fn what_does_not_converge_is_factored_and_solved_directly_and_trials_become_rare() {
         let mut lagged = lagged(1e-10);
-        let rhs = scattered(lagged.factor.order());
+        let rhs = scattered(lagged.size().unknowns);
         let mut x = vec![0.0; rhs.len()];
         let mut trials = 0;
         for k in 0..12 {
@@ -248,7 +335,7 @@ mod tests {
     fn a_matrix_that_stays_is_factored_once() {
         let mut lagged = lagged(1e-10);
         let (matrix, _) = stokes(16, MASS, 1.0, 0.0);
-        let rhs = scattered(lagged.factor.order());
+        let rhs = scattered(lagged.size().unknowns);
         let mut x = vec![0.0; rhs.len()];
         for change in [Change::Lasting, Change::None, Change::None] {
             let report = lagged.solve(&matrix, change, &rhs, &mut x).unwrap();
@@ -261,7 +348,7 @@ mod tests {
     #[test]
     fn a_factor_is_renewed_where_the_mean_cost_is_least() {
         let mut ledger = Ledger::default();
-        ledger.factored(8.0, 0);
+        ledger.factored(8.0, 1.0, 0);
         let mut solves = 1;
         while !ledger.wants_factor() {
             ledger.iterated(solves);

@@ -5,18 +5,25 @@
 //! [`Factor::solve`] as often as needed.
 
 mod direct;
+mod engine;
 mod gmres;
 mod lagged;
 mod memory;
 mod metis;
 mod ordering;
+mod schur;
+mod single;
+mod size;
 mod substitution;
 mod symmetric;
 
 #[cfg(test)]
 mod testing;
 
-pub use direct::{Factor, SolveReport};
+pub use direct::{Factor, Precision, SolveReport};
+pub use engine::{Solving, Way};
 pub use lagged::{Change, LaggedFactor, LaggedReport, Ledger};
 pub use ordering::Ordering;
+pub use schur::Saddle;
+pub use size::FactorSize;
 pub use symmetric::{CONSTRAINED, SymmetricMatrix};

@@ -4,6 +4,26 @@
 //! and written once for all of them, and on the way back, against the order in the memory, so many streams keep it busy (two thirds
 //! of the time that four take, where the factor is larger than the caches). The divisions by `D` are made on the way back.
 
+/// A number that a factor is stored in. The arithmetic is in double precision: single precision halves what is read.
+pub(super) trait Entry: Copy {
+    /// The number in double precision.
+    fn wide(self) -> f64;
+}
+
+impl Entry for f64 {
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+}
+
+impl Entry for f32 {
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+}
+
 /// Where the blocks of a factor are.
 ///
 /// A supernode is a block of consecutive columns with the same rows below their triangle: `width` columns of `width + rows`
@@ -44,7 +64,7 @@ impl Supernodes {
     }
 
     /// Replaces the right-hand side `x`, in the order of elimination, by the solution.
-    pub fn solve(&mut self, factor: &[f64], x: &mut [f64]) {
+    pub fn solve<E: Entry>(&mut self, factor: &[E], x: &mut [f64]) {
         for block in &self.blocks {
             let rows = &self.rows[block.rows[0]..block.rows[1]];
             let (entries, panel) = block.parts(rows, factor, &mut self.panel);
@@ -59,7 +79,7 @@ impl Supernodes {
             let (entries, panel) = block.parts(rows, factor, &mut self.panel);
             let height = panel.len();
             for k in 0..block.width {
-                panel[k] = x[block.column + k] / entries[k * height + k];
+                panel[k] = x[block.column + k] / entries[k * height + k].wide();
             }
             rows.iter().zip(&mut panel[block.width..]).for_each(|(&i, v)| *v = x[i as usize]);
             substitute_back(entries, block.width, panel);
@@ -70,40 +90,40 @@ impl Supernodes {
 
 impl Block {
     /// The entries of the block, and as much of the panel as it needs.
-    fn parts<'a>(&self, rows: &[u32], factor: &'a [f64], panel: &'a mut [f64]) -> (&'a [f64], &'a mut [f64]) {
+    fn parts<'a, E>(&self, rows: &[u32], factor: &'a [E], panel: &'a mut [f64]) -> (&'a [E], &'a mut [f64]) {
         let height = self.width + rows.len();
         (&factor[self.entries..][..self.width * height], &mut panel[..height])
     }
 }
 
 /// `x <- L^-1 x` for the first `width` entries of the panel, what they take from the others being added to these.
-fn eliminate(entries: &[f64], width: usize, panel: &mut [f64]) {
+fn eliminate<E: Entry>(entries: &[E], width: usize, panel: &mut [f64]) {
     let mut k = 0;
     while k < width {
         k += match width - k {
-            8.. => eliminate_columns::<8>(entries, k, panel),
-            4.. => eliminate_columns::<4>(entries, k, panel),
-            _ => eliminate_columns::<1>(entries, k, panel),
+            8.. => eliminate_columns::<8, E>(entries, k, panel),
+            4.. => eliminate_columns::<4, E>(entries, k, panel),
+            _ => eliminate_columns::<1, E>(entries, k, panel),
         };
     }
 }
 
 /// [`eliminate`] for `N` columns from `k` on. Returns `N`.
-fn eliminate_columns<const N: usize>(entries: &[f64], k: usize, panel: &mut [f64]) -> usize {
+fn eliminate_columns<const N: usize, E: Entry>(entries: &[E], k: usize, panel: &mut [f64]) -> usize {
     let height = panel.len();
     let (head, tail) = panel.split_at_mut(k + N);
-    let below: [&[f64]; N] = std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
+    let below: [&[E]; N] = std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
     let x = &mut head[k..];
     for j in 0..N {
         for i in j + 1..N {
-            x[i] -= entries[(k + j) * height + k + i] * x[j];
+            x[i] -= entries[(k + j) * height + k + i].wide() * x[j];
         }
     }
     let x: [f64; N] = std::array::from_fn(|j| x[j]);
     for i in 0..tail.len() {
         let mut sum = 0.0;
         for j in 0..N {
-            sum += below[j][i] * x[j];
+            sum += below[j][i].wide() * x[j];
         }
         tail[i] -= sum;
     }
@@ -111,29 +131,29 @@ fn eliminate_columns<const N: usize>(entries: &[f64], k: usize, panel: &mut [f64
 }
 
 /// `x <- L^-T x` for the first `width` entries of the panel, the others being known.
-fn substitute_back(entries: &[f64], width: usize, panel: &mut [f64]) {
+fn substitute_back<E: Entry>(entries: &[E], width: usize, panel: &mut [f64]) {
     let mut k = width;
     // The columns in the same groups as on the way there.
     while k > 0 {
         k -= match (k % 8, k % 4) {
-            (0, _) => substitute_columns::<8>(entries, k - 8, panel),
-            (_, 0) => substitute_columns::<4>(entries, k - 4, panel),
-            _ => substitute_columns::<1>(entries, k - 1, panel),
+            (0, _) => substitute_columns::<8, E>(entries, k - 8, panel),
+            (_, 0) => substitute_columns::<4, E>(entries, k - 4, panel),
+            _ => substitute_columns::<1, E>(entries, k - 1, panel),
         };
     }
 }
 
 /// [`substitute_back`] for `N` columns from `k` on. Returns `N`.
-fn substitute_columns<const N: usize>(entries: &[f64], k: usize, panel: &mut [f64]) -> usize {
+fn substitute_columns<const N: usize, E: Entry>(entries: &[E], k: usize, panel: &mut [f64]) -> usize {
     let height = panel.len();
     let (head, tail) = panel.split_at_mut(k + N);
-    let below: [&[f64]; N] = std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
+    let below: [&[E]; N] = std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
     let x = &mut head[k..];
     let sums = products(below, tail);
     for j in (0..N).rev() {
         let mut sum = sums[j];
         for i in j + 1..N {
-            sum += entries[(k + j) * height + k + i] * x[i];
+            sum += entries[(k + j) * height + k + i].wide() * x[i];
         }
         x[j] -= sum;
     }
@@ -141,7 +161,7 @@ fn substitute_columns<const N: usize>(entries: &[f64], k: usize, panel: &mut [f6
 }
 
 /// The products of `v` with several columns, each in four partial sums.
-fn products<const N: usize>(columns: [&[f64]; N], v: &[f64]) -> [f64; N] {
+fn products<const N: usize, E: Entry>(columns: [&[E]; N], v: &[f64]) -> [f64; N] {
     const LANES: usize = 4;
     let n = v.len();
     let whole = n - n % LANES;
@@ -151,12 +171,12 @@ fn products<const N: usize>(columns: [&[f64]; N], v: &[f64]) -> [f64; N] {
         for (sum, c) in sums.iter_mut().zip(&columns) {
             let c = &c[i..i + LANES];
             for l in 0..LANES {
-                sum[l] += c[l] * part[l];
+                sum[l] += c[l].wide() * part[l];
             }
         }
     }
     std::array::from_fn(|j| {
-        let rest = (whole..n).map(|i| columns[j][i] * v[i]).sum::<f64>();
+        let rest = (whole..n).map(|i| columns[j][i].wide() * v[i]).sum::<f64>();
         let [a, b, c, d] = sums[j];
         (a + b) + (c + d) + rest
     })

@@ -54,6 +54,35 @@ impl SymmetricMatrix {
         Ok(SymmetricMatrix { upper, pattern })
     }
 
+    /// The principal submatrix of the unknowns (ascending) for which `number[i]`, their number in it, is not [`CONSTRAINED`].
+    ///
+    /// # Errors
+    /// Internal, if the numbers do not ascend from 0.
+    pub(super) fn principal(&self, number: &[u32]) -> Result<Self> {
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        for j in (0..self.order()).filter(|&j| number[j] != CONSTRAINED) {
+            rows.extend(self.column(j).0.iter().map(|&i| number[i]).filter(|&i| i != CONSTRAINED).map(|i| i as usize));
+            starts.push(rows.len());
+        }
+        let (order, values) = (starts.len() - 1, vec![0.0; rows.len()]);
+        let upper = CsMat::try_new_csc((order, order), starts, rows, values)
+            .map_err(|(.., reason)| Error::internal("a principal submatrix is not valid").value(reason))?;
+        let pattern = fingerprint(&upper);
+        let mut part = SymmetricMatrix { upper, pattern };
+        part.take_principal(self, number);
+        Ok(part)
+    }
+
+    /// Takes the values of the principal submatrix of `whole` that this one was made as.
+    pub(super) fn take_principal(&mut self, whole: &SymmetricMatrix, number: &[u32]) {
+        let mut to = self.upper.data_mut().iter_mut();
+        for j in (0..whole.order()).filter(|&j| number[j] != CONSTRAINED) {
+            let (rows, values) = whole.column(j);
+            let kept = rows.iter().zip(values).filter(|(i, _)| number[**i] != CONSTRAINED);
+            kept.zip(&mut to).for_each(|((_, v), to)| *to = *v);
+        }
+    }
+
     /// Number of unknowns.
     pub fn order(&self) -> usize {
         self.upper.cols()

@@ -404,6 +404,7 @@ where
             convection: numerics.convection.unwrap_or(fluid.has_inertia()),
             grad_div,
             solve_tolerance: numerics.solve_tolerance,
+            solving: numerics.solving,
             quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
             materials: Materials { density: fluid.density, viscosity: fluid.viscosity },
             conditions,

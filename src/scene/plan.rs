@@ -201,11 +201,12 @@ fn unknowns<const D: usize>(model: &Model<D>) -> Vec<String> {
         (false, _) => ("changes with density or viscosity", flow.way_of_solving()),
     };
     lines.push(format!("matrix {kind}: {why}"));
-    if let Some(factor) = flow.factor() {
+    lines.extend(flow.way_in_words());
+    if let Some((_, factor)) = flow.solver_size() {
         lines.push(format!(
             "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",
             flow.matrix_nonzeros(),
-            factor.nonzeros(),
+            factor.entries,
             sim.bytes() as f64 / 1e6,
             sim.factor_bytes() as f64 / 1e6
         ));

@@ -36,9 +36,9 @@ impl<const D: usize> Simulation<D> {
 
     /// Where iterations start: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`. (That of the pressure extrapolated
     /// too saved no iteration.)
-    pub(super) fn extrapolate(&self, ratio: f64, guess: &mut FlowState<D>) {
+    pub(super) fn extrapolate(&self, solver: &FlowSolver<D>, ratio: f64, guess: &mut FlowState<D>) {
         guess.clone_from(&self.state.flow);
-        if self.state.factored.is_some() {
+        if self.state.factored.is_some() || solver.always_iterates() {
             guess.u.iter_mut().zip(&self.state.earlier_u).for_each(|(u, earlier)| *u += (*u - earlier) * ratio);
         }
     }

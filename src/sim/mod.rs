@@ -15,6 +15,7 @@ mod step;
 mod stepper;
 mod stretch;
 
+pub use crate::linalg::{Solving, Way};
 pub use budget::{Budget, Energies};
 pub use carrier::{InitialFunction, REMAP};
 pub use clock::{Clock, Pacing};

@@ -8,7 +8,7 @@ use crate::elastic::{Membrane, SharpMembrane, ShearMembrane, explicit_step_limit
 use crate::fem::Conditions;
 use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, FlowState};
-use crate::linalg::Ledger;
+use crate::linalg::{Ledger, Solving};
 use crate::mesh::Point;
 use crate::transport::{CharacteristicMap, Method};
 use nalgebra::SVector;
@@ -71,6 +71,8 @@ pub struct Settings<const D: usize> {
     pub grad_div: f64,
     /// Relative residual at which iterations with an old factor stop, where the matrix changes from step to step; 0 factors each.
     pub solve_tolerance: f64,
+    /// How the linear systems of the flow are solved, and in how much memory.
+    pub solving: Solving,
     /// Degree of the quadrature rule.
     pub quadrature: usize,
     /// The fluids.

@@ -77,6 +77,7 @@ impl<const D: usize> Simulation<D> {
         let pressure = Arc::new(Space::new(mesh, Element::P1));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let mut flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
+        flow.solve_by(settings.solving);
         let implicit = settings.coupling == Coupling::Implicit && !structures.is_empty();
         // A matrix that stays is factored once.
         if implicit || !settings.has_constant_materials(&structures) {
@@ -243,7 +244,9 @@ impl<const D: usize> Simulation<D> {
             body_force: self.settings.body_force.as_deref(),
             gravity: self.settings.gravity,
         };
-        self.extrapolate(ratio, next);
+        // The way of solving must be known, in a run that goes on too.
+        solver.analyse(step.weight / dt)?;
+        self.extrapolate(solver, ratio, next);
         let report = solver.step(&step, next)?;
         let weight = step.weight;
         self.phases.begin();

@@ -81,6 +81,7 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
         convection: true,
         grad_div: 1.0,
         solve_tolerance: 1e-10,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials { density: uniform(1.0), viscosity: uniform(viscosity) },
         conditions: vec![

@@ -83,6 +83,7 @@ impl Case {
             convection: true,
             grad_div: self.grad_div,
             solve_tolerance: 1e-10,
+            solving: Default::default(),
             quadrature: 5,
             materials: Materials { density: uniform(1.0), viscosity: uniform(self.viscosity) },
             conditions: vec![],

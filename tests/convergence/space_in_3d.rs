@@ -22,6 +22,7 @@ fn errors(exact: EthierSteinman, mesh: Mesh<3>, grad_div: f64, dt: f64, steps: u
         convection: true,
         grad_div,
         solve_tolerance: 1e-10,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials { density: uniform(1.0), viscosity: uniform(exact.viscosity) },
         conditions: vec![("walls".into(), Condition::Velocity(Arc::new(move |x, t| exact.velocity(x, t))))],

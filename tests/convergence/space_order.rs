@@ -175,6 +175,7 @@ pub fn taylor_green_run(exact: TaylorGreen, n: usize, dt: f64, steps: usize, ord
         convection: true,
         grad_div: 1.0,
         solve_tolerance: 1e-10,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials { density: uniform(1.0), viscosity: uniform(exact.viscosity) },
         conditions,

@@ -196,6 +196,7 @@ fn settings(dt: f64, transport: Method) -> Settings<3> {
         convection: true,
         grad_div: 0.0,
         solve_tolerance: 0.0,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(1.0) },
         conditions: vec![],

@@ -35,6 +35,7 @@ fn squeezed<const D: usize>(mesh: Mesh<D>, coupling: Coupling, tolerance: f64, d
         convection: true,
         grad_div: 1.0,
         solve_tolerance: tolerance,
+        solving: Default::default(),
         quadrature: 4,
         materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast { inside: 0.1, outside: 0.01 } },
         conditions: vec![],

@@ -27,5 +27,6 @@ mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod solvers;
 mod space;
 mod studies;

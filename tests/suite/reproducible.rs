@@ -31,6 +31,7 @@ fn simulation((transport, coupling, order, force): (Method, Coupling, usize, For
         convection: true,
         grad_div: 1.0,
         solve_tolerance: 1e-10,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials {
             density: Contrast { inside: 2.0, outside: 1.0 },

@@ -72,6 +72,7 @@ fn simulation(cells: usize) -> Simulation<2> {
         convection: true,
         grad_div: 5.0,
         solve_tolerance: 1e-10,
+        solving: Default::default(),
         quadrature: 5,
         materials: Materials { density: both(1.0), viscosity: both(0.01) },
         conditions: Vec::new(),

@@ -191,7 +191,7 @@ impl Folder {
                 "level_set": sim.space().len() * level_sets,
             },
             "meshes": model.lengths.is_some().then_some(&record.meshes),
-            "factor_entries": sim.flow().and_then(|flow| flow.factor()).map(|f| f.nonzeros()),
+            "factor_entries": sim.flow().and_then(|flow| flow.solver_size()).map(|(_, size)| size.entries),
             "solves": record.solves,
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
@@ -274,7 +274,7 @@ fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 /// for a run so short that the measurement would show in its time.
 fn bandwidth<const D: usize>(sim: &Simulation<D>, record: &Record) -> serde_json::Value {
     let solve = record.step_seconds.get("solve").copied().unwrap_or_default();
-    let factor = sim.flow().and_then(|flow| flow.factor()).map_or(0, |f| 8 * f.nonzeros());
+    let factor = sim.flow().and_then(|flow| flow.solver_size()).map_or(0, |(_, size)| size.value_bytes());
     if solve < LONG_ENOUGH || factor == 0 {
         return serde_json::Value::Null;
     }

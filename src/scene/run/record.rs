@@ -97,7 +97,7 @@ impl Record {
             *self.step_seconds.entry(name.to_string()).or_default() += s;
         }
         self.substitutions += substitutions;
-        let factor = sim.flow().and_then(|flow| flow.factor()).map_or(0, |f| 8 * f.nonzeros());
+        let factor = sim.flow().and_then(|flow| flow.solver_size()).map_or(0, |(_, size)| size.value_bytes());
         self.factor_bytes_read += 2.0 * factor as f64 * substitutions as f64;
     }
 

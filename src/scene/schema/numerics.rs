@@ -5,7 +5,7 @@ use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::elastic::Band;
 use crate::scene::item::Item;
-use crate::sim::Coupling;
+use crate::sim::{Coupling, Solving, Way};
 use crate::transport::Method;
 
 /// Settings of the method; `None` means that the plan decides.
@@ -27,6 +27,8 @@ pub struct Numerics {
     pub convection: Option<bool>,
     /// Relative residual of iterations with an old factor; 0 factors every matrix.
     pub solve_tolerance: f64,
+    /// How the linear systems of the flow are solved, and in how much memory.
+    pub solving: Solving,
     /// Degree of polynomials that quadrature integrates exactly.
     pub quadrature: Option<usize>,
 }
@@ -36,9 +38,13 @@ const TRANSPORTS: [(&str, Method); 3] =
     [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
 const COUPLINGS: [(&str, Coupling); 3] =
     [("explicit", Coupling::Explicit), ("semi-implicit", Coupling::SemiImplicit), ("implicit", Coupling::Implicit)];
+const WAYS: [(&str, Option<Way>); 4] =
+    [("auto", None), ("direct", Some(Way::Direct)), ("single", Some(Way::Single)), ("schur", Some(Way::Schur))];
 const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
 const TRANSPORT_WORDS: [&str; TRANSPORTS.len()] = words(&TRANSPORTS);
 const COUPLING_WORDS: [&str; COUPLINGS.len()] = words(&COUPLINGS);
+const WAY_WORDS: [&str; WAYS.len()] = words(&WAYS);
+const GIGABYTE: f64 = 1e9;
 const MOST_DEGREE: usize = 20;
 const SOLVE_TOLERANCE: f64 = 1e-10;
 const LARGEST_SOLVE_TOLERANCE: f64 = 1e-6;
@@ -107,6 +113,22 @@ pub(super) static KEYS: Keys = Keys {
              as that costs less than factoring. 0 factors every matrix.",
         ),
         row(
+            "solver",
+            Choice(&WAY_WORDS),
+            "",
+            Default("\"auto\""),
+            "How the linear systems of the flow are solved: with a factor of the whole matrix; by iterations with one in single precision, half as \
+             large; or by more iterations with scalar factors and a Schur complement, in an eighth of the memory (in space). \"auto\" takes the first that fits into the memory.",
+        ),
+        row(
+            "memory",
+            Value("number > 0"),
+            "GB",
+            Auto,
+            "Memory that the factors of the flow may take. \"auto\": what the machine can give when the run begins. A run that is to be the same \
+             everywhere names `solver`.",
+        ),
+        row(
             "quadrature",
             Value("whole number from 1 to 20"),
             "",
@@ -127,6 +149,7 @@ impl Numerics {
             coupling: Coupling::Implicit,
             convection: None,
             solve_tolerance: SOLVE_TOLERANCE,
+            solving: Solving::default(),
             quadrature: None,
         };
         let Some(item) = item else { return Ok(numerics) };
@@ -140,6 +163,9 @@ impl Numerics {
         numerics.coupling = table.optional("coupling", |i| i.choice(&COUPLINGS))?.unwrap_or(numerics.coupling);
         numerics.convection = table.optional("convection", |i| i.unless_auto(Item::boolean))?.flatten();
         numerics.solve_tolerance = table.optional("solve_tolerance", solve_tolerance)?.unwrap_or(SOLVE_TOLERANCE);
+        numerics.solving.way = table.optional("solver", |i| i.choice(&WAYS))?.flatten();
+        let memory = table.optional("memory", |i| i.unless_auto(Item::positive))?.flatten();
+        numerics.solving.memory = memory.map(|gigabytes| (gigabytes * GIGABYTE) as usize);
         numerics.quadrature = table.optional("quadrature", |i| i.unless_auto(degree))?.flatten();
         Ok(numerics)
     }
@@ -154,6 +180,8 @@ impl Numerics {
         out.entry("coupling", name(self.coupling, &COUPLINGS));
         out.entry("convection", or_auto(self.convection, |c| c.to_string()));
         out.entry("solve_tolerance", number(self.solve_tolerance));
+        out.entry("solver", name(self.solving.way, &WAYS));
+        out.entry("memory", or_auto(self.solving.memory, |bytes| number(bytes as f64 / GIGABYTE)));
         out.entry("quadrature", or_auto(self.quadrature, |d| d.to_string()));
     }
 }

@@ -1,0 +1,82 @@
+//! Forces on walls and energies.
+
+use super::FlowSolver;
+use crate::base::parallel;
+use crate::fem::{Cells, assemble_vector};
+use crate::flow::step::{FlowState, Step};
+use nalgebra::SVector;
+
+impl<const D: usize> FlowSolver<D> {
+    /// Power that the walls put into the flow through prescribed velocities: the sum over nodes of reaction times velocity,
+    /// after [`step`](Self::step) with the same data.
+    pub fn wall_power(&mut self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
+        if self.numbering.is_homogeneous() {
+            return 0.0;
+        }
+        // The buffers of the solve are free now.
+        let mut r = std::mem::take(&mut self.work.residual);
+        let mut scratch = std::mem::take(&mut self.work.vectors);
+        self.find_reaction(step, state, Cells::Some(&self.boundary_cells), &mut r, &mut scratch);
+        let power = self.numbering.prescribed_nodes().map(|n| r[n as usize].dot(&state.u[n as usize])).sum();
+        (self.work.residual, self.work.vectors) = (r, scratch);
+        power
+    }
+
+    /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` whose support lies in `cells`: at nodes on
+    /// a wall, the force of the wall on the fluid. Valid after [`step`](Self::step) with the same data.
+    pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
+        let mut r = self.work.load.clone();
+        self.find_reaction(step, state, cells, &mut r, &mut Vec::new());
+        r
+    }
+
+    /// [`reaction`](Self::reaction) in place of what `r` holds.
+    fn find_reaction(
+        &self,
+        step: &Step<'_, D>,
+        state: &FlowState<D>,
+        cells: Cells<'_>,
+        r: &mut [SVector<f64, D>],
+        scratch: &mut Vec<SVector<f64, D>>,
+    ) {
+        r.iter_mut().zip(&self.work.load).for_each(|(r, f)| *r = -f);
+        let (velocity, pressure) = (&self.velocity, &self.pressure);
+        let form = self.form(step.weight / step.dt);
+        assemble_vector(velocity, cells, r, scratch, |at| {
+            let grad = velocity.jacobian(at, &state.u);
+            let (f0, mut f1) = form(at, &velocity.value(at, &state.u), &grad);
+            for term in step.terms.iter().filter(|t| t.is_implicit()) {
+                f1 += term.stiffness(at, &grad);
+            }
+            let p = pressure.value(at, &state.p);
+            for i in 0..D {
+                f1[(i, i)] -= p;
+            }
+            (f0, f1)
+        });
+    }
+
+    /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
+    /// each integrated. With one viscosity the gradients are taken at the points of a rule of degree 2, which is exact.
+    pub fn energies(&self, state: &FlowState<D>) -> [f64; 4] {
+        let values = &self.velocity;
+        let gradients = if self.viscosity.is_constant() { &self.gradients } else { values };
+        let mesh = values.space().mesh();
+        let [kinetic, dissipation, div2] = parallel::sum(mesh.cell_count(), |c| {
+            let (u, map) = (values.space().on_cell(&state.u, c), mesh.map(c));
+            let mut sums = [0.0; 3];
+            for q in 0..values.rule().len() {
+                let square = u.combined(values.values(q)).norm_squared();
+                sums[0] += 0.5 * values.weight(c, q) * self.density.value(c, q) * square;
+            }
+            for q in 0..gradients.rule().len() {
+                let grad = u.reference_jacobian(gradients.reference_gradients(q)) * map.inverse;
+                let (weight, strain) = (gradients.weight(c, q), (grad + grad.transpose()) * 0.5);
+                sums[1] += 2.0 * weight * self.viscosity.value(c, q) * strain.norm_squared();
+                sums[2] += weight * grad.trace().powi(2);
+            }
+            sums
+        });
+        [kinetic, dissipation, self.grad_div * div2, div2]
+    }
+}

@@ -1,0 +1,128 @@
+//! The right-hand side of a step.
+
+use super::{FlowSolver, Work};
+use crate::base::{Error, Phase, Result};
+use crate::fem::{Cells, Space, add_surface_vector, assemble_scalar, assemble_source, assemble_vector};
+use crate::flow::step::Step;
+use crate::mesh::Mesh;
+use nalgebra::SVector;
+
+impl<const D: usize> FlowSolver<D> {
+    /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
+    pub(super) fn assemble_load(&mut self, step: &Step<'_, D>) {
+        self.work.load.fill(SVector::zeros());
+        self.assemble_inertia(step);
+        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
+        let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
+        if step.body_force.is_some() || step.gravity.norm() > 0.0 {
+            assemble_source(velocity, load, scratch, |c, cell| {
+                for q in 0..velocity.rule().len() {
+                    let at = velocity.at(c, q);
+                    let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
+                    cell.add(q, step.gravity * density.at(&at) + force);
+                }
+            });
+        }
+        self.phases.end(Phase::Assembly);
+        for term in step.terms {
+            assemble_vector(velocity, term.cells(), load, scratch, |at| {
+                let (f0, mut f1) = term.force(at);
+                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
+                    f1 += term.stiffness(at, &velocity.jacobian(at, u));
+                }
+                (f0, f1)
+            });
+            add_surface_vector(space, term.surface(), load, |p| {
+                let (f0, mut f1) = term.surface_force(p);
+                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
+                    f1 += term.surface_stiffness(p, &space.jacobian(u, p.at.cell, &p.at.barycentric));
+                }
+                (f0, f1)
+            });
+        }
+        self.phases.end(Phase::Force);
+    }
+
+    /// `rho sum weight u o X / dt`, each earlier velocity gathered once a cell: most feet lie in the cell of their points.
+    fn assemble_inertia(&mut self, step: &Step<'_, D>) {
+        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
+        let (space, points) = (velocity.space(), velocity.rule().len());
+        if step.history.is_empty() {
+            return;
+        }
+        assemble_source(velocity, &mut work.load, &mut work.vectors, |c, cell| {
+            for h in step.history {
+                let own = space.on_cell(h.u, c);
+                for q in 0..points {
+                    let u = match h.feet.map(|feet| feet.get(c * points + q)) {
+                        None => own.combined(velocity.values(q)),
+                        Some(foot) if foot.cell as usize == c => own.value(&foot.barycentric),
+                        Some(foot) => space.value(h.u, foot.cell as usize, &foot.barycentric),
+                    };
+                    cell.add(q, u * (h.weight * density.value(c, q) / step.dt));
+                }
+            }
+        });
+    }
+
+    /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`, less the mean of `div g` when the
+    /// boundary is closed, so that what the interpolation of `g` lets through is spread evenly.
+    pub(super) fn bring_in_boundary_values(&mut self, step: &Step<'_, D>, work: &mut Work<D>) -> Result<()> {
+        let space = self.velocity.space();
+        self.numbering.lift(space, step.time, &mut work.lift);
+        if let Some(n) = work.lift.iter().position(|g| g.iter().any(|v| !v.is_finite())) {
+            return Err(Error::computation("a prescribed velocity is not a finite number")
+                .at(format!("time {:.6}, node at {:?}", step.time, space.nodes()[n].as_slice()))
+                .value(format!("{:?}", work.lift[n].as_slice()))
+                .remedy("check the velocity expressions of the boundary"));
+        }
+        let cells = Cells::Some(&self.boundary_cells);
+        let g = &work.lift;
+        let velocity = &self.velocity;
+        let form = self.form(step.weight / step.dt);
+        assemble_vector(velocity, cells, &mut work.residual, &mut work.vectors, |at| {
+            let grad = velocity.jacobian(at, g);
+            let (f0, mut f1) = form(at, &velocity.value(at, g), &grad);
+            for term in step.terms.iter().filter(|t| t.is_implicit()) {
+                f1 += term.stiffness(at, &grad);
+            }
+            (-f0, -f1)
+        });
+        assemble_scalar(&self.pressure, cells, &mut work.continuity, &mut work.scalars, |at| {
+            (velocity.jacobian(at, g).trace(), SVector::zeros())
+        });
+        if !self.numbering.is_open() {
+            let mesh = space.mesh();
+            let through: f64 = work.continuity.iter().sum();
+            let [scale, along] = boundary_flow(mesh, space, g);
+            // A wall that moves along itself may have a normal velocity of rounding, such as sin(pi).
+            if through.abs() > 1e-3 * scale && scale > 1e-12 * along {
+                return Err(Error::scene(
+                    "the prescribed velocities let more fluid in than out, and no boundary is open",
+                )
+                .at(format!("time {:.6}", step.time))
+                .value(format!("net outflow {through:e}, gross flow {scale:e}"))
+                .remedy("balance the velocities, or set open = true on an outlet"));
+            }
+            let mean = through / mesh.volume();
+            work.continuity.iter_mut().zip(&work.pressure_mass).for_each(|(c, m)| *c -= mean * m);
+        }
+        Ok(())
+    }
+}
+
+/// Integrals of `|g . n|` and `|g|` over the boundary, by the mean over the nodes of each facet: scales to judge the net flux with.
+fn boundary_flow<const D: usize>(mesh: &Mesh<D>, space: &Space<D>, g: &[SVector<f64, D>]) -> [f64; 2] {
+    let mut flow = [0.0; 2];
+    for f in mesh.facets() {
+        let (n, size) = mesh.facet_normal(f);
+        let (mut sums, mut count) = ([0.0; 2], 0.0);
+        for node in space.facet_nodes(f) {
+            let g = g[node as usize];
+            sums = [sums[0] + g.dot(&n).abs(), sums[1] + g.norm()];
+            count += 1.0;
+        }
+        flow = [flow[0] + size * sums[0] / count, flow[1] + size * sums[1] / count];
+    }
+    flow
+}

@@ -1,0 +1,154 @@
+//! The matrix of a step, and what a preconditioner needs beside it.
+
+use super::FlowSolver;
+use crate::base::{Error, Phase, Result};
+use crate::fem::{At, Cells, VectorForm, add_surface_matrix, assemble_flow_matrix, assemble_scalar_matrix};
+use crate::flow::term::MomentumTerm;
+use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Ledger, Saddle, SymmetricMatrix};
+use nalgebra::{SMatrix, SVector};
+
+/// Diagonal entry that makes the solution of an equation for a pressure zero.
+const FIXED: f64 = 1e30;
+
+impl<const D: usize> FlowSolver<D> {
+    /// The viscous, grad-div and inertial parts of the bilinear form.
+    pub(super) fn form<'a>(
+        &'a self,
+        weight: f64,
+    ) -> impl Fn(&At<D>, &SVector<f64, D>, &SMatrix<f64, D, D>) -> VectorForm<D> + Sync + 'a {
+        move |at, u, grad| {
+            let mut stress = (grad + grad.transpose()) * self.viscosity.at(at);
+            let divergence = self.grad_div * grad.trace();
+            for i in 0..D {
+                stress[(i, i)] += divergence;
+            }
+            (u * (weight * self.density.at(at)), stress)
+        }
+    }
+
+    /// Assembles the part of the matrix that stays, for `weight / dt`, and analyses it without factoring.
+    pub fn analyse(&mut self, weight: f64) -> Result<()> {
+        self.phases.begin();
+        self.assemble_base(weight)?;
+        self.phases.end(Phase::Assembly);
+        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
+        if self.factor.is_none() {
+            let (first, saddle) = (self.numbering.first_pressure(), || self.saddle(weight));
+            let factor = LaggedFactor::choose(base, first, self.solving, self.tolerance, saddle)?;
+            self.factor = Some(factor);
+            self.factor_is_base = false;
+        }
+        self.phases.end(Phase::Factor);
+        Ok(())
+    }
+
+    /// What the Schur route is told: the components of the velocity, and the operators on the pressure without values. There is no
+    /// second operator in a flow without inertia.
+    fn saddle(&self, weight: f64) -> Result<Saddle> {
+        let (space, unknowns) = (self.pressure.space(), self.numbering.pressure_unknowns());
+        let count = self.numbering.order() - self.numbering.first_pressure();
+        let groups = (0..space.mesh().cell_count())
+            .map(|c| space.cell_nodes(c).iter().map(|&n| unknowns[n as usize]).collect::<Vec<_>>());
+        let operator = SymmetricMatrix::from_groups(count, groups)?;
+        let operators = vec![operator; if weight > 0.0 { 2 } else { 1 }];
+        Ok(Saddle { components: self.numbering.components(), operators })
+    }
+
+    /// Fills the operators on the pressure, where the way of solving has any: the mass matrix over `2 mu + gamma`, and the Laplacian over `rho weight/dt`,
+    /// zero at open boundaries.
+    fn fill_operators(&mut self, weight: f64) -> Result<()> {
+        let Some(factor) = &mut self.factor else { return Ok(()) };
+        let (density, viscosity, grad_div) = (&self.density, &self.viscosity, self.grad_div);
+        let unknowns = self.numbering.pressure_unknowns();
+        for (k, operator) in factor.operators_mut().iter_mut().enumerate() {
+            operator.zero();
+            if k == 0 {
+                assemble_scalar_matrix(&self.pressure, &unknowns, operator, |at| {
+                    (1.0 / (2.0 * viscosity.at(at) + grad_div), 0.0)
+                })?;
+                continue;
+            }
+            let mut free = unknowns.clone();
+            for &n in &self.open_nodes {
+                let unknown = std::mem::replace(&mut free[n as usize], CONSTRAINED);
+                if unknown != CONSTRAINED {
+                    operator.add_group(&[unknown], &[FIXED])?;
+                }
+            }
+            assemble_scalar_matrix(&self.pressure, &free, operator, |at| (0.0, 1.0 / (weight * density.at(at))))?;
+        }
+        Ok(())
+    }
+
+    fn assemble_base(&mut self, weight: f64) -> Result<()> {
+        if self.base.as_ref().is_some_and(|(_, w)| *w == weight) {
+            return Ok(());
+        }
+        let mut matrix = match self.base.take() {
+            Some((m, _)) => m,
+            None => self.matrix.clone(),
+        };
+        matrix.zero();
+        let form = self.form(weight);
+        assemble_flow_matrix(
+            &self.velocity,
+            Some(&self.pressure),
+            &self.numbering,
+            Cells::All,
+            &mut matrix,
+            &mut Vec::new(),
+            form,
+        )?;
+        self.base = Some((matrix, weight));
+        self.factor_is_base = false;
+        Ok(())
+    }
+
+    /// Makes the matrix fit the step. Returns what that means for the factor.
+    pub(super) fn prepare(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>]) -> Result<Change> {
+        let implicit = terms.iter().any(|t| t.is_implicit());
+        self.analyse(weight)?;
+        if self.factor_is_base && !implicit {
+            return Ok(Change::None);
+        }
+        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
+        self.matrix.copy_values_from(base)?;
+        for term in terms.iter().filter(|t| t.is_implicit()) {
+            assemble_flow_matrix(
+                &self.velocity,
+                None,
+                &self.numbering,
+                term.cells(),
+                &mut self.matrix,
+                &mut self.work.scalars,
+                |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
+            )?;
+            let (space, numbering) = (self.velocity.space(), &self.numbering);
+            add_surface_matrix(space, numbering, term.surface(), &mut self.matrix, |p, grad| {
+                term.surface_stiffness(p, grad)
+            })?;
+        }
+        self.fill_operators(weight)?;
+        self.phases.end(Phase::Assembly);
+        let constant = !implicit && self.density.is_constant() && self.viscosity.is_constant();
+        self.factor_is_base = constant && self.factored_plain && self.factored_weight == weight;
+        if self.factor_is_base {
+            return Ok(Change::None);
+        }
+        // The formula begins with another coefficient than it goes on with: a factor of the first step would serve badly ever after.
+        let lasting = !self.expects_changes && (constant || self.factored_weight != weight);
+        Ok(if lasting { Change::Lasting } else { Change::Passing })
+    }
+
+    /// Makes the factor that a run had when it was interrupted: of `weight / dt`, the materials that were set last and `terms`.
+    ///
+    /// # Errors
+    /// A factorisation that fails.
+    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], ledger: Ledger) -> Result<()> {
+        self.prepare(weight, terms)?;
+        let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
+        self.factored_weight = weight;
+        self.factored_plain = terms.iter().all(|t| !t.is_implicit());
+        factor.restore(&self.matrix, ledger)
+    }
+}

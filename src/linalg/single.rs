@@ -1,0 +1,55 @@
+//! What a factor in single precision is made of.
+
+use super::SymmetricMatrix;
+
+/// A factor in single precision, of the matrix `S A S`; `S` is a diagonal of powers of two that keeps all numbers within the range of
+/// single precision, whatever the units.
+#[derive(Default)]
+pub(super) struct Single {
+    /// The factor.
+    pub factor: Vec<f32>,
+    /// The upper triangle of `S A S`.
+    pub matrix: Vec<f32>,
+    /// The diagonal of `S`.
+    scale: Vec<f64>,
+}
+
+impl Single {
+    /// Bytes that it takes beside the factor.
+    pub fn extra_bytes(order: usize, entries: usize) -> usize {
+        4 * entries + 8 * order
+    }
+
+    /// Takes over the values of a matrix.
+    ///
+    /// `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or small beside the entries above it (a pressure), near the
+    /// reciprocal of the largest `S_i |a_ij|`.
+    pub fn take(&mut self, matrix: &SymmetricMatrix) {
+        self.scale.clear();
+        let mut entry = 0;
+        for j in 0..matrix.order() {
+            let (rows, values) = matrix.column(j);
+            let above = rows.iter().zip(values).filter(|(i, _)| **i < j);
+            let largest = above.map(|(&i, v)| self.scale[i] * v.abs()).fold(0.0, f64::max);
+            let diagonal = values.last().map_or(0.0, |d| d.abs()).sqrt();
+            self.scale.push(power_of_two_near(1.0 / diagonal.max(largest)));
+            for (&i, v) in rows.iter().zip(values) {
+                self.matrix[entry] = (v * self.scale[i] * self.scale[j]) as f32;
+                entry += 1;
+            }
+        }
+    }
+
+    /// Multiplies right-hand sides or solutions by `S`.
+    pub fn scale(&self, x: &mut [f64]) {
+        for x in x.chunks_exact_mut(self.scale.len()) {
+            x.iter_mut().zip(&self.scale).for_each(|(x, s)| *x *= s);
+        }
+    }
+}
+
+/// 1 where there is no such power.
+fn power_of_two_near(v: f64) -> f64 {
+    let power = v.log2().round().exp2();
+    if power.is_normal() { power } else { 1.0 }
+}
