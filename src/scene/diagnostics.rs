@@ -259,5 +259,7 @@ fn values<const D: usize>(sim: &Simulation<D>, at: &Location, of: Quantity) -> V
         Quantity::Speed => vec![velocity().norm()],
         Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),
         Quantity::Stretch => phi(&|f| space.gradient(f, cell, &at.barycentric).norm()),
+        // Asked for in pictures alone.
+        Quantity::AreaChange | Quantity::Shear | Quantity::Checkerboard => vec![f64::NAN],
     }
 }

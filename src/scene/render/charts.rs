@@ -329,5 +329,8 @@ fn quantity_name(of: Quantity) -> &'static str {
         Quantity::Speed => "speed",
         Quantity::LevelSet => "level set",
         Quantity::Stretch => "stretch",
+        Quantity::AreaChange => "area change",
+        Quantity::Shear => "shear",
+        Quantity::Checkerboard => "material",
     }
 }

@@ -2,12 +2,13 @@
 
 use super::folder::{Frame, RunFolder};
 use crate::base::{Error, Result, Warning};
-use crate::output::solid::{Coat, Slice, SolidPicture, Surface};
+use crate::mesh::Point;
+use crate::output::solid::{Coat, Pattern, Slice, SolidPicture, Surface, View};
 use crate::output::{
     Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded,
     write_file, write_film,
 };
-use crate::scene::schema::Quantity;
+use crate::scene::schema::{Cut, Quantity};
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -102,6 +103,9 @@ fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure
     chosen.map(figure).collect()
 }
 
+/// Fields of the checkerboard around the equator and from pole to pole.
+const GLOBE: [usize; 2] = [16, 8];
+
 /// How the pictures of a run look, all in one scale.
 struct Painter {
     quantity: Quantity,
@@ -111,6 +115,11 @@ struct Painter {
     scale: Scale,
     /// The greatest speed, if arrows are drawn.
     fastest: Option<f64>,
+    /// In space: where the viewer stands, and the plane that is shown.
+    view: [f64; 2],
+    slice: Option<Cut>,
+    /// Where the material of the interface is in the mean when it is at rest: the middle of its checkerboard.
+    middle: Point<3>,
 }
 
 impl Painter {
@@ -124,7 +133,14 @@ impl Painter {
             interfaces: run.scene.interfaces().map(|(name, _)| name.to_string()).collect(),
             scale: Scale::of::<2>(FieldData::Scalar(&[])),
             fastest: None,
+            view: picture.view,
+            slice: picture.slice,
+            middle: Point::<3>::zeros(),
         };
+        if let (Quantity::Checkerboard, Some(first)) = (painter.quantity, run.frames.first()) {
+            let snapshot = read_vtu::<3>(&first.file)?;
+            painter.middle = painter.middle_of(&snapshot).map_err(|e| e.at(first.file.display().to_string()))?;
+        }
         let ranges: Vec<Scale> = run.frames.par_iter().map(|f| painter.range::<D>(f)).collect::<Result<_>>()?;
         painter.scale = ranges.into_iter().fold(painter.scale, Scale::with);
         if painter.quantity == Quantity::Speed {
@@ -139,7 +155,7 @@ impl Painter {
         match self.field(&snapshot).map_err(place)? {
             Field::Borrowed(field) => Ok(Scale::of(field)),
             // Far from the interface the slope of the level set is no stretch, and where fronts meet it is zero.
-            Field::Stretch(values) => {
+            Field::Interface(values) => {
                 let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
                 let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
                 Ok(Scale::of::<D>(FieldData::Scalar(&values)))
@@ -153,8 +169,36 @@ impl Painter {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
             Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
-            Quantity::Stretch => Field::Stretch(stretch(snapshot, self.level_set(snapshot)?)),
+            Quantity::Stretch => Field::Interface(stretch(snapshot, self.level_set(snapshot)?)),
+            Quantity::AreaChange => Field::Interface(snapshot.scalar(&self.column("area_change"))?.to_vec()),
+            Quantity::Shear => Field::Interface(snapshot.scalar(&self.column("shear"))?.to_vec()),
+            Quantity::Checkerboard => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
         })
+    }
+
+    /// The name of a field of the one interface.
+    fn column(&self, field: &str) -> String {
+        format!("{}.{field}", self.interfaces.first().map_or("", |name| name))
+    }
+
+    /// Where the material is at rest, at the nodes.
+    fn at_rest(&self, snapshot: &Snapshot<3>) -> Result<Vec<Point<3>>> {
+        let own = snapshot.vector(&self.column("displacement"));
+        let displacement = own.or_else(|_| snapshot.vector("displacement"))?;
+        Ok(snapshot.space.nodes().iter().zip(displacement).map(|(x, d)| x + d).collect())
+    }
+
+    /// The mean of where the material about the interface is at rest.
+    fn middle_of(&self, snapshot: &Snapshot<3>) -> Result<Point<3>> {
+        let (near, rest) = (near_interface(snapshot, self.level_set(snapshot)?), self.at_rest(snapshot)?);
+        let (mut sum, mut count) = (Point::<3>::zeros(), 0.0);
+        for (y, _) in rest.iter().zip(near).filter(|(_, near)| *near) {
+            (sum, count) = (sum + y, count + 1.0);
+        }
+        // To a thousandth of the size: that of a sphere in the middle of a mesh is the middle.
+        let (low, high) = snapshot.space.mesh().bounding_box();
+        let unit = 1e-3 * (high - low).norm();
+        Ok((sum / count).map(|v| (v / unit).round() * unit))
     }
 
     /// The level set of the interface; a scene asks for it only when there is exactly one.
@@ -190,19 +234,40 @@ impl Painter {
         let snapshot = read_vtu::<3>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
+        let rest = match self.quantity {
+            Quantity::Checkerboard => self.at_rest(&snapshot).map_err(place)?,
+            _ => Vec::new(),
+        };
         let coat = match (&field, self.quantity) {
             // It is zero on the interface.
             (_, Quantity::LevelSet) => Coat::Plain,
+            (_, Quantity::Checkerboard) => {
+                let pattern = Pattern::Globe { centre: self.middle, around: GLOBE[0], along: GLOBE[1] };
+                Coat::Checkerboard { characteristic: &rest, pattern }
+            }
             (field, _) => Coat::Field(field.data()),
         };
-        let surface = |name: &String| Surface::of_level_set(&snapshot.space, level_set(&snapshot, name)?, coat);
         let mut picture = SolidPicture::new(&snapshot.space, self.title());
-        picture.surfaces = self.interfaces.iter().map(surface).collect::<Result<_>>().map_err(place)?;
-        if self.interfaces.is_empty() {
-            let (low, high) = snapshot.space.mesh().bounding_box();
-            let middle = (low + high) * 0.5;
-            picture.slices = SLICES.map(|axis| Slice { axis, position: middle[axis], field: field.data() }).to_vec();
+        let (low, high) = snapshot.space.mesh().bounding_box();
+        let middle = (low + high) * 0.5;
+        let slice =
+            |axis: usize, at: Option<f64>| Slice { axis, position: at.unwrap_or(middle[axis]), field: field.data() };
+        match self.slice {
+            Some(Cut { axis, at }) => {
+                picture.slices = vec![slice(axis, at)];
+                let lines = self.interfaces.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
+                picture.interfaces = lines.map_err(place)?;
+            }
+            None if self.interfaces.is_empty() => {
+                picture.slices = SLICES.map(|axis| slice(axis, None)).to_vec();
+            }
+            None => {
+                let surface = |name: &String| Surface::of_level_set(&snapshot.space, level_set(&snapshot, name)?, coat);
+                picture.surfaces = self.interfaces.iter().map(surface).collect::<Result<_>>().map_err(place)?;
+            }
         }
+        let [azimuth, elevation] = self.view;
+        picture.view = View { azimuth, elevation, ..View::default() };
         SolidPicture { scale: self.scale, time: Some(frame.time), size: [self.size; 2], ..picture }.draw()
     }
 
@@ -212,6 +277,9 @@ impl Painter {
             Quantity::Velocity | Quantity::Speed => "Speed",
             Quantity::LevelSet => "Level set φ",
             Quantity::Stretch => "Stretch |grad φ|",
+            Quantity::AreaChange => "Area change Z₁",
+            Quantity::Shear => "Shear Z₂",
+            Quantity::Checkerboard => "Material of the membrane",
         }
     }
 
@@ -225,6 +293,7 @@ impl Painter {
         );
         let solid = run.scene.dimension() == 3;
         caption += match (solid, self.interfaces.is_empty()) {
+            (true, _) if self.slice.is_some() => ", on a plane; the black line is the interface",
             (false, true) => "",
             (false, false) => "; the black line is the interface",
             (true, true) => ", on two planes through the middle",
@@ -243,14 +312,15 @@ impl Painter {
 /// A field of the snapshot, or one derived from it.
 enum Field<'a, const D: usize> {
     Borrowed(FieldData<'a, D>),
-    Stretch(Vec<f64>),
+    /// One that means something on the interface alone.
+    Interface(Vec<f64>),
 }
 
 impl<const D: usize> Field<'_, D> {
     fn data(&self) -> FieldData<'_, D> {
         match self {
             Field::Borrowed(field) => *field,
-            Field::Stretch(values) => FieldData::Scalar(values),
+            Field::Interface(values) => FieldData::Scalar(values),
         }
     }
 }

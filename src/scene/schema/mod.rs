@@ -24,7 +24,7 @@ pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane, Ring};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
-pub use output::{Flux, Force, Output, Picture, Probe, Profile, Quantity};
+pub use output::{Cut, Flux, Force, Output, Picture, Probe, Profile, Quantity};
 pub use shape::Shape;
 pub use time::Time;
 
@@ -145,6 +145,7 @@ impl Settings {
         if let (Some(item), Some(adapt)) = (&adapt_item, &adapt) {
             adapt.check_use(item, !interfaces.is_empty(), fluid.is_prescribed())?;
         }
+        let sheared = membranes.iter().any(|m| m.surface.is_some());
         let numerics = Numerics::read(scene.get("numerics"))?;
         if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
             return Err(item
@@ -156,7 +157,7 @@ impl Settings {
             units: scene.optional("units", text)?.unwrap_or_default(),
             boundaries: boundary::read(scene.get("boundary"), fluid.is_prescribed(), &context)?,
             numerics,
-            output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), &context)?,
+            output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), sheared, &context)?,
             exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,

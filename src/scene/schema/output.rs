@@ -50,6 +50,21 @@ pub enum Quantity {
     LevelSet,
     /// The stretch of the one interface.
     Stretch,
+    /// `Z1` on the one interface; in pictures of space alone.
+    AreaChange,
+    /// `Z2` on the one interface; in pictures of space alone.
+    Shear,
+    /// A checkerboard on the one interface when it is at rest, which its material carries; in pictures of space alone.
+    Checkerboard,
+}
+
+/// A plane across an axis, on which fields are shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// The axis that is its normal.
+    pub axis: usize,
+    /// The coordinate along it; the middle of the domain if `None`.
+    pub at: Option<f64>,
 }
 
 /// A value at a point.
@@ -102,7 +117,7 @@ pub struct Flux {
 }
 
 /// How pictures look.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picture {
     /// The field whose values are the colours; not the velocity, which is a vector.
     pub field: Quantity,
@@ -110,6 +125,10 @@ pub struct Picture {
     pub mesh: bool,
     /// Pixels along the longer side.
     pub size: usize,
+    /// In space: where the viewer stands, azimuth from x towards y and elevation above the plane of x and y, in degrees.
+    pub view: [f64; 2],
+    /// In space: the plane that is shown in place of the interfaces.
+    pub slice: Option<Cut>,
 }
 
 const QUANTITIES: [(&str, Quantity); 5] = [
@@ -120,6 +139,19 @@ const QUANTITIES: [(&str, Quantity); 5] = [
     ("stretch", Quantity::Stretch),
 ];
 const QUANTITY_WORDS: [&str; 5] = words(&QUANTITIES);
+/// What a picture can show.
+const FIELDS: [(&str, Quantity); 7] = [
+    ("pressure", Quantity::Pressure),
+    ("speed", Quantity::Speed),
+    ("level_set", Quantity::LevelSet),
+    ("stretch", Quantity::Stretch),
+    ("area_change", Quantity::AreaChange),
+    ("shear", Quantity::Shear),
+    ("checkerboard", Quantity::Checkerboard),
+];
+const FIELD_WORDS: [&str; FIELDS.len()] = words(&FIELDS);
+const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
+const AXIS_WORDS: [&str; AXES.len()] = words(&AXES);
 
 pub(super) static KEYS: Keys = Keys {
     about: "What is written, and when. What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`.",
@@ -233,10 +265,11 @@ static PICTURE: Keys = Keys {
     keys: &[
         row(
             "field",
-            Choice(&QUANTITY_WORDS),
+            Choice(&FIELD_WORDS),
             "",
             Default("\"speed\""),
-            "The field whose values are the colours; not the velocity, which is a vector.",
+            "The field whose values are the colours. In space, where backward characteristics are carried, also the area change Z1 and the shear \
+             Z2 of the one interface, or a checkerboard that its material carries.",
         ),
         row(
             "mesh",
@@ -246,6 +279,22 @@ static PICTURE: Keys = Keys {
             "Whether the edges of the mesh are drawn; in the plane alone.",
         ),
         row("size", Value("whole number from 64 to 8192"), "pixels", Default("800"), "Length of the longer side."),
+        row(
+            "view",
+            Value("two numbers"),
+            "degrees",
+            Default("[-60.0, 24.0]"),
+            "In space, where the viewer stands: azimuth from x towards y, and elevation.",
+        ),
+        row("slice", Table(&CUT), "", Optional, "In space, a plane that is shown in place of the interfaces."),
+    ],
+};
+
+static CUT: Keys = Keys {
+    about: "A plane across an axis.",
+    keys: &[
+        row("axis", Choice(&AXIS_WORDS), "", Required, "The axis that is its normal."),
+        row("at", Value("number"), "m", Derived("the middle of the domain"), "The coordinate along the axis."),
     ],
 };
 
@@ -255,16 +304,18 @@ const PICTURES: f64 = 50.0;
 const CHECKPOINT: f64 = 30.0;
 
 impl Output {
-    /// `interfaces` are the names of membranes and level sets.
+    /// `interfaces` are the names of membranes and level sets; `sheared` tells whether some membrane resists shear.
     pub(super) fn read(
         item: Option<Item>,
         time: &Time,
         interfaces: &[&str],
         prescribed: bool,
+        sheared: bool,
         context: &Context,
     ) -> Result<Output> {
         let table = item.as_ref().map(|i| i.table(&KEYS)).transpose()?;
-        let source = Source { table, time, interfaces, prescribed, context };
+        let asked = table.as_ref().map_or(Ok(None), |t| t.optional("backward_map", Item::boolean))?.unwrap_or(false);
+        let source = Source { table, time, interfaces, prescribed, has_map: asked || sheared, context };
         let fields = source.interval_or_none("fields", FIELD_FILES)?;
         let pictures = source.interval_or_none("pictures", PICTURES)?;
         let film = source.optional("film", |i| match (i.boolean()?, pictures) {
@@ -287,7 +338,7 @@ impl Output {
             profiles: source.named("profiles", |name, i| source.profile(name, i))?,
             forces: source.named("forces", |name, i| source.force(name, i))?,
             fluxes: source.named("fluxes", flux)?,
-            backward_map: source.optional("backward_map", Item::boolean)?.unwrap_or(false),
+            backward_map: asked,
             picture: source.optional("picture", |i| source.picture(i))?.unwrap_or(source.default_picture()),
         };
         source.check_names()?;
@@ -303,9 +354,7 @@ impl Output {
         out.entry("film", self.film);
         out.entry("checkpoint", interval(self.checkpoint));
         out.entry("backward_map", self.backward_map);
-        let Picture { field, mesh, size } = self.picture;
-        let field = name(field, &QUANTITIES);
-        out.entry("picture", format_args!("{{ field = {field}, mesh = {mesh}, size = {size} }}"));
+        out.entry("picture", self.picture.write());
         for p in &self.probes {
             let (at, of) = (vector(&p.at), name(p.of, &QUANTITIES));
             out.entry(&format!("probes.{}", key(&p.name)), format_args!("{{ at = {at}, of = {of} }}"));
@@ -330,7 +379,20 @@ impl Output {
 }
 
 impl Picture {
-    const DEFAULT: Picture = Picture { field: Quantity::Speed, mesh: false, size: 800 };
+    const DEFAULT: Picture =
+        Picture { field: Quantity::Speed, mesh: false, size: 800, view: [-60.0, 24.0], slice: None };
+
+    /// `view` and `slice` are written where there is a third dimension or the scene has set them.
+    fn write(&self) -> String {
+        let Picture { field, mesh, size, view, slice } = self;
+        let field = name(*field, &FIELDS);
+        let view = if *view == Self::DEFAULT.view { String::new() } else { format!(", view = {}", vector(view)) };
+        let slice = slice.map_or(String::new(), |Cut { axis, at }| {
+            let at = at.map_or(String::new(), |at| format!(", at = {}", number(at)));
+            format!(", slice = {{ axis = {}{at} }}", name(axis, &AXES))
+        });
+        format!("{{ field = {field}, mesh = {mesh}, size = {size}{view}{slice} }}")
+    }
 }
 
 /// The table `[output]`, if there is one, and what its values must agree with.
@@ -340,6 +402,8 @@ struct Source<'a> {
     interfaces: &'a [&'a str],
     /// Whether the velocity is prescribed.
     prescribed: bool,
+    /// Whether backward characteristics are carried.
+    has_map: bool,
     context: &'a Context,
 }
 
@@ -364,7 +428,11 @@ impl<'a> Source<'a> {
     }
 
     fn quantity(&self, item: &Item) -> Result<Quantity> {
-        let quantity = item.choice(&QUANTITIES)?;
+        self.possible(item, item.choice(&QUANTITIES)?)
+    }
+
+    /// A quantity that the scene has.
+    fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
         let n = self.interfaces.len();
         if quantity == Quantity::Pressure && self.prescribed {
             return Err(item
@@ -445,12 +513,12 @@ impl<'a> Source<'a> {
 
     fn picture(&self, item: &Item) -> Result<Picture> {
         let table = item.table(&PICTURE)?;
-        let field = |i: &Item| match self.quantity(i)? {
-            Quantity::Velocity => {
-                Err(i.error("a picture shows one number at each point").remedy("write field = \"speed\""))
-            }
-            field => Ok(field),
-        };
+        let of_space = ["view", "slice"].into_iter().find_map(|key| table.get(key));
+        if let (2, Some(item)) = (self.context.dimension, of_space) {
+            return Err(item
+                .key_error(format!("`{}` is for pictures of space, and the mesh is plane", item.key))
+                .remedy("leave it out"));
+        }
         let mesh = |i: &Item| match (i.boolean()?, self.context.dimension) {
             (true, 3) => Err(i
                 .error("the edges of a mesh are drawn in the plane alone, and the scene has 3 dimensions")
@@ -458,10 +526,33 @@ impl<'a> Source<'a> {
             (mesh, _) => Ok(mesh),
         };
         Ok(Picture {
-            field: table.optional("field", field)?.unwrap_or(self.default_picture().field),
+            field: table.optional("field", |i| self.field(i))?.unwrap_or(self.default_picture().field),
             mesh: table.optional("mesh", mesh)?.unwrap_or(Picture::DEFAULT.mesh),
             size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
+            view: table.optional("view", Item::vector)?.unwrap_or(Picture::DEFAULT.view),
+            slice: table.optional("slice", cut)?,
         })
+    }
+
+    /// The field of a picture.
+    fn field(&self, item: &Item) -> Result<Quantity> {
+        if item.text().is_ok_and(|text| text == "velocity") {
+            return Err(item.error("a picture shows one number at each point").remedy("write field = \"speed\""));
+        }
+        let field = item.choice(&FIELDS)?;
+        if !matches!(field, Quantity::AreaChange | Quantity::Shear | Quantity::Checkerboard) {
+            return self.possible(item, field);
+        }
+        let word = item.text()?;
+        let what = match (self.context.dimension, self.has_map, self.interfaces.len()) {
+            (2, _, _) => "shows the strain of a surface, and the mesh is plane",
+            (_, false, _) => "needs backward characteristics, which nothing in the scene carries",
+            (_, _, 1) => return Ok(field),
+            _ => "belongs to one interface",
+        };
+        Err(item.error(format!("`{word}` {what}")).remedy(
+            "show the speed, or give a scene of space one [[membrane]] with a law of shear, or output.backward_map = true",
+        ))
     }
 
     /// Columns of the series begin with the name of what they measure: no two may share it.
@@ -480,6 +571,14 @@ impl<'a> Source<'a> {
         }
         Ok(())
     }
+}
+
+fn cut(item: &Item) -> Result<Cut> {
+    let table = item.table(&CUT)?;
+    Ok(Cut {
+        axis: table.required("axis", "name the axis: slice = { axis = \"z\" }", |i| i.choice(&AXES))?,
+        at: table.optional("at", Item::number)?,
+    })
 }
 
 fn flux(name: String, item: &Item) -> Result<Flux> {
