@@ -1,0 +1,266 @@
+//! Membranes that resist shear: scenes through the program, and what must hold for any of them.
+
+use super::program::*;
+use immersa::elastic::{AreaLaw, Membrane, RestMap, ShearLaw, ShearMembrane, SurfaceLaw};
+use immersa::fem::{Condition, Element, Space};
+use immersa::levelset::{Circle, signed_distance};
+use immersa::mesh::{Point, box_mesh};
+use immersa::output::Table;
+use immersa::scene::Scene;
+use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::transport::Method;
+use nalgebra::SVector;
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use tempfile::TempDir;
+
+const SPHERE: &str = r#"title = "A sheared sphere"
+[mesh]
+box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }
+[fluid]
+viscosity = 0.05
+[boundary.walls]
+no_slip = true
+[[membrane]]
+name = "sphere"
+shape.sphere = { centre = [0, 0, 0], radius = 0.45 }
+area.linear = { modulus = 1.0 }
+shear.linear = { modulus = 0.1 }
+map = ["x*cos(pi*z) + y*sin(pi*z)", "-x*sin(pi*z) + y*cos(pi*z)", "z"]
+rings.equator = { centre = [0, 0, 0], normal = [0, 0, 1], modes = [4, 8] }
+[time]
+end = 0.06
+step = 0.02
+[numerics]
+thickness = 0.5
+[output]
+fields = 0.02
+pictures = 0.02
+picture.field = "checkerboard"
+checkpoint = 0
+"#;
+
+fn folder_with(scene: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    folder
+}
+
+fn last(run: &Path, column: &str) -> f64 {
+    *Table::read(&run.join("series.csv")).unwrap().column(column).unwrap().last().unwrap()
+}
+
+#[test]
+fn a_sheared_sphere_runs_goes_on_bit_by_bit_and_is_drawn() {
+    for coupling in ["explicit", "implicit"] {
+        let scene = SPHERE.replace("thickness = 0.5", &format!("thickness = 0.5\ncoupling = \"{coupling}\""));
+        let folder = folder_with(&scene);
+        let run =
+            |out: &str, more: &[&str]| immersa(folder.path(), &[&["run", "scene.toml", "--out", out], more].concat());
+        run("whole", &[]).expect(0, &["done: 3 steps"]);
+        let whole = folder.path().join("whole");
+        let parts = folder.path().join("parts");
+        let mut child = start(folder.path(), &["run", "scene.toml", "--out", "parts"]);
+        wait_until(&mut child, || rows(&parts) >= 2);
+        interrupt(&child);
+        let ended = wait(child);
+        if ended.code != 0 {
+            ended.expect(130, &["interrupted", "--resume"]);
+        }
+        run("parts", &["--resume"]).expect(0, &["done: 3 steps"]);
+        assert_same(&whole, &parts);
+        // Twisted on a sphere, with no change of area: Z2 from 1 at the poles to 1 + pi^2 r^4/2 R^2 = 2.0 at the equator.
+        let first = |c: &str| Table::read(&whole.join("series.csv")).unwrap().column(c).unwrap()[0];
+        assert!((first("sphere.shear_max") - (1.0 + 0.5 * PI * PI * 0.45f64.powi(2))).abs() < 0.1);
+        assert!((first("sphere.area_change_max") - 1.0).abs() < 0.05 && first("determinant_error") < 1e-14);
+        assert!((first("sphere.equator_radius") - 0.45).abs() < 1e-3 && first("sphere.equator_mode_4") < 1e-3);
+        assert!(last(&whole, "energy_kinetic") > 1e-4 && last(&whole, "energy_balance").abs() < 0.02);
+        assert!(last(&whole, "sphere.determinant_error") < 1e-2 && last(&whole, "determinant_error") > 1e-8);
+        assert!(whole.join("pictures/000003.png").exists());
+        for field in ["shear", "area_change", "speed"] {
+            let field = format!("output.picture.field={field}");
+            immersa(folder.path(), &["render", "whole", "--set", &field]).expect(0, &[]);
+        }
+        let slice = ["--set", "output.picture.field=pressure", "--set", "output.picture.slice={ axis = \"y\" }"];
+        immersa(folder.path(), &[&["render", "whole"], &slice[..]].concat()).expect(0, &[]);
+    }
+}
+
+#[test]
+fn a_level_set_from_the_map_moves_as_the_carried_one() {
+    let folder = folder_with(SPHERE);
+    let mut found = Vec::new();
+    let ways = [
+        "numerics.transport=nodal",
+        "membrane.0.level_set=mapped",
+        "numerics.transport=composed",
+        "numerics.transport=projected",
+        "membrane.0.area_change=map",
+    ];
+    for (k, way) in ways.into_iter().enumerate() {
+        let out = format!("run{k}");
+        let more = ["--quiet", "--set", "output.fields=false", "--set", "output.pictures=false", "--set", way];
+        immersa(folder.path(), &[&["run", "scene.toml", "--out", &out], &more[..]].concat()).expect(0, &[]);
+        let run = folder.path().join(out);
+        found.push(["sphere.axis_1", "sphere.volume", "energy_kinetic"].map(|c| last(&run, c)));
+    }
+    for f in &found[1..] {
+        for (a, b) in f.iter().zip(&found[0]) {
+            assert!((a / b - 1.0).abs() < 0.03, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn scenes_with_shear_come_back_from_what_they_are_written_as() {
+    for (from, to) in [
+        ("", ""),
+        ("shear.linear = { modulus = 0.1 }", "shear.neo_hookean = { modulus = 0.1 }\nlevel_set = \"mapped\""),
+        (
+            "area.linear = { modulus = 1.0 }\nshear.linear = { modulus = 0.1 }",
+            "law.skalak = { modulus = 0.1, area_ratio = 3 }\narea_change = \"map\"",
+        ),
+        ("area.linear = { modulus = 1.0 }\nshear.linear = { modulus = 0.1 }", "law.neo_hookean = { modulus = 0.1 }"),
+        (
+            "picture.field = \"checkerboard\"",
+            "picture = { field = \"shear\", view = [10, 20], slice = { axis = \"x\" } }",
+        ),
+    ] {
+        let scene = Scene::parse(&SPHERE.replace(from, to), Path::new("scene.toml")).unwrap();
+        let again = Scene::parse(&scene.to_toml(), Path::new("scene.toml")).unwrap();
+        assert_eq!(scene, again, "{to}");
+    }
+}
+
+#[test]
+fn what_cannot_be_sheared_is_refused_where_it_is_written() {
+    let refused = |from: &str, to: &str, words: &[&str]| {
+        let folder = folder_with(&SPHERE.replace(from, to));
+        immersa(folder.path(), &["explain", "scene.toml"]).expect(2, words);
+    };
+    refused(
+        "shear.linear = { modulus = 0.1 }",
+        "force = \"sharp\"\nshear.linear = { modulus = 1 }",
+        &["carries the stretch", "smeared"],
+    );
+    refused("shear.linear = { modulus = 0.1 }\n", "", &["membranes that resist shear", "`map`"]);
+    refused("area.linear", "law.neo_hookean = { modulus = 1 }\narea.linear", &["on top of it", "`law` alone"]);
+    refused("modes = [4, 8]", "modes = [3]", &["even"]);
+    refused("\"z\"]", "\"z + t\"]", &["depends on time"]);
+    refused("thickness = 0.5", "thickness = 0.5\ncoupling = \"semi-implicit\"", &["nothing of shear", "implicit"]);
+    refused("no_slip = true", "no_slip = true\n[boundary.left]\nperiodic = \"right\"", &["periodic sides", "map"]);
+    let plane = SPHERE.replace(
+        "box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }",
+        "rectangle = { min = [-1, -1], max = [1, 1], cells = [6, 6] }",
+    );
+    let folder = folder_with(&plane);
+    immersa(folder.path(), &["explain", "scene.toml"]).expect(2, &["a curve", "`shear`"]);
+    let folder = folder_with(&SPHERE.replace("shear.linear = { modulus = 0.1 }\nmap", "#"));
+    immersa(folder.path(), &["explain", "scene.toml"]).expect(2, &["backward characteristics"]);
+}
+
+/// Passive surfaces in a given velocity have the strains of annex A, through the program: TC4.
+#[test]
+fn a_passive_surface_tells_its_area_and_shear() {
+    let scene = r#"
+[mesh]
+box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [10, 10, 10] }
+[fluid]
+prescribed_velocity = ["-y*z", "x*z", 0]
+[[level_set]]
+name = "ball"
+shape.sphere = { centre = [0, 0, 0], radius = 0.5 }
+[time]
+end = 1.0
+step = 0.1
+[output]
+backward_map = true
+picture.field = "shear"
+fields = 1.0
+pictures = false
+"#;
+    let folder = folder_with(scene);
+    immersa(folder.path(), &["run", "scene.toml", "--out", "run", "--quiet"]).expect(0, &[]);
+    let run = folder.path().join("run");
+    // 1 + t^2 r^4/(2 R^2), largest at the equator.
+    assert!((last(&run, "ball.shear_max") - 1.125).abs() < 5e-3, "{}", last(&run, "ball.shear_max"));
+    assert!((last(&run, "ball.area_change_max") - 1.0).abs() < 5e-3);
+    assert!(last(&run, "ball.determinant_error") < 5e-3);
+    immersa(folder.path(), &["render", "run", "--set", "output.pictures=1.0"]).expect(0, &[]);
+    assert!(run.join("pictures/000010.png").exists());
+}
+
+fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt: f64) -> Simulation<3> {
+    let mut mesh = box_mesh([-1.0; 3], [1.0; 3], [6; 3]).unwrap();
+    mesh.set_boundary("walls", (0..mesh.facets().len() as u32).collect());
+    let mesh = Arc::new(mesh);
+    let space = Space::new(&mesh, Element::P2);
+    let shape = Circle::<3>::new(Point::<3>::zeros(), 0.45).unwrap();
+    let shear = ShearMembrane::new(law, 0.5, 1.0);
+    let structure = Structure {
+        name: "sphere".into(),
+        phi: signed_distance(&space, &shape),
+        membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.5),
+        sharp: None,
+        shear: Some(if let Some(map) = map { shear.with_map(map) } else { shear }),
+        stretch: 1.0,
+        surface_mass: 0.0,
+    };
+    let settings = Settings {
+        dt,
+        order: 2,
+        transport: Method::Nodal,
+        coupling,
+        convection: true,
+        grad_div: 5.0,
+        solve_tolerance: 1e-10,
+        solving: Default::default(),
+        quadrature: 5,
+        materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(0.05) },
+        conditions: vec![("walls".into(), Condition::NoSlip)],
+        gravity: SVector::zeros(),
+        body_force: None,
+    };
+    Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
+}
+
+const LAW: SurfaceLaw =
+    SurfaceLaw::Split { area: AreaLaw::Linear { modulus: 1.0 }, shear: ShearLaw::NeoHookean { modulus: 0.5 } };
+
+/// A membrane at rest, here or turned as a whole, pulls at nothing: what moves is the error of the level set's slope (a smooth distance is not
+/// a P2 function).
+#[test]
+fn a_membrane_at_rest_stays_at_rest_however_it_was_turned() {
+    let turn: Arc<RestMap<3>> = Arc::new(|x: &Point<3>| {
+        let (s, c) = 1.1f64.sin_cos();
+        Point::<3>::new(x[0] * c - x[1] * s + 2.0, x[0] * s + x[1] * c - 1.0, x[2] + 0.5)
+    });
+    let twist: Arc<RestMap<3>> = Arc::new(|x: &Point<3>| {
+        let (s, c) = (PI * x[2]).sin_cos();
+        Point::<3>::new(x[0] * c + x[1] * s, x[1] * c - x[0] * s, x[2])
+    });
+    let speed = |map| {
+        let mut sim = sphere(LAW, map, Coupling::Explicit, 0.01);
+        (0..3).for_each(|_| assert!(sim.step().is_ok()));
+        sim.largest_speed()
+    };
+    let (rest, turned, twisted) = (speed(None), speed(Some(turn)), speed(Some(twist)));
+    assert!((rest - turned).abs() < 1e-10, "{rest} {turned}");
+    assert!(rest < 0.03 * twisted, "{rest} {twisted}");
+}
+
+#[test]
+fn one_thread_and_two_shear_a_sphere_to_the_same_bits() {
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let twist: Arc<RestMap<3>> = Arc::new(|x: &Point<3>| Point::<3>::new(x[0] + 0.3 * x[2], x[1], x[2]));
+            let mut sim = sphere(LAW, Some(twist), Coupling::Implicit, 0.02);
+            (0..3).for_each(|_| assert!(sim.step().is_ok()));
+            sim.state().to_bytes(0)
+        })
+    };
+    assert!(run(1) == run(2));
+}
