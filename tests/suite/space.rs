@@ -118,7 +118,7 @@ fn an_ellipsoid_relaxes_and_goes_on_bit_by_bit_after_an_interruption() {
         let stretch = ["--set", "output.pictures=0.02", "--set", "output.picture.field=stretch"];
         immersa(folder.path(), &[&["render", "whole"], &stretch[..]].concat()).expect(0, &[]);
         assert!(whole.join("pictures/000003.png").exists());
-        assert!(fs::read_to_string(whole.join("report.html")).unwrap().contains("on the interface"));
+        assert!(fs::read_to_string(whole.join("report.html")).unwrap().contains("The end, t = 0.06"));
     }
 }
 
@@ -134,7 +134,7 @@ fn has_relaxed(run: &Path) {
     assert!((first / exact - 1.0).abs() < 0.01 && (last / first - 1.0).abs() < 1e-3, "{first} {last} {exact}");
     assert!((long - 0.48).abs() < 0.01 && shorter < long, "{long} {shorter}");
     assert!((ends("long").0 - 0.48).abs() < 1e-9 && (ends("extent_z").0 - 0.36).abs() < 1e-3, "{:?}", ends("long"));
-    assert!((ends("axis_2").0 - ends("axis_3").0).abs() < 0.01 && ends("centre_z").0.abs() < 1e-12);
+    assert!((ends("axis_2").0 - ends("axis_3").0).abs() < 0.01 && ends("centre_z").0.abs() < 1e-4);
     let [elastic, kinetic] = ["energy_elastic", "energy_kinetic"].map(|name| table.column(name).unwrap());
     let total: Vec<f64> = elastic.iter().zip(kinetic).map(|(e, k)| e + k).collect();
     assert!(total.windows(2).all(|e| e[1] < e[0]) && kinetic[3] > 0.0, "{total:?}");
