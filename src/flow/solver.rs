@@ -270,7 +270,7 @@ impl<const D: usize> FlowSolver<D> {
         let mut work = std::mem::replace(&mut self.work, Work::empty());
         let result = self.solve(step, change, &mut work, state);
         self.work = work;
-        let LaggedReport { solve, refactored, substitutions, factoring } = result?;
+        let LaggedReport { solve, refactored, given_up, substitutions, factoring } = result?;
         self.substitutions += substitutions as u64;
         if refactored {
             self.factored_weight = step.weight / step.dt;
@@ -279,7 +279,7 @@ impl<const D: usize> FlowSolver<D> {
         }
         self.phases.end(Phase::Solve);
         self.phases.transfer(factoring, Phase::Solve, Phase::Factor);
-        Ok(StepReport { solve, refactored })
+        Ok(StepReport { solve, refactored, given_up })
     }
 
     fn solve(

@@ -82,4 +82,6 @@ pub struct StepReport {
     pub solve: SolveReport,
     /// Whether the matrix was factored anew.
     pub refactored: bool,
+    /// Whether iterations with an older factor were given up before.
+    pub given_up: bool,
 }

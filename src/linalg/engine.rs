@@ -14,7 +14,7 @@ pub enum Way {
     Direct,
     /// By GMRES with the factor of the whole matrix in single precision, half as large: 2 to 3 iterations.
     Single,
-    /// By GMRES with scalar factors for the components and a Schur complement that is approximated: an eighth of the memory, 20 to 80 iterations.
+    /// By GMRES with scalar factors for the components and a Schur complement that is approximated: a fifth of the memory, 20 to 80 iterations.
     Schur,
 }
 
@@ -49,7 +49,7 @@ impl Way {
 impl fmt::Display for Way {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Way::Direct => "direct",
+            Way::Direct => "a factor of the whole matrix (direct)",
             Way::Single => "GMRES with a factor in single precision (single)",
             Way::Schur => "GMRES with scalar factors and a Schur complement (schur)",
         })

@@ -22,10 +22,12 @@ pub enum Change {
 /// What a solve of [`LaggedFactor`] was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaggedReport {
-    /// Its quality; `iterations` is 0 after a direct solve.
+    /// Its quality; `iterations` counts those that were given up too, and is 0 after a direct solve.
     pub solve: SolveReport,
     /// Whether the matrix was factored.
     pub refactored: bool,
+    /// Whether iterations with an older factor were given up before.
+    pub given_up: bool,
     /// How often the factor was read, each time twice.
     pub substitutions: usize,
     /// Seconds of all processors in the factorisation.
@@ -33,11 +35,17 @@ pub struct LaggedReport {
 }
 
 impl LaggedReport {
-    /// Of a direct solve, after a factorisation that took these seconds or none.
+    /// Of a solve with the factor of the matrix, after a factorisation that took these seconds or none.
     fn direct(solve: SolveReport, factoring: Option<f64>) -> LaggedReport {
         let substitutions =
             solve.iterations + if solve.iterations == 0 || factoring.is_some() { 1 + solve.refinements } else { 0 };
-        LaggedReport { solve, refactored: factoring.is_some(), substitutions, factoring: factoring.unwrap_or_default() }
+        LaggedReport {
+            solve,
+            refactored: factoring.is_some(),
+            given_up: false,
+            substitutions,
+            factoring: factoring.unwrap_or_default(),
+        }
     }
 }
 
@@ -203,8 +211,8 @@ impl LaggedFactor {
     /// More iterations with an old factor than the factorisation is worth are not made.
     fn most_iterations(&self) -> usize {
         match self.way() {
-            Way::Direct => (self.cost + DIRECT_SOLVE) as usize,
-            way => self.cost as usize + way.most_iterations(),
+            Way::Direct | Way::Single => (self.cost + DIRECT_SOLVE) as usize,
+            way @ Way::Schur => self.cost as usize + way.most_iterations(),
         }
     }
 
@@ -230,7 +238,13 @@ impl LaggedFactor {
             if done.converged {
                 self.ledger.iterated(done.iterations);
                 let solve = SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations };
-                return Ok(LaggedReport { solve, refactored: false, substitutions: done.iterations, factoring: 0.0 });
+                return Ok(LaggedReport {
+                    solve,
+                    refactored: false,
+                    given_up: false,
+                    substitutions: done.iterations,
+                    factoring: 0.0,
+                });
             }
             wasted = done.iterations;
         }
@@ -240,7 +254,7 @@ impl LaggedFactor {
         let solve = self.solve_own(matrix, rhs, x)?;
         self.ledger.factored(self.cost, DIRECT_SOLVE.max(solve.iterations as f64), wasted);
         let solve = SolveReport { iterations: wasted + solve.iterations, ..solve };
-        Ok(LaggedReport::direct(solve, Some(factoring)))
+        Ok(LaggedReport { given_up: wasted > 0, ..LaggedReport::direct(solve, Some(factoring)) })
     }
 
     /// Solves with the factor of this very matrix.

@@ -175,7 +175,11 @@ impl<const D: usize> Simulation<D> {
         self.state.flow.u = next;
         self.state.steps += 1;
         self.state.time = self.state.steps as f64 * dt;
-        Ok(StepReport { solve: SolveReport { residual: 0.0, refinements: 0, iterations: 0 }, refactored: false })
+        Ok(StepReport {
+            solve: SolveReport { residual: 0.0, refinements: 0, iterations: 0 },
+            refactored: false,
+            given_up: false,
+        })
     }
 }
 

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 pub struct Solves {
     /// Numeric factorisations.
     pub factorisations: u64,
-    /// Systems that were solved by iterations with an older factor.
+    /// Systems that were solved by iterations: with an older factor, or with one that is not exact.
     pub krylov: u64,
-    /// Systems whose iterations were given up: factored and solved directly.
+    /// Systems whose iterations with an older factor were given up: factored, and solved with their own.
     pub given_up: u64,
     /// Iterations in all.
     pub iterations: u64,
@@ -30,7 +30,7 @@ impl Solves {
         self.factorisations += u64::from(report.refactored);
         self.iterations += iterations;
         self.worst_residual = self.worst_residual.max(solve.residual);
-        match (report.refactored, iterations) {
+        match (report.given_up, iterations) {
             (_, 0) => {}
             (true, _) => self.given_up += 1,
             (false, _) => {

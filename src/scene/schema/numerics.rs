@@ -118,7 +118,7 @@ pub(super) static KEYS: Keys = Keys {
             "",
             Default("\"auto\""),
             "How the linear systems of the flow are solved: with a factor of the whole matrix; by iterations with one in single precision, half as \
-             large; or by more iterations with scalar factors and a Schur complement, in an eighth of the memory (in space). \"auto\" takes the first that fits into the memory.",
+             large; or by more iterations with scalar factors and a Schur complement, in a fifth of the memory (in space). \"auto\" takes the first that fits into the memory.",
         ),
         row(
             "memory",
