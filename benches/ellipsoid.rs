@@ -1,7 +1,7 @@
 //! The explicit step of a membrane in space beside FreeFEM's: an ellipsoid, stretched beforehand, relaxes in a closed box.
 //!
 //! `cargo bench --bench ellipsoid -- 8 12` runs boxes of 8 and 12 blocks along a side; `steps=20` sets how many steps, `mesh=FOLDER` also writes
-//! the meshes as `FOLDER/ellipsoid-N.mesh` for `FreeFem++ -nw -v 0 benches/ellipsoid.edp -mesh FOLDER/ellipsoid-N.mesh -eps 3/N -steps 20` (3/N as a number). One thread.
+//! the meshes as `FOLDER/ellipsoid-N.mesh` for `FreeFem++ -nw -v 0 examples/ellipsoid/twin.edp -mesh FOLDER/ellipsoid-N.mesh -eps 3/N -steps 20` (3/N as a number). One thread.
 
 #![allow(clippy::print_stdout, reason = "the figures are the point of a bench")]
 
