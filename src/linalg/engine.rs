@@ -69,6 +69,7 @@ pub struct Solving {
 const GROWTH: f64 = 4.0 / 3.0;
 
 /// A factor or what stands for it.
+#[allow(clippy::large_enum_variant, reason = "there is one, and it is not moved about")]
 pub(super) enum Engine {
     Whole(Factor),
     Schur(Box<Schur>),

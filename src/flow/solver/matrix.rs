@@ -58,6 +58,9 @@ impl<const D: usize> FlowSolver<D> {
     /// zero at open boundaries.
     fn fill_operators(&mut self, weight: f64) -> Result<()> {
         let Some(factor) = &mut self.factor else { return Ok(()) };
+        if factor.operators_mut().is_empty() {
+            return Ok(());
+        }
         let (density, viscosity, grad_div) = (&self.density, &self.viscosity, self.grad_div);
         let unknowns = self.numbering.pressure_unknowns();
         for (k, operator) in factor.operators_mut().iter_mut().enumerate() {
