@@ -1,8 +1,9 @@
 //! The membrane with full elasticity: the forces F1 and F2 of (5.15), (3.47), on a band, explicit or implicit in the velocity.
 
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
+use super::membrane::explicit_step_limit;
 use super::surface_law::{SurfaceLaw, Tangent};
-use super::surface_strain::{SurfaceStrain, in_space};
+use super::surface_strain::SurfaceStrain;
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::MomentumTerm;
 use crate::mesh::Point;
@@ -29,8 +30,7 @@ pub enum AreaFrom {
 struct Strained<const D: usize> {
     /// Weight per area at rest; zero outside the band.
     w: f64,
-    normal: SVector<f64, D>,
-    tangents: [SVector<f64, D>; 2],
+    strain: SurfaceStrain<D>,
     /// The tension, in the basis of the tangent plane.
     tension: Matrix2<f64>,
     /// Positive semi-definite stiffnesses out of the plane and in it; zero without implicit coupling.
@@ -103,8 +103,7 @@ impl<const D: usize> ShearMembrane<D> {
         self.implicit_step = implicit_step;
         let nothing = Strained {
             w: 0.0,
-            normal: SVector::zeros(),
-            tangents: [SVector::zeros(); 2],
+            strain: SurfaceStrain::NOTHING,
             tension: Matrix2::zeros(),
             stiffness: (Matrix2::zeros(), SMatrix::zeros()),
         };
@@ -117,8 +116,7 @@ impl<const D: usize> ShearMembrane<D> {
             let tangent = Tangent::new(law, &strain);
             Strained {
                 w: b.w,
-                normal: b.n,
-                tangents: strain.tangents,
+                strain,
                 tension: tangent.tension,
                 stiffness: if implicit_step.is_some() { tangent.clamped() } else { nothing.stiffness },
             }
@@ -139,10 +137,21 @@ impl<const D: usize> ShearMembrane<D> {
         let r = slope.norm();
         strain(&(slope / r), r, gradient, (self.stretch, self.area_from))
     }
-    /// Largest tension in the band that was prepared last, per length of membrane at rest; 0 when nothing is under tension.
-    pub fn largest_tension(&self) -> f64 {
-        let tensions = self.band.values().iter().filter(|b| b.w > 0.0).map(|b| b.tension.symmetric_eigenvalues().max());
-        tensions.fold(0.0, f64::max)
+    /// The largest stiffness that waves meet in the band that was prepared last, out of the membrane and along it, per area at rest; 0 when
+    /// there is none.
+    pub fn stiffest_waves(&self) -> [f64; 2] {
+        let stiffness = |b: &Strained<D>| Tangent::new(self.law, &b.strain).stiffest_waves();
+        let inside = self.band.values().iter().filter(|b| b.w > 0.0).map(stiffness);
+        inside.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
+    }
+    /// Largest stable step of the explicit coupling, in a fluid of that viscosity on edges of the length `edge`: the lesser of (1.54) with the
+    /// tension, for waves out of the membrane as in [`explicit_step_limit`], and of (1.54) with the stiffness of waves along it and
+    /// `dx = h/2`, the distance of P2 nodes: the fluid that is dragged along spreads these over more than the finest wave of the mesh. That
+    /// length is measured (book, "Stability"), not derived.
+    pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        let [tension, stiffness] = self.stiffest_waves();
+        let along = explicit_step_limit(viscosity, self.width.thickness, stiffness, edge * 60f64.sqrt() / 4.0);
+        explicit_step_limit(viscosity, self.width.thickness, tension, edge).min(along)
     }
 }
 
@@ -180,7 +189,7 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
     }
     fn force(&self, at: &At<D>) -> VectorForm<D> {
         let Some(b) = self.band.get(at).filter(|b| b.w > 0.0) else { return (SVector::zeros(), SMatrix::zeros()) };
-        (SVector::zeros(), in_space(&b.tangents, &b.tension) * -b.w)
+        (SVector::zeros(), b.strain.in_space(&b.tension) * -b.w)
     }
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
@@ -189,7 +198,7 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
         let (Some(b), Some(dt)) = (self.band.get(at).filter(|b| b.w > 0.0), self.implicit_step) else {
             return SMatrix::zeros();
         };
-        let (n, [s, t]) = (&b.normal, &b.tangents);
+        let (n, [s, t]) = (&b.strain.normal, &b.strain.tangents);
         let (along_s, along_t) = (grad_u * s, grad_u * t);
         let out = b.stiffness.0 * SVector::<f64, 2>::new(n.dot(&along_s), n.dot(&along_t));
         let a = SVector::<f64, 4>::new(s.dot(&along_s), s.dot(&along_t), t.dot(&along_s), t.dot(&along_t));

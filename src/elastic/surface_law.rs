@@ -2,7 +2,7 @@
 
 use super::area_law::AreaLaw;
 use super::surface_strain::SurfaceStrain;
-use nalgebra::{Matrix2, SMatrix};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// A law `E2(Z2)` of shear alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,11 +153,24 @@ impl Tangent {
         let values = SMatrix::<f64, 4, 4>::from_diagonal(&k.eigenvalues.map(|v| v.max(0.0)));
         (tension, k.eigenvectors * values * k.eigenvectors.transpose())
     }
-    /// The largest stiffness, of tension and strain, per area at rest.
-    pub fn largest(&self) -> f64 {
-        self.in_plane.symmetric_eigenvalues().max().max(self.tension.symmetric_eigenvalues().max())
+    /// The largest stiffness that waves along the membrane meet, out of its plane and in it: the largest tension, and the largest eigenvalue of
+    /// the acoustic tensor `K[u k, u k]` over directions `k`, per area at rest. For an area law at rest nothing and its modulus.
+    pub fn stiffest_waves(&self) -> [f64; 2] {
+        let along = |i: usize| {
+            let (sin, cos) = (std::f64::consts::PI * i as f64 / DIRECTIONS as f64).sin_cos();
+            let k = Vector2::new(cos, sin);
+            let acoustic = Matrix2::from_fn(|i, l| {
+                let pairs = (0..2).flat_map(|j| (0..2).map(move |m| (j, m)));
+                pairs.map(|(j, m)| self.in_plane[(2 * i + j, 2 * l + m)] * k[j] * k[m]).sum::<f64>()
+            });
+            acoustic.symmetric_eigenvalues().max()
+        };
+        [self.tension.symmetric_eigenvalues().max(), (0..DIRECTIONS).map(along).fold(0.0, f64::max)]
     }
 }
+
+/// Directions, over half a turn, in which waves are looked at.
+const DIRECTIONS: usize = 8;
 
 #[cfg(test)]
 mod tests {
@@ -208,6 +221,17 @@ mod tests {
         }
     }
 
+    #[test]
+    fn waves_along_a_membrane_at_rest_meet_its_moduli() {
+        let strain = SurfaceStrain::new(&SVector::<f64, 3>::z(), &Matrix3::identity(), 1.0);
+        let stiffest = |law| Tangent::new(law, &strain).stiffest_waves()[1];
+        assert!((stiffest(LAWS[0]) - 1.0).abs() < 1e-14);
+        // Rubber: 4 G lengthwise (E_s/(1 - nu^2) with E_s = 3 G, nu = 1/2); Skalak: G (2 + 2 C).
+        assert!((stiffest(LAWS[2]) - 4.0 * 2.0).abs() < 1e-13);
+        assert!((stiffest(LAWS[3]) - 0.5 * (2.0 + 2.0)).abs() < 1e-13);
+        assert!((stiffest(LAWS[4]) - 0.5 * (2.0 + 40.0)).abs() < 1e-12);
+    }
+
     proptest! {
         /// `W` along `x -> x + s u(x)`: its slope is the tension and its curvature the tangent, in the plane and out of it.
         #[test]
@@ -231,7 +255,7 @@ mod tests {
                 let b = SVector::<f64, 2>::from_fn(|k, _| n.dot(&(grad_u * t[k])));
                 let slope = (at(law, h) - at(law, -h)) / (2.0 * h);
                 let said = strain.in_space(&tangent.tension).dot(&grad_u);
-                let size = 1.0 + tangent.largest();
+                let size = 1.0 + tangent.in_plane.norm();
                 prop_assert!((slope - said).abs() < 1e-5 * size, "{law:?}: {slope} {said}");
                 let curve = (at(law, h) - 2.0 * at(law, 0.0) + at(law, -h)) / (h * h);
                 let said = a.dot(&(tangent.in_plane * a)) + b.dot(&(tangent.tension * b));

@@ -1,6 +1,6 @@
 //! How a surface is deformed, from the backward characteristics `Y`: area and shear, frame by frame of its tangent plane.
 
-use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
+use nalgebra::{ArrayStorage, Matrix2, SMatrix, SVector, Vector3};
 
 /// The deformation of a surface at a point, from the unit normal `n` and `grad Y` (row `i`, column `j` is `d Y_i / d x_j`).
 ///
@@ -25,6 +25,15 @@ pub struct SurfaceStrain<const D: usize> {
 }
 
 impl<const D: usize> SurfaceStrain<D> {
+    const ZERO: SVector<f64, D> = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
+    /// No surface at all.
+    pub(super) const NOTHING: SurfaceStrain<D> = SurfaceStrain {
+        normal: Self::ZERO,
+        tangents: [Self::ZERO; 2],
+        a: Matrix2::new(0.0, 0.0, 0.0, 0.0),
+        z1: 0.0,
+        z2: 0.0,
+    };
     /// The strain where the unit normal is `n`. `stretch` is an area stretch in all directions that comes on top of what `Y` tells.
     pub fn new(n: &SVector<f64, D>, grad_y: &SMatrix<f64, D, D>, stretch: f64) -> SurfaceStrain<D> {
         let tangents = tangent_basis(n);
@@ -55,14 +64,9 @@ impl<const D: usize> SurfaceStrain<D> {
     }
     /// The tensor of space that a tensor of the tangent plane stands for.
     pub(super) fn in_space(&self, m: &Matrix2<f64>) -> SMatrix<f64, D, D> {
-        in_space(&self.tangents, m)
+        let [s, t] = &self.tangents;
+        (s * m.m11 + t * m.m21) * s.transpose() + (s * m.m12 + t * m.m22) * t.transpose()
     }
-}
-
-/// The tensor of space that a tensor of the tangent plane with the basis `tangents` stands for.
-pub(super) fn in_space<const D: usize>(tangents: &[SVector<f64, D>; 2], m: &Matrix2<f64>) -> SMatrix<f64, D, D> {
-    let [s, t] = tangents;
-    (s * m.m11 + t * m.m21) * s.transpose() + (s * m.m12 + t * m.m22) * t.transpose()
 }
 
 /// Two unit vectors that make an orthonormal frame with `n`, which they follow without a jump but at `n = -e_z` (Duff et al. 2017); in

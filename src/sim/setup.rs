@@ -159,7 +159,7 @@ impl<const D: usize> Structure<D> {
     /// Largest tension `E'(r)` on what was prepared last; 0 when nothing is under tension.
     pub fn largest_tension(&self) -> f64 {
         match (&self.shear, &self.sharp) {
-            (Some(shear), _) => shear.largest_tension(),
+            (Some(shear), _) => shear.stiffest_waves()[0],
             (None, Some(sharp)) => sharp.largest_tension(),
             (None, None) => self.membrane.largest_tension(),
         }
@@ -170,6 +170,9 @@ impl<const D: usize> Structure<D> {
     }
     /// Largest stable step of the explicit coupling (1.54) for the current tension, on edges of the length `edge`.
     pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        if let Some(shear) = &self.shear {
+            return shear.step_limit(viscosity, edge);
+        }
         // A force on the interface acts on what is about it: an edge on each side.
         let thickness = if self.sharp.is_some() { edge } else { self.membrane.thickness() };
         explicit_step_limit(viscosity, thickness, self.largest_tension(), edge)

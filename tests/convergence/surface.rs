@@ -2,7 +2,7 @@
 //! against (5.16) and (5.17), and virtual power (5.14).
 
 use crate::tools::Study;
-use immersa::elastic::{AreaLaw, Band, ShearLaw, ShearMembrane, SurfaceLaw, SurfaceStrain};
+use immersa::elastic::{AreaFrom, AreaLaw, Band, ShearLaw, ShearMembrane, SurfaceLaw, SurfaceStrain};
 use immersa::fem::{At, Basis, Cells, Element, Rule, Space, integrate};
 use immersa::flow::term::MomentumTerm;
 use immersa::levelset::zeta;
@@ -336,12 +336,14 @@ fn at_rest(x: &V) -> V {
 /// `d/dt E + (F, u) = 0` (5.14): the energy of fields that a flow carries exactly against the power of the force, on meshes.
 #[test]
 fn virtual_power_is_the_change_of_the_energy_for_area_and_shear() {
-    for (name, law) in LAWS {
+    let ways = LAWS.map(|(name, law)| (name, law, AreaFrom::Map));
+    for (name, law, area_from) in ways.into_iter().chain([("area by slope", LAWS[0].1, AreaFrom::Slope)]) {
         // Of the place in the mesh the error depends by chance: the root mean square over several.
         let at = |n: usize, place: V| {
             let space = Arc::new(Space::new(&cube(n), Element::P2));
             let basis = Basis::new(&space, &Arc::new(Rule::simplex(3, 6)));
-            let mut membrane = ShearMembrane::new(law, 0.3, 1.0).with_band(Band::Carried, 1.0);
+            let membrane = ShearMembrane::new(law, 0.3, 1.0).with_band(Band::Carried, 1.0);
+            let mut membrane = membrane.with_area_from(area_from);
             let s = 1e-3;
             let fields = |s: f64| {
                 let back = |x: &V| moved(x, -s) - place;
@@ -397,7 +399,8 @@ fn the_normal_forces_are_those_of_the_paper() {
                 let space = Arc::new(Space::new(&cube(n), Element::P2));
                 let basis = Basis::new(&space, &Arc::new(Rule::simplex(3, 6)));
                 let eps = 0.3;
-                let mut membrane = ShearMembrane::new(*law, eps, 1.0).with_band(Band::Carried, 1.0);
+                let membrane = ShearMembrane::new(*law, eps, 1.0).with_band(Band::Carried, 1.0);
+                let mut membrane = membrane.with_area_from(AreaFrom::Map);
                 membrane.prepare(&basis, &space.interpolate(level), &space.interpolate(|x| y(x) - x), None);
                 let normal = |x: &V| gradient(x).normalize() * psi(x);
                 let v = space.interpolate(|x| if x.norm() > 0.1 { normal(x) } else { V::zeros() });
