@@ -31,7 +31,7 @@ pub enum SurfaceLaw {
         shear: ShearLaw,
     },
     /// `W = G/2 (l1^2 + l2^2 + 1/(l1 l2)^2 - 3) = G/2 (2 Z1 Z2 + Z1^-2 - 3)`: a thin sheet of incompressible neo-Hookean rubber, whose
-    /// tension is `G/(l1 l2) (l1^2 - 1/(l1 l2)^2)` (Barthes-Biesel, Diaz and Dhenin 2002). `E_s = 3 G`.
+    /// tension is `G/(l1 l2) (l1^2 - 1/(l1 l2)^2)`. `E_s = 3 G`.
     NeoHookean {
         /// `G`, the surface shear modulus, force per length.
         modulus: f64,

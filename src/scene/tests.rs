@@ -184,7 +184,7 @@ fn a_ball_in_a_box_is_read_and_made() {
     assert_eq!((s.dimension(), parse(&s.to_toml()).unwrap()), (3, s.clone()));
     let mesh = s.mesh.generated().unwrap().unwrap();
     assert!((49..384).contains(&mesh.cell_count()) && mesh.boundary("front").is_ok());
-    for (key, part) in [("edge = 0.5", "`edge`"), ("radius = 0.5", "`radius`"), ("band = 0.1", "`band`")] {
+    for (key, part) in [("edge = 0.5", ".edge`"), ("radius = 0.5", ".radius`"), ("band = 0.1", ".band`")] {
         let name = key.split(' ').next().unwrap();
         assert!(parse(&text.replace(key, &format!("{name} = 0"))).unwrap_err().to_string().contains(part), "{key}");
     }

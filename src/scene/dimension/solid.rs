@@ -103,18 +103,32 @@ fn measures(sim: &Simulation<3>, surface: &Isosurface) -> [f64; COUNT] {
 /// Diameters that a ring is measured along.
 const DIAMETERS: usize = 96;
 
-/// The mean radius of a ring and the amplitudes of its modes, by half the diameters in `DIAMETERS` directions.
+/// Part of the diameters that may find no interface: its zero may lie by a little in a cell whose nodes it does not part.
+const MISSED: f64 = 0.05;
+
+/// The mean radius of a ring and the amplitudes of its modes, by half the diameters in [`DIAMETERS`] directions.
 fn waves(ring: &Ring, radius: impl Fn(&Point<3>, &Point<3>) -> f64) -> Vec<f64> {
     let (centre, n) = (point::<3>(&ring.centre), point::<3>(&ring.normal).normalize());
     let first = if n[0].abs() < 0.9 { Point::<3>::x() } else { Point::<3>::y() };
     let first = (first - n * n.dot(&first)).normalize();
     let second = n.cross(&first);
     let angle = |i: usize| PI * i as f64 / DIAMETERS as f64;
-    let radii: Vec<f64> =
-        (0..DIAMETERS).map(|i| radius(&centre, &(first * angle(i).cos() + second * angle(i).sin()))).collect();
-    let mean = |f: &dyn Fn(f64) -> f64| (0..DIAMETERS).map(|i| radii[i] * f(angle(i))).sum::<f64>() / DIAMETERS as f64;
-    let mode = |m: usize| 2.0 * mean(&|a| (m as f64 * a).cos()).hypot(mean(&|a| (m as f64 * a).sin()));
-    std::iter::once(mean(&|_| 1.0)).chain(ring.modes.iter().map(|&m| mode(m))).collect()
+    let along = |i: usize| radius(&centre, &(first * angle(i).cos() + second * angle(i).sin()));
+    let radii: Vec<f64> = (0..DIAMETERS).map(along).collect();
+    let found: Vec<f64> = radii.iter().copied().filter(|r| r.is_finite()).collect();
+    let mean = match found.len() as f64 {
+        count if count >= (1.0 - MISSED) * DIAMETERS as f64 => found.iter().sum::<f64>() / count,
+        _ => f64::NAN,
+    };
+    // What was not found counts as the mean.
+    let part = |f: &dyn Fn(f64) -> f64| {
+        let terms = radii.iter().enumerate().map(|(i, r)| if r.is_finite() { (r - mean) * f(angle(i)) } else { 0.0 });
+        terms.sum::<f64>() / DIAMETERS as f64
+    };
+    let mode = |m: usize| 2.0 * part(&|a| (m as f64 * a).cos()).hypot(part(&|a| (m as f64 * a).sin()));
+    // No number where too little was found, `hypot` of nothing being 0.
+    let modes = ring.modes.iter().map(|&m| if mean.is_nan() { mean } else { mode(m) });
+    std::iter::once(mean).chain(modes).collect()
 }
 
 /// [`STRAIN`](Dimension::STRAIN) of an interface; NaN where there is none.

@@ -199,7 +199,7 @@ impl Settings {
         level_set::write(&self.level_sets, &mut out);
         self.time.write(&mut out);
         self.numerics.write(&mut out);
-        self.output.write(&mut out);
+        self.output.write(&mut out, self.mesh.dimension());
         self.exact.write(&mut out);
         out.text
     }

@@ -345,7 +345,7 @@ impl Output {
         Ok(output)
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(super) fn write(&self, out: &mut Writer, dimension: usize) {
         let interval = |v: Option<f64>| v.map_or_else(|| "false".to_string(), number);
         out.header("[output]");
         out.entry("every", number(self.every));
@@ -354,7 +354,7 @@ impl Output {
         out.entry("film", self.film);
         out.entry("checkpoint", interval(self.checkpoint));
         out.entry("backward_map", self.backward_map);
-        out.entry("picture", self.picture.write());
+        out.entry("picture", self.picture.write(dimension));
         for p in &self.probes {
             let (at, of) = (vector(&p.at), name(p.of, &QUANTITIES));
             out.entry(&format!("probes.{}", key(&p.name)), format_args!("{{ at = {at}, of = {of} }}"));
@@ -382,11 +382,10 @@ impl Picture {
     const DEFAULT: Picture =
         Picture { field: Quantity::Speed, mesh: false, size: 800, view: [-60.0, 24.0], slice: None };
 
-    /// `view` and `slice` are written where there is a third dimension or the scene has set them.
-    fn write(&self) -> String {
+    fn write(&self, dimension: usize) -> String {
         let Picture { field, mesh, size, view, slice } = self;
         let field = name(*field, &FIELDS);
-        let view = if *view == Self::DEFAULT.view { String::new() } else { format!(", view = {}", vector(view)) };
+        let view = if dimension == 2 { String::new() } else { format!(", view = {}", vector(view)) };
         let slice = slice.map_or(String::new(), |Cut { axis, at }| {
             let at = at.map_or(String::new(), |at| format!(", at = {}", number(at)));
             format!(", slice = {{ axis = {}{at} }}", name(axis, &AXES))
