@@ -190,7 +190,7 @@ impl LaggedFactor {
         let vectors = if most > 0 { 2 * most.min(RESTART) + 2 } else { 0 };
         let own = vectors * self.engine.size().unknowns * size_of::<f64>();
         match self.way() {
-            Way::Direct => self.engine.size().bytes + own,
+            Way::Direct => self.factor().map_or(self.engine.size().bytes, Factor::bytes) + own,
             way => self.engine.size().bytes + own.saturating_sub(way.vector_bytes(self.engine.size().unknowns)),
         }
     }
