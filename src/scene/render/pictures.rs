@@ -118,6 +118,7 @@ struct Painter {
     /// In space: where the viewer stands, and the plane that is shown.
     view: [f64; 2],
     slice: Option<Cut>,
+    window: Option<[Point<3>; 2]>,
     /// Where the material of the interface is in the mean when it is at rest: the middle of its checkerboard.
     middle: Point<3>,
 }
@@ -135,6 +136,7 @@ impl Painter {
             fastest: None,
             view: picture.view,
             slice: picture.slice,
+            window: picture.window.map(|corners| corners.map(Point::<3>::from)),
             middle: Point::<3>::zeros(),
         };
         if let (Quantity::Checkerboard, Some(first)) = (painter.quantity, run.frames.first()) {
@@ -248,7 +250,8 @@ impl Painter {
             (field, _) => Coat::Field(field.data()),
         };
         let mut picture = SolidPicture::new(&snapshot.space, self.title());
-        let (low, high) = snapshot.space.mesh().bounding_box();
+        picture.window = self.window;
+        let [low, high] = self.window.unwrap_or_else(|| snapshot.space.mesh().bounding_box().into());
         let middle = (low + high) * 0.5;
         let slice =
             |axis: usize, at: Option<f64>| Slice { axis, position: at.unwrap_or(middle[axis]), field: field.data() };
@@ -277,8 +280,8 @@ impl Painter {
             Quantity::Velocity | Quantity::Speed => "Speed",
             Quantity::LevelSet => "Level set φ",
             Quantity::Stretch => "Stretch |grad φ|",
-            Quantity::AreaChange => "Area change Z₁",
-            Quantity::Shear => "Shear Z₂",
+            Quantity::AreaChange => "Area change Z1",
+            Quantity::Shear => "Shear Z2",
             Quantity::Checkerboard => "Material of the membrane",
         }
     }

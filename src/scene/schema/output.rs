@@ -129,6 +129,8 @@ pub struct Picture {
     pub view: [f64; 2],
     /// In space: the plane that is shown in place of the interfaces.
     pub slice: Option<Cut>,
+    /// In space: lower and upper corner of the part of the domain that is shown, if not all of it.
+    pub window: Option<[[f64; 3]; 2]>,
 }
 
 const QUANTITIES: [(&str, Quantity); 5] = [
@@ -287,6 +289,21 @@ static PICTURE: Keys = Keys {
             "In space, where the viewer stands: azimuth from x towards y, and elevation.",
         ),
         row("slice", Table(&CUT), "", Optional, "In space, a plane that is shown in place of the interfaces."),
+        row(
+            "window",
+            Table(&WINDOW),
+            "",
+            Derived("the whole domain"),
+            "In space, the part of the domain that is shown.",
+        ),
+    ],
+};
+
+static WINDOW: Keys = Keys {
+    about: "A box with sides along the axes.",
+    keys: &[
+        row("min", Value("point"), "m", Required, "The corner with the smallest coordinates."),
+        row("max", Value("point"), "m", Required, "The corner with the largest coordinates."),
     ],
 };
 
@@ -380,17 +397,20 @@ impl Output {
 
 impl Picture {
     const DEFAULT: Picture =
-        Picture { field: Quantity::Speed, mesh: false, size: 800, view: [-60.0, 24.0], slice: None };
+        Picture { field: Quantity::Speed, mesh: false, size: 800, view: [-60.0, 24.0], slice: None, window: None };
 
     fn write(&self, dimension: usize) -> String {
-        let Picture { field, mesh, size, view, slice } = self;
+        let Picture { field, mesh, size, view, slice, window } = self;
         let field = name(*field, &FIELDS);
         let view = if dimension == 2 { String::new() } else { format!(", view = {}", vector(view)) };
         let slice = slice.map_or(String::new(), |Cut { axis, at }| {
             let at = at.map_or(String::new(), |at| format!(", at = {}", number(at)));
             format!(", slice = {{ axis = {}{at} }}", name(axis, &AXES))
         });
-        format!("{{ field = {field}, mesh = {mesh}, size = {size}{view}{slice} }}")
+        let window = window.map_or(String::new(), |[min, max]| {
+            format!(", window = {{ min = {}, max = {} }}", vector(&min), vector(&max))
+        });
+        format!("{{ field = {field}, mesh = {mesh}, size = {size}{view}{slice}{window} }}")
     }
 }
 
@@ -512,7 +532,7 @@ impl<'a> Source<'a> {
 
     fn picture(&self, item: &Item) -> Result<Picture> {
         let table = item.table(&PICTURE)?;
-        let of_space = ["view", "slice"].into_iter().find_map(|key| table.get(key));
+        let of_space = ["view", "slice", "window"].into_iter().find_map(|key| table.get(key));
         if let (2, Some(item)) = (self.context.dimension, of_space) {
             return Err(item
                 .key_error(format!("`{}` is for pictures of space, and the mesh is plane", item.key))
@@ -530,6 +550,7 @@ impl<'a> Source<'a> {
             size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
             view: table.optional("view", Item::vector)?.unwrap_or(Picture::DEFAULT.view),
             slice: table.optional("slice", cut)?,
+            window: table.optional("window", window)?,
         })
     }
 
@@ -570,6 +591,18 @@ impl<'a> Source<'a> {
         }
         Ok(())
     }
+}
+
+fn window(item: &Item) -> Result<[[f64; 3]; 2]> {
+    let table = item.table(&WINDOW)?;
+    let corner = |key: &str| {
+        table.required(key, "give both corners: window = { min = [-1, -1, -1], max = [1, 1, 1] }", Item::vector)
+    };
+    let [min, max]: [[f64; 3]; 2] = [corner("min")?, corner("max")?];
+    if (0..3).all(|k| min[k] < max[k]) {
+        return Ok([min, max]);
+    }
+    Err(item.error("the window has no volume").remedy("give `max` larger coordinates than `min`"))
 }
 
 fn cut(item: &Item) -> Result<Cut> {
