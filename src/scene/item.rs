@@ -178,7 +178,7 @@ impl<'a> Item<'a> {
             let (key, found) = (&self.key, items.len());
             return Err(self
                 .error(format!("`{key}` has {found} component{}, but needs {n}", if found == 1 { "" } else { "s" }))
-                .remedy(format!("give {n} values in brackets; the scene has {n} dimensions")));
+                .remedy(format!("give {n} values in brackets")));
         }
         Ok(items)
     }

@@ -9,7 +9,7 @@ use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, prescribed};
 use super::plan::is_stepped;
 use super::schema::{self, Condition, MeshSource};
-use super::sheared::check_map;
+use super::sheared::{check_map, check_rest_map};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::elastic::{AreaLaw, Band, Force, Membrane, SharpMembrane, SurfaceLaw};
 use crate::fem::{self, Conditions, Element, Space};
@@ -102,6 +102,7 @@ where
         let pairs = fem::periodic_pairs(&mesh, &conditions).map_err(|e| scene.blame(&["boundary"], e))?;
         warnings.extend(check_inflow(scene, &mesh, &pairs)?);
         check_map(scene, !pairs.is_empty())?;
+        check_slice(scene, mesh.bounding_box())?;
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
         if scene.fluid.is_prescribed() {
             return prescribed(scene, model, conditions, quality, lengths);
@@ -323,6 +324,7 @@ where
                 true => distance.iter().map(|d| d * m.stretch).collect(),
                 false => self.space.interpolate(|x| functions[k](x)),
             };
+            check_rest_map(self.scene, (k, m), self.space, &phi, &distance, eps)?;
             structures.push(Structure {
                 name: self.scene.membranes[k].name.clone(),
                 phi,
@@ -462,6 +464,18 @@ pub(super) fn conditions<const D: usize>(scene: &Scene, mesh: &Mesh<D>) -> Resul
         list.push((b.name.clone(), condition));
     }
     Ok(list)
+}
+
+/// Refuses pictures on a plane that misses the domain.
+fn check_slice<const D: usize>(scene: &Scene, (low, high): (Point<D>, Point<D>)) -> Result<()> {
+    let Some((axis, at)) = scene.output.picture.slice.and_then(|s| Some((s.axis, s.at?))) else { return Ok(()) };
+    if axis < D && (low[axis]..=high[axis]).contains(&at) {
+        return Ok(());
+    }
+    let e = Error::scene("the plane of the pictures misses the domain")
+        .value(at)
+        .remedy(format!("give a coordinate from {} to {}", low[axis], high[axis]));
+    Err(scene.blame(&["output", "picture", "slice"], e))
 }
 
 /// The band of a membrane: the scene's, or the book's, but one that is carried where the tension is constant, which with the

@@ -3,8 +3,8 @@
 use super::carrier::InitialFunction;
 use super::step::Simulation;
 use crate::base::{Error, Result, parallel};
-use crate::elastic::{ShearMembrane, SurfaceStrain};
-use crate::fem::{Basis, Cells, Rule, Space, SurfacePoint, integrate};
+use crate::elastic::SurfaceStrain;
+use crate::fem::{Basis, Cells, Rule, SurfacePoint, integrate};
 use crate::levelset::Bounds;
 use crate::mesh::{Point, determinant};
 use crate::transport::CharacteristicMap;
@@ -84,20 +84,16 @@ impl<const D: usize> Simulation<D> {
         }
         (sums[0] / sums[1]).sqrt()
     }
-    /// The strain of interface number `k` at points of it: by the law of a membrane that resists shear, of any other since time 0.
+    /// The strain of interface number `k` at points of it: by the law of a membrane that resists shear, of any other structure since it was at
+    /// rest, of a passive interface since time 0.
     pub fn surface_strain(&self, k: usize, points: &[SurfacePoint<D>]) -> Vec<SurfaceStrain<D>> {
-        let (shear, phi) = (self.structures.get(k).and_then(|s| s.shear.as_ref()), self.level_set(k));
-        let rest =
-            if shear.is_some() { self.rest_displacement(k) } else { Cow::Borrowed(&self.state.displacement[..]) };
-        let at = |cell: usize, l: &[f64; 4]| strain_at(&self.space, shear, &phi, &rest, cell, l);
-        points.iter().map(|p| at(p.at.cell, &p.at.barycentric)).collect()
+        let (phi, rest) = (self.level_set(k), self.rest_for(k));
+        points.iter().map(|p| self.strain_at(k, &phi, &rest, p.at.cell, &p.at.barycentric)).collect()
     }
     /// Area and shear, `Z1` and `Z2`, of the level sets of interface number `k` at the nodes, means over the cells about each; 1 farther than
     /// `reach` (a length) from it.
     pub fn nodal_strain(&self, k: usize, reach: f64) -> [Vec<f64>; 2] {
-        let (shear, phi) = (self.structures.get(k).and_then(|s| s.shear.as_ref()), self.level_set(k));
-        let rest =
-            if shear.is_some() { self.rest_displacement(k) } else { Cow::Borrowed(&self.state.displacement[..]) };
+        let (phi, rest) = (self.level_set(k), self.rest_for(k));
         let mut sums = vec![[0.0; 3]; self.space.len()];
         for c in 0..self.space.mesh().cell_count() {
             let bounds = Bounds::of_cell(&self.space, &phi, c);
@@ -106,7 +102,7 @@ impl<const D: usize> Simulation<D> {
             }
             let volume = self.space.mesh().map(c).volume;
             for (a, &n) in self.space.cell_nodes(c).iter().enumerate() {
-                let s = strain_at(&self.space, shear, &phi, &rest, c, &self.space.element().node(a, D));
+                let s = self.strain_at(k, &phi, &rest, c, &self.space.element().node(a, D));
                 if s.z1.is_finite() && s.z2.is_finite() {
                     let [z1, z2, sum] = &mut sums[n as usize];
                     (*z1, *z2, *sum) = (*z1 + volume * s.z1, *z2 + volume * s.z2, *sum + volume);
@@ -116,24 +112,34 @@ impl<const D: usize> Simulation<D> {
         let mean = |k: usize| sums.iter().map(|s| if s[2] > 0.0 { s[k] / s[2] } else { 1.0 }).collect();
         [mean(0), mean(1)]
     }
+    /// The displacement that tells the strain of interface number `k`.
+    fn rest_for(&self, k: usize) -> Cow<'_, [SVector<f64, D>]> {
+        match self.structures.get(k) {
+            Some(_) => self.rest_displacement(k),
+            None => Cow::Borrowed(&self.state.displacement),
+        }
+    }
+    /// The strain of the level set `phi` of interface number `k` through a place in the mesh.
+    fn strain_at(
+        &self,
+        k: usize,
+        phi: &[f64],
+        rest: &[SVector<f64, D>],
+        cell: usize,
+        l: &[f64; 4],
+    ) -> SurfaceStrain<D> {
+        let (slope, gradient) = (self.space.gradient(phi, cell, l), self.space.jacobian(rest, cell, l));
+        let structure = self.structures.get(k);
+        match structure.and_then(|s| s.shear.as_ref()) {
+            Some(membrane) => membrane.strain(&slope, &gradient),
+            None => {
+                let stretch = structure.map_or(1.0, |s| s.stretch);
+                SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), stretch)
+            }
+        }
+    }
     /// Where the particle at node `n` was at time 0.
     pub fn origin(&self, n: usize) -> Point<D> {
         self.space.nodes()[n] + self.state.displacement[n]
-    }
-}
-
-/// The strain of the level set of `phi` through a place in the mesh.
-fn strain_at<const D: usize>(
-    space: &Space<D>,
-    shear: Option<&ShearMembrane<D>>,
-    phi: &[f64],
-    rest: &[SVector<f64, D>],
-    cell: usize,
-    l: &[f64; 4],
-) -> SurfaceStrain<D> {
-    let (slope, gradient) = (space.gradient(phi, cell, l), space.jacobian(rest, cell, l));
-    match shear {
-        Some(membrane) => membrane.strain(&slope, &gradient),
-        None => SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), 1.0),
     }
 }

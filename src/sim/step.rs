@@ -514,6 +514,7 @@ impl<const D: usize> Simulation<D> {
                 ));
         }
         self.state = state;
+        self.prepare_sharp()?;
         if let Some(mut flow) = self.flow.take() {
             let made = self.restore_factor(&mut flow);
             self.set_materials(&mut flow, &self.state.phi);

@@ -53,12 +53,17 @@ impl<const D: usize> Simulation<D> {
         let viscosity = self.settings.materials.viscosity;
         let viscosity = viscosity.inside.min(viscosity.outside);
         let mut limit = f64::INFINITY;
-        for (s, phi) in self.structures.iter_mut().zip(&self.state.phi) {
-            // A sharp membrane has been prepared for its energy.
-            if s.sharp.is_none() {
-                s.membrane.prepare(flow.velocity(), phi, None);
+        for k in 0..self.structures.len() {
+            let (phi, rest) = (&self.state.phi[k], self.rest_displacement(k).into_owned());
+            let s = &mut self.structures[k];
+            match (&mut s.shear, &s.sharp) {
+                (Some(shear), _) => shear.prepare(flow.velocity(), phi, &rest, None),
+                // It has been prepared for its energy.
+                (None, Some(_)) => {}
+                (None, None) => s.membrane.prepare(flow.velocity(), phi, None),
             }
-            if let Some(edges) = band_edges(&self.space, phi, s.reach()) {
+            let s = &self.structures[k];
+            if let Some(edges) = band_edges(&self.space, &self.state.phi[k], s.reach()) {
                 limit = limit.min(s.step_limit(viscosity, edges.smallest));
             }
         }

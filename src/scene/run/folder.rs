@@ -229,19 +229,17 @@ impl<const D: usize> Made<D> {
     }
 }
 
-/// What backward characteristics tell: the displacement `Y(x) - x` to the place at rest of each structure that resists shear, or to that of time
-/// 0, and in space area and shear about each interface.
+/// What backward characteristics tell: the displacement `Y(x) - x` to the place at rest of each structure that resists shear, that to the place at
+/// time 0, and in space area and shear about each interface.
 fn strained<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
     let mut fields = Vec::new();
     if !sim.has_backward_map() {
         return fields;
     }
-    let mut at_time_0 = true;
     let names = sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name));
     for (k, name) in names.enumerate() {
         if sim.structures().get(k).is_some_and(|s| s.shear.is_some()) {
             fields.push((format!("{name}.displacement"), Made::Vector(sim.rest_displacement(k).into_owned())));
-            at_time_0 = false;
         }
         if D == 3 {
             let reach = sim.structures().get(k).map_or_else(|| thinnest(sim), |s| s.membrane.thickness());
@@ -250,9 +248,7 @@ fn strained<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
             fields.push((format!("{name}.shear"), Made::Scalar(shear)));
         }
     }
-    if at_time_0 {
-        fields.push(("displacement".into(), Made::Vector(sim.state().displacement.clone())));
-    }
+    fields.push(("displacement".into(), Made::Vector(sim.state().displacement.clone())));
     fields
 }
 

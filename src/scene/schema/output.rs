@@ -544,12 +544,18 @@ impl<'a> Source<'a> {
                 .remedy("write mesh = false, or open fields.pvd in ParaView")),
             (mesh, _) => Ok(mesh),
         };
+        let field = table.optional("field", |i| self.field(i))?.unwrap_or(self.default_picture().field);
         Ok(Picture {
-            field: table.optional("field", |i| self.field(i))?.unwrap_or(self.default_picture().field),
+            field,
             mesh: table.optional("mesh", mesh)?.unwrap_or(Picture::DEFAULT.mesh),
             size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
             view: table.optional("view", Item::vector)?.unwrap_or(Picture::DEFAULT.view),
-            slice: table.optional("slice", cut)?,
+            slice: table.optional("slice", |i| match (cut(i)?, field) {
+                (_, Quantity::Checkerboard) => Err(i
+                    .key_error("a checkerboard is on the interface, and `slice` shows a plane in its place")
+                    .remedy("leave slice out, or show another field")),
+                (cut, _) => Ok(cut),
+            })?,
             window: table.optional("window", window)?,
         })
     }
