@@ -171,6 +171,12 @@ impl<'a> Item<'a> {
         Ok(nodes.iter().enumerate().map(|(i, n)| self.child(n, &n.place, &i.to_string())).collect())
     }
 
+    /// The items of a list of `n`, one a dimension of the scene.
+    fn components_of(&self, n: usize) -> Result<Vec<Item<'a>>> {
+        let advice = format!("give {n} values in brackets; the scene has {n} dimensions");
+        self.list_of(n).map_err(|e| if self.list().is_ok() { e.remedy(advice) } else { e })
+    }
+
     /// The items of a list of `n`.
     fn list_of(&self, n: usize) -> Result<Vec<Item<'a>>> {
         let items = self.list()?;
@@ -203,12 +209,12 @@ impl<'a> Item<'a> {
 
     /// A vector of as many numbers as the scene has dimensions.
     pub fn point(&self, context: &Context) -> Result<Vec<f64>> {
-        self.list_of(context.dimension)?.iter().map(Item::number).collect()
+        self.components_of(context.dimension)?.iter().map(Item::number).collect()
     }
 
     /// A vector of as many numbers or expressions as the scene has dimensions.
     pub fn components(&self, context: &Context) -> Result<Vec<Expression>> {
-        self.list_of(context.dimension)?.iter().map(|i| i.expression(&context.constants)).collect()
+        self.components_of(context.dimension)?.iter().map(|i| i.expression(&context.constants)).collect()
     }
 
     /// A number or an expression.

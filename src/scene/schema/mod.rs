@@ -10,6 +10,7 @@ mod membrane;
 mod mesh;
 mod numerics;
 mod output;
+mod picture;
 mod polygon;
 mod shape;
 mod time;
@@ -24,7 +25,8 @@ pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane, Ring};
 pub use mesh::MeshSource;
 pub use numerics::Numerics;
-pub use output::{Cut, Flux, Force, Output, Picture, Probe, Profile, Quantity};
+pub use output::{Flux, Force, Output, Probe, Profile, Quantity};
+pub use picture::{Cut, Picture};
 pub use shape::Shape;
 pub use time::Time;
 

@@ -2,6 +2,7 @@
 
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::membrane::named;
+use super::picture::Picture;
 use super::time::Time;
 use super::write::{Writer, key, name, number, text, vector};
 use crate::base::Result;
@@ -58,15 +59,6 @@ pub enum Quantity {
     Checkerboard,
 }
 
-/// A plane across an axis, on which fields are shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
-    /// The axis that is its normal.
-    pub axis: usize,
-    /// The coordinate along it; the middle of the domain if `None`.
-    pub at: Option<f64>,
-}
-
 /// A value at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -116,23 +108,6 @@ pub struct Flux {
     pub boundary: String,
 }
 
-/// How pictures look.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Picture {
-    /// The field whose values are the colours; not the velocity, which is a vector.
-    pub field: Quantity,
-    /// Whether the edges of the mesh are drawn.
-    pub mesh: bool,
-    /// Pixels along the longer side.
-    pub size: usize,
-    /// In space: where the viewer stands, azimuth from x towards y and elevation above the plane of x and y, in degrees.
-    pub view: [f64; 2],
-    /// In space: the plane that is shown in place of the interfaces.
-    pub slice: Option<Cut>,
-    /// In space: lower and upper corner of the part of the domain that is shown, if not all of it.
-    pub window: Option<[[f64; 3]; 2]>,
-}
-
 const QUANTITIES: [(&str, Quantity); 5] = [
     ("pressure", Quantity::Pressure),
     ("velocity", Quantity::Velocity),
@@ -141,19 +116,6 @@ const QUANTITIES: [(&str, Quantity); 5] = [
     ("stretch", Quantity::Stretch),
 ];
 const QUANTITY_WORDS: [&str; 5] = words(&QUANTITIES);
-/// What a picture can show.
-const FIELDS: [(&str, Quantity); 7] = [
-    ("pressure", Quantity::Pressure),
-    ("speed", Quantity::Speed),
-    ("level_set", Quantity::LevelSet),
-    ("stretch", Quantity::Stretch),
-    ("area_change", Quantity::AreaChange),
-    ("shear", Quantity::Shear),
-    ("checkerboard", Quantity::Checkerboard),
-];
-const FIELD_WORDS: [&str; FIELDS.len()] = words(&FIELDS);
-const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
-const AXIS_WORDS: [&str; AXES.len()] = words(&AXES);
 
 pub(super) static KEYS: Keys = Keys {
     about: "What is written, and when. What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`.",
@@ -213,7 +175,7 @@ pub(super) static KEYS: Keys = Keys {
             "Whether the backward characteristics Y are carried even where no membrane resists shear: columns `determinant_error` and, in \
              space, area and shear of every interface; the field `displacement`, Y(x) - x.",
         ),
-        row("picture", Table(&PICTURE), "", Optional, "How pictures look."),
+        row("picture", Table(&super::picture::KEYS), "", Optional, "How pictures look."),
     ],
 };
 
@@ -260,59 +222,6 @@ static FORCE: Keys = Keys {
 static FLUX: Keys = Keys {
     about: "The volume that leaves through a boundary in unit time.",
     keys: &[row("boundary", Value("text"), "", Required, "The name of the boundary.")],
-};
-
-static PICTURE: Keys = Keys {
-    about: "How pictures look.",
-    keys: &[
-        row(
-            "field",
-            Choice(&FIELD_WORDS),
-            "",
-            Default("\"speed\""),
-            "The field whose values are the colours. In space, where backward characteristics are carried, also the area change Z1 and the shear \
-             Z2 of the one interface, or a checkerboard that its material carries.",
-        ),
-        row(
-            "mesh",
-            Value("true or false"),
-            "",
-            Default("false"),
-            "Whether the edges of the mesh are drawn; in the plane alone.",
-        ),
-        row("size", Value("whole number from 64 to 8192"), "pixels", Default("800"), "Length of the longer side."),
-        row(
-            "view",
-            Value("two numbers"),
-            "degrees",
-            Default("[-60.0, 24.0]"),
-            "In space, where the viewer stands: azimuth from x towards y, and elevation.",
-        ),
-        row("slice", Table(&CUT), "", Optional, "In space, a plane that is shown in place of the interfaces."),
-        row(
-            "window",
-            Table(&WINDOW),
-            "",
-            Derived("the whole domain"),
-            "In space, the part of the domain that is shown.",
-        ),
-    ],
-};
-
-static WINDOW: Keys = Keys {
-    about: "A box with sides along the axes.",
-    keys: &[
-        row("min", Value("point"), "m", Required, "The corner with the smallest coordinates."),
-        row("max", Value("point"), "m", Required, "The corner with the largest coordinates."),
-    ],
-};
-
-static CUT: Keys = Keys {
-    about: "A plane across an axis.",
-    keys: &[
-        row("axis", Choice(&AXIS_WORDS), "", Required, "The axis that is its normal."),
-        row("at", Value("number"), "m", Derived("the middle of the domain"), "The coordinate along the axis."),
-    ],
 };
 
 /// Without a word from the scene: field files and pictures in a run, and seconds between checkpoints.
@@ -395,35 +304,16 @@ impl Output {
     }
 }
 
-impl Picture {
-    const DEFAULT: Picture =
-        Picture { field: Quantity::Speed, mesh: false, size: 800, view: [-60.0, 24.0], slice: None, window: None };
-
-    fn write(&self, dimension: usize) -> String {
-        let Picture { field, mesh, size, view, slice, window } = self;
-        let field = name(*field, &FIELDS);
-        let view = if dimension == 2 { String::new() } else { format!(", view = {}", vector(view)) };
-        let slice = slice.map_or(String::new(), |Cut { axis, at }| {
-            let at = at.map_or(String::new(), |at| format!(", at = {}", number(at)));
-            format!(", slice = {{ axis = {}{at} }}", name(axis, &AXES))
-        });
-        let window = window.map_or(String::new(), |[min, max]| {
-            format!(", window = {{ min = {}, max = {} }}", vector(&min), vector(&max))
-        });
-        format!("{{ field = {field}, mesh = {mesh}, size = {size}{view}{slice}{window} }}")
-    }
-}
-
 /// The table `[output]`, if there is one, and what its values must agree with.
-struct Source<'a> {
+pub(super) struct Source<'a> {
     table: Option<Table<'a>>,
     time: &'a Time,
-    interfaces: &'a [&'a str],
+    pub(super) interfaces: &'a [&'a str],
     /// Whether the velocity is prescribed.
-    prescribed: bool,
+    pub(super) prescribed: bool,
     /// Whether backward characteristics are carried.
-    has_map: bool,
-    context: &'a Context,
+    pub(super) has_map: bool,
+    pub(super) context: &'a Context,
 }
 
 /// Rows of the series of steps that follow the error, where the scene does not say.
@@ -451,7 +341,7 @@ impl<'a> Source<'a> {
     }
 
     /// A quantity that the scene has.
-    fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
+    pub(super) fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
         let n = self.interfaces.len();
         if quantity == Quantity::Pressure && self.prescribed {
             return Err(item
@@ -521,66 +411,6 @@ impl<'a> Source<'a> {
     }
 
     /// The pressure where there is one.
-    fn default_picture(&self) -> Picture {
-        let field = match (self.prescribed, self.interfaces.len()) {
-            (false, _) => Picture::DEFAULT.field,
-            (true, 1) => Quantity::LevelSet,
-            (true, _) => Quantity::Speed,
-        };
-        Picture { field, ..Picture::DEFAULT }
-    }
-
-    fn picture(&self, item: &Item) -> Result<Picture> {
-        let table = item.table(&PICTURE)?;
-        let of_space = ["view", "slice", "window"].into_iter().find_map(|key| table.get(key));
-        if let (2, Some(item)) = (self.context.dimension, of_space) {
-            return Err(item
-                .key_error(format!("`{}` is for pictures of space, and the mesh is plane", item.key))
-                .remedy("leave it out"));
-        }
-        let mesh = |i: &Item| match (i.boolean()?, self.context.dimension) {
-            (true, 3) => Err(i
-                .error("the edges of a mesh are drawn in the plane alone, and the scene has 3 dimensions")
-                .remedy("write mesh = false, or open fields.pvd in ParaView")),
-            (mesh, _) => Ok(mesh),
-        };
-        let field = table.optional("field", |i| self.field(i))?.unwrap_or(self.default_picture().field);
-        Ok(Picture {
-            field,
-            mesh: table.optional("mesh", mesh)?.unwrap_or(Picture::DEFAULT.mesh),
-            size: table.optional("size", |i| i.count(64, 8192))?.unwrap_or(Picture::DEFAULT.size),
-            view: table.optional("view", Item::vector)?.unwrap_or(Picture::DEFAULT.view),
-            slice: table.optional("slice", |i| match (cut(i)?, field) {
-                (_, Quantity::Checkerboard) => Err(i
-                    .key_error("a checkerboard is on the interface, and `slice` shows a plane in its place")
-                    .remedy("leave slice out, or show another field")),
-                (cut, _) => Ok(cut),
-            })?,
-            window: table.optional("window", window)?,
-        })
-    }
-
-    /// The field of a picture.
-    fn field(&self, item: &Item) -> Result<Quantity> {
-        if item.text().is_ok_and(|text| text == "velocity") {
-            return Err(item.error("a picture shows one number at each point").remedy("write field = \"speed\""));
-        }
-        let field = item.choice(&FIELDS)?;
-        if !matches!(field, Quantity::AreaChange | Quantity::Shear | Quantity::Checkerboard) {
-            return self.possible(item, field);
-        }
-        let word = item.text()?;
-        let what = match (self.context.dimension, self.has_map, self.interfaces.len()) {
-            (2, _, _) => "shows the strain of a surface, and the mesh is plane",
-            (_, false, _) => "needs backward characteristics, which nothing in the scene carries",
-            (_, _, 1) => return Ok(field),
-            _ => "belongs to one interface",
-        };
-        Err(item.error(format!("`{word}` {what}")).remedy(
-            "show the speed, or give a scene of space one [[membrane]] with a law of shear, or output.backward_map = true",
-        ))
-    }
-
     /// Columns of the series begin with the name of what they measure: no two may share it.
     fn check_names(&self) -> Result<()> {
         let mut taken: Vec<&str> = self.interfaces.to_vec();
@@ -597,26 +427,6 @@ impl<'a> Source<'a> {
         }
         Ok(())
     }
-}
-
-fn window(item: &Item) -> Result<[[f64; 3]; 2]> {
-    let table = item.table(&WINDOW)?;
-    let corner = |key: &str| {
-        table.required(key, "give both corners: window = { min = [-1, -1, -1], max = [1, 1, 1] }", Item::vector)
-    };
-    let [min, max]: [[f64; 3]; 2] = [corner("min")?, corner("max")?];
-    if (0..3).all(|k| min[k] < max[k]) {
-        return Ok([min, max]);
-    }
-    Err(item.error("the window has no volume").remedy("give `max` larger coordinates than `min`"))
-}
-
-fn cut(item: &Item) -> Result<Cut> {
-    let table = item.table(&CUT)?;
-    Ok(Cut {
-        axis: table.required("axis", "name the axis: slice = { axis = \"z\" }", |i| i.choice(&AXES))?,
-        at: table.optional("at", Item::number)?,
-    })
 }
 
 fn flux(name: String, item: &Item) -> Result<Flux> {
