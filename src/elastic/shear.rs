@@ -85,17 +85,9 @@ impl<const D: usize> ShearMembrane<D> {
     pub fn with_band(self, band: Band, slope: f64) -> ShearMembrane<D> {
         ShearMembrane { width: self.width.with_band(band, slope), ..self }
     }
-    /// The law.
-    pub fn law(&self) -> SurfaceLaw {
-        self.law
-    }
     /// `Y` at time 0; `None` for the identity.
     pub fn map(&self) -> Option<&RestMap<D>> {
         self.map.as_deref()
-    }
-    /// Half-width of the band.
-    pub fn thickness(&self) -> f64 {
-        self.width.thickness
     }
     /// Takes stock of the band of `phi`, where the material has the displacement `rest` back to its place at rest (`Y(x) - x`, one vector a
     /// node). `basis` must have the rule of the flow. With `implicit_step`, a time step, the stiffness goes into the matrix.

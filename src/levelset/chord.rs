@@ -25,7 +25,7 @@ impl Contour {
     ) -> Option<f64> {
         let along = direction.try_normalize(0.0)?;
         let normal = SVector::<f64, 2>::new(-along[1], along[0]);
-        let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut crossings = Crossings::default();
         for segment in self.segments() {
             let height = segment.points.map(|p| (p - point).dot(&normal));
             // The parabola stays within twice the spread of its three heights.
@@ -44,16 +44,10 @@ impl Contour {
                 if correction.abs() < 0.1 {
                     s += correction * step.norm();
                 }
-                if s >= 0.0 {
-                    after = after.min(s);
-                }
-                if s <= 0.0 {
-                    before = before.max(s);
-                }
+                crossings.meet(s);
             }
         }
-        let half = 0.5 * (after - before);
-        half.is_finite().then_some(half)
+        crossings.half()
     }
 }
 
@@ -71,7 +65,7 @@ impl Isosurface {
         direction: &SVector<f64, 3>,
     ) -> Option<f64> {
         let along = direction.try_normalize(0.0)?;
-        let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut crossings = Crossings::default();
         for of_cell in self.triangles().chunk_by(|a, b| a.cell == b.cell) {
             let c = of_cell[0].cell as usize;
             let Some((from, to)) = passage(space, c, point, &along) else { continue };
@@ -82,16 +76,38 @@ impl Isosurface {
                 if t.abs() > 1.0 {
                     continue;
                 }
-                let s = middle + t * half;
-                if s >= 0.0 {
-                    after = after.min(s);
-                }
-                if s <= 0.0 {
-                    before = before.max(s);
-                }
+                crossings.meet(middle + t * half);
             }
         }
-        let half = 0.5 * (after - before);
+        crossings.half()
+    }
+}
+
+/// The nearest zeros on both sides of a point on a line.
+struct Crossings {
+    before: f64,
+    after: f64,
+}
+
+impl Default for Crossings {
+    fn default() -> Crossings {
+        Crossings { before: f64::NEG_INFINITY, after: f64::INFINITY }
+    }
+}
+
+impl Crossings {
+    /// Takes note of a zero at the distance `s` from the point, with its sign.
+    fn meet(&mut self, s: f64) {
+        if s >= 0.0 {
+            self.after = self.after.min(s);
+        }
+        if s <= 0.0 {
+            self.before = self.before.max(s);
+        }
+    }
+    /// Half the distance of the two, if there are two.
+    fn half(&self) -> Option<f64> {
+        let half = 0.5 * (self.after - self.before);
         half.is_finite().then_some(half)
     }
 }

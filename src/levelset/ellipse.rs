@@ -1,7 +1,7 @@
 //! The ellipse, with the exact distance to it.
 
-use super::shape::{Frame, Shape, check_lengths};
-use crate::base::{Error, Result};
+use super::shape::{Frame, Shape, check_semi_axes};
+use crate::base::Result;
 use crate::mesh::Point;
 
 /// An ellipse.
@@ -17,11 +17,7 @@ impl Ellipse {
     /// # Errors
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle that is not finite.
     pub fn new(centre: Point<2>, semi_axes: Point<2>, angle: f64) -> Result<Ellipse> {
-        check_lengths("the semi-axes of an ellipse", semi_axes.as_slice())?;
-        if semi_axes.max() > 1e6 * semi_axes.min() {
-            return Err(Error::scene("the semi-axes of an ellipse are too different: no mesh resolves its ends")
-                .value(format!("{:?}", semi_axes.as_slice())));
-        }
+        check_semi_axes("an ellipse", &semi_axes)?;
         Ok(Ellipse { frame: Frame::new(centre, angle)?, semi_axes })
     }
 }

@@ -1,8 +1,8 @@
 //! The ellipsoid, with the exact distance to it.
 
 use super::block::SpaceFrame;
-use super::shape::{Shape, check_lengths};
-use crate::base::{Error, Result};
+use super::shape::{Shape, check_semi_axes};
+use crate::base::Result;
 use crate::mesh::Point;
 use nalgebra::SVector;
 
@@ -20,11 +20,7 @@ impl Ellipsoid {
     /// # Errors
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or a rotation that is not finite.
     pub fn new(centre: Point<3>, semi_axes: Point<3>, turn: SVector<f64, 3>) -> Result<Ellipsoid> {
-        check_lengths("the semi-axes of an ellipsoid", semi_axes.as_slice())?;
-        if semi_axes.max() > 1e6 * semi_axes.min() {
-            return Err(Error::scene("the semi-axes of an ellipsoid are too different: no mesh resolves its ends")
-                .value(format!("{:?}", semi_axes.as_slice())));
-        }
+        check_semi_axes("an ellipsoid", &semi_axes)?;
         Ok(Ellipsoid { frame: SpaceFrame::new(centre, turn)?, semi_axes })
     }
 }

@@ -1,12 +1,10 @@
 //! Shapes given by a level function, and the tracing of its zero set.
 
 use super::distance::Tree;
+use super::grid::{Grid, Level, root, sampled};
 use super::shape::Shape;
-use crate::base::{Error, Result, parallel};
+use crate::base::{Error, Result};
 use crate::mesh::Point;
-
-/// A level function: negative inside.
-pub(super) type Level<const D: usize = 2> = dyn Fn(&Point<D>) -> f64 + Send + Sync;
 
 /// Squares of the tracing grid along the longer side of the domain.
 const GRID: usize = 256;
@@ -38,38 +36,8 @@ impl LevelFunction {
         function: impl Fn(&Point<2>) -> f64 + Send + Sync + 'static,
         domain: (Point<2>, Point<2>),
     ) -> Result<LevelFunction> {
-        let size = domain.1 - domain.0;
-        if !(size.min() > 0.0 && size.norm().is_finite()) {
-            return Err(Error::scene("the domain of a level function has no area").value(format!(
-                "{:?} to {:?}",
-                domain.0.as_slice(),
-                domain.1.as_slice()
-            )));
-        }
         let function: Box<Level> = Box::new(function);
-        let grid = Grid::over(domain, GRID, GRID / 4);
-        let values = grid.sample(&*function);
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for (k, &v) in values.iter().enumerate() {
-            let x = grid.point(k);
-            if (0..2).all(|i| x[i] >= domain.0[i] && x[i] <= domain.1[i]) {
-                if !v.is_finite() {
-                    return Err(Error::scene("the function of a shape has no finite value")
-                        .at(format!("x = {}, y = {}", x[0], x[1]))
-                        .value(v)
-                        .remedy("the function must be defined in the whole domain"));
-                }
-                range = (range.0.min(v), range.1.max(v));
-            }
-        }
-        if !(range.0 < 0.0 && range.1 >= 0.0) {
-            return Err(Error::scene("the function of a shape has no zero in the domain")
-                .value(format!("its values there run from {} to {}", range.0, range.1))
-                .remedy(format!(
-                    "it must be negative inside the shape and positive outside; a shape smaller than {:.3e} is not seen",
-                    grid.step
-                )));
-        }
+        let (grid, values) = sampled(&*function, domain, GRID, GRID / 4)?;
         let zero_set = grid.trace(&*function, &values)?;
         Ok(LevelFunction { function, zero_set: Tree::new(zero_set) })
     }
@@ -86,39 +54,11 @@ impl Shape<2> for LevelFunction {
     }
 }
 
-/// The grid on which a zero set is found.
-pub(super) struct Grid {
-    origin: Point<2>,
-    step: f64,
-    /// Nodes along x and y.
-    nodes: [usize; 2],
-    tolerance: f64,
-}
-
-impl Grid {
-    /// `squares` along the longer side of the box, and `margin` more on every side.
-    pub(super) fn over((low, high): (Point<2>, Point<2>), squares: usize, margin: usize) -> Grid {
-        let size = high - low;
-        let step = size.max() / squares as f64;
-        let nodes = [0, 1].map(|i| (size[i] / step).ceil() as usize + 2 * margin + 1);
-        Grid { origin: low.add_scalar(-(margin as f64) * step), step, nodes, tolerance: TOLERANCE * size.norm() }
-    }
-    fn point(&self, k: usize) -> Point<2> {
-        self.origin + Point::<2>::new((k % self.nodes[0]) as f64, (k / self.nodes[0]) as f64) * self.step
-    }
-    /// Values at all nodes.
-    pub(super) fn sample(&self, f: &Level) -> Vec<f64> {
-        let mut values = vec![0.0; self.nodes[0] * self.nodes[1]];
-        parallel::fill(&mut values, 1, |first, part| {
-            for (k, v) in part.iter_mut().enumerate() {
-                *v = f(&self.point(first + k));
-            }
-        });
-        values
-    }
+impl Grid<2> {
     /// The zero set of `f`, whose values at the nodes are given, as segments within the tolerance. Squares are halved
     /// into triangles, in which a zero set is one piece; triangles with a value that is not finite are left out.
     pub(super) fn trace(&self, f: &Level, values: &[f64]) -> Result<Vec<[Point<2>; 2]>> {
+        let tolerance = TOLERANCE * self.diagonal;
         let mut segments = Vec::new();
         let row = self.nodes[0];
         for j in 0..self.nodes[1] - 1 {
@@ -135,12 +75,12 @@ impl Grid {
                         if (values[p] < 0.0) != (values[q] < 0.0) && found < 2 {
                             let (inner, outer) = if values[p] < 0.0 { (p, q) } else { (q, p) };
                             let (a, b) = ((self.point(inner), values[inner]), (self.point(outer), values[outer]));
-                            ends[found] = root(f, a, b, 1e-2 * self.tolerance);
+                            ends[found] = root(f, a, b, 1e-2 * tolerance);
                             found += 1;
                         }
                     }
                     if found == 2 {
-                        refine(f, ends[0], ends[1], self.tolerance, 0, &mut segments)?;
+                        refine(f, ends[0], ends[1], tolerance, 0, &mut segments)?;
                     }
                 }
             }
@@ -200,49 +140,6 @@ fn lift(f: &Level, middle: Point<2>, half: Point<2>, tolerance: f64) -> Option<P
         }
     }
     None
-}
-
-/// The zero of `f` between a point where it is negative and one where it is not, to within `tolerance`, by
-/// Chandrupatla's method (1997): inverse quadratic interpolation where it is safe, bisection elsewhere.
-pub(super) fn root<const D: usize>(
-    f: &Level<D>,
-    inner: (Point<D>, f64),
-    outer: (Point<D>, f64),
-    tolerance: f64,
-) -> Point<D> {
-    let (origin, direction) = (inner.0, outer.0 - inner.0);
-    let width = tolerance / direction.norm();
-    // The zero lies between a and b; a is the latest point, c the one before.
-    let (mut a, mut b) = ((0.0, inner.1), (1.0, outer.1));
-    let mut t = a.1 / (a.1 - b.1);
-    for _ in 0..100 {
-        let s = a.0 + t * (b.0 - a.0);
-        let new = (s, f(&(origin + direction * s)));
-        if !new.1.is_finite() {
-            break;
-        }
-        let c = if (new.1 < 0.0) == (a.1 < 0.0) {
-            a
-        } else {
-            let old = b;
-            b = a;
-            old
-        };
-        a = new;
-        let limit = (width + f64::EPSILON) / (b.0 - a.0).abs();
-        if limit >= 0.5 || a.1 == 0.0 {
-            break;
-        }
-        let (xi, phi) = ((a.0 - b.0) / (c.0 - b.0), (a.1 - b.1) / (c.1 - b.1));
-        t = 0.5;
-        if phi * phi < xi && (1.0 - phi).powi(2) < 1.0 - xi {
-            t = a.1 / (b.1 - a.1) * c.1 / (b.1 - c.1)
-                + (c.0 - a.0) / (b.0 - a.0) * a.1 / (c.1 - a.1) * b.1 / (c.1 - b.1);
-        }
-        t = t.clamp(limit, 1.0 - limit);
-    }
-    let best = if a.1.abs() <= b.1.abs() { a.0 } else { b.0 };
-    origin + direction * best
 }
 
 #[cfg(test)]

@@ -69,6 +69,10 @@ impl Isosurface {
     pub fn quadrature(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE))
     }
+    /// The points of [`surface_in_space`].
+    pub fn points_of_forms(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
+        self.points(space, phi, &Rule::simplex(2, DEGREE_OF_FORMS))
+    }
 
     fn points(&self, space: &Space<3>, phi: &[f64], rule: &Rule) -> Vec<SurfacePoint<3>> {
         let at = |triangle: &Triangle, out: &mut Vec<SurfacePoint<3>>| {
@@ -92,7 +96,7 @@ impl Isosurface {
 /// # Errors
 /// Those of [`Isosurface::new`].
 pub fn surface_in_space(space: &Space<3>, phi: &[f64]) -> Result<Vec<SurfacePoint<3>>> {
-    Ok(Isosurface::new(space, phi)?.points(space, phi, &Rule::simplex(2, DEGREE_OF_FORMS)))
+    Ok(Isosurface::new(space, phi)?.points_of_forms(space, phi))
 }
 
 /// What `work` appends for the items, in their order.

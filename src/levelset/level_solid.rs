@@ -1,15 +1,14 @@
 //! Shapes in space given by a level function.
 
 use super::distance::Tree;
-use super::function::{Level, root};
+use super::grid::{Grid, Level, root, sampled};
 use super::shape::Shape;
-use crate::base::{Error, Result, parallel};
+use crate::base::Result;
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 
 /// Cubes of the grid along the longest side of the domain, and beyond it on every side.
 const GRID: usize = 48;
-const MARGIN: usize = GRID / 4;
 /// The zeros on the lines of the grid, and the closest points, are found to this fraction of a cube.
 const TOLERANCE: f64 = 1e-10;
 /// Steps of Newton's method towards the closest point, at most.
@@ -40,38 +39,8 @@ impl LevelSolid {
         function: impl Fn(&Point<3>) -> f64 + Send + Sync + 'static,
         domain: (Point<3>, Point<3>),
     ) -> Result<LevelSolid> {
-        let size = domain.1 - domain.0;
-        if !(size.min() > 0.0 && size.norm().is_finite()) {
-            return Err(Error::scene("the domain of a level function has no volume").value(format!(
-                "{:?} to {:?}",
-                domain.0.as_slice(),
-                domain.1.as_slice()
-            )));
-        }
         let function: Box<Level<3>> = Box::new(function);
-        let grid = Grid::over(domain);
-        let values = grid.sample(&*function);
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for (k, &v) in values.iter().enumerate() {
-            let x = grid.point(k);
-            if (0..3).all(|i| x[i] >= domain.0[i] && x[i] <= domain.1[i]) {
-                if !v.is_finite() {
-                    return Err(Error::scene("the function of a shape has no finite value")
-                        .at(format!("x = {}, y = {}, z = {}", x[0], x[1], x[2]))
-                        .value(v)
-                        .remedy("the function must be defined in the whole domain"));
-                }
-                range = (range.0.min(v), range.1.max(v));
-            }
-        }
-        if !(range.0 < 0.0 && range.1 >= 0.0) {
-            return Err(Error::scene("the function of a shape has no zero in the domain")
-                .value(format!("its values there run from {} to {}", range.0, range.1))
-                .remedy(format!(
-                    "it must be negative inside the shape and positive outside; a shape smaller than {:.3e} is not seen",
-                    grid.step
-                )));
-        }
+        let (grid, values) = sampled(&*function, domain, GRID, GRID / 4)?;
         let zero_set = Tree::new(grid.triangles(&*function, &values));
         Ok(LevelSolid { function, zero_set, step: grid.step })
     }
@@ -143,32 +112,7 @@ fn hessian(f: &impl Fn(&Point<3>) -> f64, x: &Point<3>, h: f64) -> SMatrix<f64, 
     m
 }
 
-/// The grid on which a zero set is found.
-struct Grid {
-    origin: Point<3>,
-    step: f64,
-    nodes: [usize; 3],
-}
-
-impl Grid {
-    fn over((low, high): (Point<3>, Point<3>)) -> Grid {
-        let size = high - low;
-        let step = size.max() / GRID as f64;
-        let nodes = [0, 1, 2].map(|i| (size[i] / step).ceil() as usize + 2 * MARGIN + 1);
-        Grid { origin: low.add_scalar(-(MARGIN as f64) * step), step, nodes }
-    }
-    fn point(&self, k: usize) -> Point<3> {
-        let [nx, ny, _] = self.nodes;
-        let index = Point::<3>::new((k % nx) as f64, (k / nx % ny) as f64, (k / (nx * ny)) as f64);
-        self.origin + index * self.step
-    }
-    fn sample(&self, f: &Level<3>) -> Vec<f64> {
-        let mut values = vec![0.0; self.nodes.iter().product()];
-        parallel::fill(&mut values, 1, |first, part| {
-            part.iter_mut().enumerate().for_each(|(k, v)| *v = f(&self.point(first + k)));
-        });
-        values
-    }
+impl Grid<3> {
     /// The zero set, with its corners on the lines of the grid; cubes with a value that is not finite are left out.
     fn triangles(&self, f: &Level<3>, values: &[f64]) -> Vec<[Point<3>; 3]> {
         let [nx, ny, nz] = self.nodes;

@@ -15,6 +15,7 @@ mod ellipse;
 mod ellipsoid;
 mod fine;
 mod function;
+mod grid;
 mod isosurface;
 mod level_solid;
 mod measures;

@@ -72,6 +72,16 @@ pub(super) fn check_lengths(what: &str, lengths: &[f64]) -> Result<()> {
         .remedy("give finite lengths > 0, in the units of the mesh"))
 }
 
+/// Refuses semi-axes that are not positive, or too different; `what` is the shape with its article.
+pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Result<()> {
+    check_lengths(&format!("the semi-axes of {what}"), axes.as_slice())?;
+    if axes.max() <= 1e6 * axes.min() {
+        return Ok(());
+    }
+    Err(Error::scene(format!("the semi-axes of {what} are too different: no mesh resolves its ends"))
+        .value(format!("{:?}", axes.as_slice())))
+}
+
 /// The frame of a shape that is centred somewhere and turned by an angle.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {

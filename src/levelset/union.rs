@@ -1,7 +1,7 @@
 //! Unions of plane shapes.
 
 use super::distance::Tree;
-use super::function::{Grid, Level};
+use super::grid::{Grid, Level};
 use super::shape::Shape;
 use crate::base::{Error, Result};
 use crate::mesh::Point;

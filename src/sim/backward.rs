@@ -6,7 +6,7 @@ use crate::base::{Error, Result, parallel};
 use crate::elastic::SurfaceStrain;
 use crate::fem::{Basis, Cells, Rule, SurfacePoint, integrate};
 use crate::levelset::Bounds;
-use crate::mesh::{Point, determinant};
+use crate::mesh::determinant;
 use crate::transport::CharacteristicMap;
 use nalgebra::{SMatrix, SVector};
 use std::borrow::Cow;
@@ -40,9 +40,10 @@ impl<const D: usize> Simulation<D> {
         self.carrier.mapped = functions;
         Ok(())
     }
-    /// `Y_rest(x) - x` of structure number `k` at the nodes, for the displacement back to time 0 `displacement`: where its material is at rest.
+    /// `Y_rest(x) - x` of interface number `k` at the nodes, for the displacement back to time 0 `displacement`: where its material is at rest. A
+    /// passive interface is at rest at time 0.
     pub(super) fn rest_of<'a>(&self, k: usize, displacement: &'a [SVector<f64, D>]) -> Cow<'a, [SVector<f64, D>]> {
-        let Some(map) = self.structures[k].shear.as_ref().and_then(|s| s.map()) else {
+        let Some(map) = self.structures.get(k).and_then(|s| s.shear.as_ref()?.map()) else {
             return Cow::Borrowed(displacement);
         };
         let nodes = self.space.nodes();
@@ -55,7 +56,7 @@ impl<const D: usize> Simulation<D> {
         });
         Cow::Owned(rest)
     }
-    /// `Y_rest(x) - x` of structure number `k` at the nodes now.
+    /// `Y_rest(x) - x` of interface number `k` at the nodes now.
     pub fn rest_displacement(&self, k: usize) -> Cow<'_, [SVector<f64, D>]> {
         self.rest_of(k, &self.state.displacement)
     }
@@ -87,13 +88,13 @@ impl<const D: usize> Simulation<D> {
     /// The strain of interface number `k` at points of it: by the law of a membrane that resists shear, of any other structure since it was at
     /// rest, of a passive interface since time 0.
     pub fn surface_strain(&self, k: usize, points: &[SurfacePoint<D>]) -> Vec<SurfaceStrain<D>> {
-        let (phi, rest) = (self.level_set(k), self.rest_for(k));
+        let (phi, rest) = (self.level_set(k), self.rest_displacement(k));
         points.iter().map(|p| self.strain_at(k, &phi, &rest, p.at.cell, &p.at.barycentric)).collect()
     }
     /// Area and shear, `Z1` and `Z2`, of the level sets of interface number `k` at the nodes, means over the cells about each; 1 farther than
     /// `reach` (a length) from it.
     pub fn nodal_strain(&self, k: usize, reach: f64) -> [Vec<f64>; 2] {
-        let (phi, rest) = (self.level_set(k), self.rest_for(k));
+        let (phi, rest) = (self.level_set(k), self.rest_displacement(k));
         let mut sums = vec![[0.0; 3]; self.space.len()];
         for c in 0..self.space.mesh().cell_count() {
             let bounds = Bounds::of_cell(&self.space, &phi, c);
@@ -111,13 +112,6 @@ impl<const D: usize> Simulation<D> {
         }
         let mean = |k: usize| sums.iter().map(|s| if s[2] > 0.0 { s[k] / s[2] } else { 1.0 }).collect();
         [mean(0), mean(1)]
-    }
-    /// The displacement that tells the strain of interface number `k`.
-    fn rest_for(&self, k: usize) -> Cow<'_, [SVector<f64, D>]> {
-        match self.structures.get(k) {
-            Some(_) => self.rest_displacement(k),
-            None => Cow::Borrowed(&self.state.displacement),
-        }
     }
     /// The strain of the level set `phi` of interface number `k` through a place in the mesh.
     fn strain_at(
@@ -137,9 +131,5 @@ impl<const D: usize> Simulation<D> {
                 SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), stretch)
             }
         }
-    }
-    /// Where the particle at node `n` was at time 0.
-    pub fn origin(&self, n: usize) -> Point<D> {
-        self.space.nodes()[n] + self.state.displacement[n]
     }
 }

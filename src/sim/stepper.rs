@@ -54,7 +54,7 @@ impl<const D: usize> Simulation<D> {
         let viscosity = viscosity.inside.min(viscosity.outside);
         let mut limit = f64::INFINITY;
         for k in 0..self.structures.len() {
-            let (phi, rest) = (&self.state.phi[k], self.rest_displacement(k).into_owned());
+            let (phi, rest) = (&self.state.phi[k], self.rest_of(k, &self.state.displacement));
             let s = &mut self.structures[k];
             match (&mut s.shear, &s.sharp) {
                 (Some(shear), _) => shear.prepare(flow.velocity(), phi, &rest, None),

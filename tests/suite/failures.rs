@@ -5,12 +5,6 @@ use super::program::*;
 use std::fs;
 use tempfile::TempDir;
 
-fn folder_with(scene: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("scene.toml"), scene).unwrap();
-    folder
-}
-
 #[test]
 fn a_folder_that_cannot_be_made_is_named() {
     let folder = folder_with(SCENE);

@@ -1,11 +1,13 @@
 //! The program as a user starts it, and what it leaves in a run folder.
 
+use immersa::output::Table;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 
 /// A membrane in a box whose lid begins to move: small, but with every kind of output except pictures.
 pub const SCENE: &str = r#"title = "A membrane under a lid"
@@ -64,6 +66,13 @@ impl Ended {
     }
 }
 
+/// A new folder with the file `scene.toml`.
+pub fn folder_with(scene: &(impl AsRef<[u8]> + ?Sized)) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    folder
+}
+
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_immersa"));
     command.current_dir(folder).args(arguments);
@@ -108,6 +117,37 @@ pub fn wait_until(child: &mut Child, ready: impl Fn() -> bool) {
     }
 }
 
+/// Goes on with the run `out` of `scene.toml`.
+pub fn resume(folder: &Path, out: &str) -> Ended {
+    immersa(folder, &["run", "scene.toml", "--resume", "--out", out])
+}
+
+/// Interrupts runs of the scene with Ctrl-C until one of them had not ended before the signal came, at about row `row`.
+pub fn interrupted(folder: &Path, out: &str, row: usize) -> Ended {
+    for _ in 0..10 {
+        let run = folder.join(out);
+        let mut child = start(folder, &["run", "scene.toml", "--out", out]);
+        // Once there is a folder, Ctrl-C is heard.
+        wait_until(&mut child, || run.join("scene.toml").exists() && rows(&run) >= row);
+        interrupt(&child);
+        let ended = wait(child);
+        if ended.code != 0 {
+            return ended;
+        }
+        fs::remove_dir_all(run).unwrap();
+    }
+    panic!("every run ended before it was interrupted");
+}
+
+/// Runs `scene.toml` of a folder at once, and again with an interruption after the first step from which it goes on; both must end with the words
+/// `done`. The two run folders.
+pub fn run_whole_and_in_parts(folder: &Path, done: &str) -> [PathBuf; 2] {
+    immersa(folder, &["run", "scene.toml", "--out", "whole"]).expect(0, &[done]);
+    interrupted(folder, "parts", 2).expect(130, &["interrupted", "--resume"]);
+    resume(folder, "parts").expect(0, &[done]);
+    ["whole", "parts"].map(|out| folder.join(out))
+}
+
 /// Rows of the series of a run folder, its header not counted; 0 before there is one.
 pub fn rows(run: &Path) -> usize {
     fs::read(run.join("series.csv")).map_or(0, |s| s.iter().filter(|b| **b == b'\n').count().saturating_sub(1))
@@ -129,6 +169,11 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     all
+}
+
+/// The series of a run.
+pub fn series(run: &Path) -> Table {
+    Table::read(&run.join("series.csv")).unwrap()
 }
 
 /// The summary of a run.

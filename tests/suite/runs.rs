@@ -9,8 +9,7 @@ use tempfile::TempDir;
 
 /// A folder with `scene.toml` and the folder `whole` of its run, which nothing disturbed; and how long that took.
 fn with_run(scene: &str) -> (TempDir, PathBuf, Duration) {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let folder = folder_with(scene);
     let start = Instant::now();
     let ended = immersa(folder.path(), &["run", "scene.toml", "--out", "whole"]);
     ended.expect(0, &["40 steps of 0.01 to t = 0.4", "done: 40 steps"]);
@@ -59,27 +58,6 @@ every = 0.01
 pictures = false
 checkpoint = 0
 "#;
-
-fn resume(folder: &Path, out: &str) -> Ended {
-    immersa(folder, &["run", "scene.toml", "--resume", "--out", out])
-}
-
-/// Interrupts runs of the scene with Ctrl-C until one of them had not ended before the signal came, at about row `row`.
-fn interrupted(folder: &Path, out: &str, row: usize) -> Ended {
-    for _ in 0..10 {
-        let run = folder.join(out);
-        let mut child = start(folder, &["run", "scene.toml", "--out", out]);
-        // Once there is a folder, Ctrl-C is heard.
-        wait_until(&mut child, || run.join("scene.toml").exists() && rows(&run) >= row);
-        interrupt(&child);
-        let ended = wait(child);
-        if ended.code != 0 {
-            return ended;
-        }
-        fs::remove_dir_all(run).unwrap();
-    }
-    panic!("every run ended before it was interrupted");
-}
 
 #[test]
 fn runs_that_were_interrupted_end_as_if_they_had_not_been() {

@@ -1,5 +1,6 @@
 //! Broken scenes, through the program: the exit code, and a message with place, value and remedy.
 
+use super::program::folder_with;
 use assert_cmd::Command;
 use immersa::scene::Scene;
 use proptest::prelude::*;
@@ -109,12 +110,6 @@ fn immersa(folder: &Path, arguments: &[&str]) -> (i32, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_immersa"));
     let output = command.current_dir(folder).args(arguments).output().unwrap();
     (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
-}
-
-fn folder_with(scene: &[u8]) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
-    folder
 }
 
 fn assert_message(scene: &[u8], arguments: &[&str], code: i32, parts: &[&str]) {

@@ -5,7 +5,6 @@ use immersa::elastic::{AreaLaw, Membrane, RestMap, ShearLaw, ShearMembrane, Surf
 use immersa::fem::{Condition, Element, Space};
 use immersa::levelset::{Circle, signed_distance};
 use immersa::mesh::{Point, box_mesh};
-use immersa::output::Table;
 use immersa::scene::Scene;
 use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
 use immersa::transport::Method;
@@ -14,7 +13,6 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use tempfile::TempDir;
 
 const SPHERE: &str = r#"title = "A sheared sphere"
 [mesh]
@@ -42,14 +40,8 @@ picture.field = "checkerboard"
 checkpoint = 0
 "#;
 
-fn folder_with(scene: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("scene.toml"), scene).unwrap();
-    folder
-}
-
 fn last(run: &Path, column: &str) -> f64 {
-    *Table::read(&run.join("series.csv")).unwrap().column(column).unwrap().last().unwrap()
+    *series(run).column(column).unwrap().last().unwrap()
 }
 
 #[test]
@@ -57,19 +49,7 @@ fn a_sheared_sphere_runs_goes_on_bit_by_bit_and_is_drawn() {
     for coupling in ["explicit", "implicit"] {
         let scene = SPHERE.replace("thickness = 0.5", &format!("thickness = 0.5\ncoupling = \"{coupling}\""));
         let folder = folder_with(&scene);
-        let run =
-            |out: &str, more: &[&str]| immersa(folder.path(), &[&["run", "scene.toml", "--out", out], more].concat());
-        run("whole", &[]).expect(0, &["done: 3 steps"]);
-        let whole = folder.path().join("whole");
-        let parts = folder.path().join("parts");
-        let mut child = start(folder.path(), &["run", "scene.toml", "--out", "parts"]);
-        wait_until(&mut child, || rows(&parts) >= 2);
-        interrupt(&child);
-        let ended = wait(child);
-        if ended.code != 0 {
-            ended.expect(130, &["interrupted", "--resume"]);
-        }
-        run("parts", &["--resume"]).expect(0, &["done: 3 steps"]);
+        let [whole, parts] = run_whole_and_in_parts(folder.path(), "done: 3 steps");
         if coupling == "implicit" {
             assert_same(&whole, &parts);
         } else {
@@ -79,7 +59,7 @@ fn a_sheared_sphere_runs_goes_on_bit_by_bit_and_is_drawn() {
             }
         }
         // Twisted on a sphere, with no change of area: Z2 = 1 + pi^2 r^4/(2 R^2), and r^4 is 8/15 R^4 in the mean.
-        let first = |c: &str| Table::read(&whole.join("series.csv")).unwrap().column(c).unwrap()[0];
+        let first = |c: &str| series(&whole).column(c).unwrap()[0];
         assert!((first("sphere.shear_mean") - (1.0 + 4.0 / 15.0 * (PI * 0.45).powi(2))).abs() < 5e-3);
         assert!(first("sphere.area_change_max") < 1.3 && first("determinant_error") < 1e-14);
         assert!((first("sphere.equator_radius") - 0.45).abs() < 2e-3 && first("sphere.equator_mode_4") < 2e-3);
@@ -226,7 +206,7 @@ pictures = false
 "#;
     let folder = folder_with(scene);
     immersa(folder.path(), &["run", "scene.toml", "--out", "run", "--quiet"]).expect(0, &[]);
-    let table = Table::read(&folder.path().join("run/series.csv")).unwrap();
+    let table = series(&folder.path().join("run"));
     let first = |c: &str| table.column(c).unwrap()[0];
     assert!((first("membrane.area_change_max") - 1.3).abs() < 1e-9 && (first("membrane.shear_max") - 1.0).abs() < 1e-9);
     let periodic = scene

@@ -5,7 +5,6 @@ use immersa::output::{Table, Values, read_vtu};
 use immersa::scene::Scene;
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 const CAVITY: &str = r#"title = "A cavity in space"
 [mesh]
@@ -54,16 +53,6 @@ checkpoint = 0
 probes.p = { at = [0.5, 0.1, 0.2], of = "pressure" }
 "#;
 
-fn folder_with(scene: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("scene.toml"), scene).unwrap();
-    folder
-}
-
-fn series(run: &Path) -> Table {
-    Table::read(&run.join("series.csv")).unwrap()
-}
-
 fn refused(scene: &str, words: &[&str]) {
     let folder = folder_with(scene);
     immersa(folder.path(), &["explain", "scene.toml"]).expect(2, words);
@@ -100,20 +89,8 @@ fn a_cavity_in_space_runs_with_every_kind_of_output() {
 fn an_ellipsoid_relaxes_and_goes_on_bit_by_bit_after_an_interruption() {
     for force in ["smeared", "sharp"] {
         let folder = folder_with(&MEMBRANE.replace("stretch = 1.2", &format!("stretch = 1.2\nforce = \"{force}\"")));
-        let run =
-            |out: &str, more: &[&str]| immersa(folder.path(), &[&["run", "scene.toml", "--out", out], more].concat());
-        run("whole", &[]).expect(0, &["done: 3 steps"]);
-        let whole = folder.path().join("whole");
+        let [whole, parts] = run_whole_and_in_parts(folder.path(), "done: 3 steps");
         has_relaxed(&whole);
-        let parts = folder.path().join("parts");
-        let mut child = start(folder.path(), &["run", "scene.toml", "--out", "parts"]);
-        wait_until(&mut child, || rows(&parts) >= 2);
-        interrupt(&child);
-        let ended = wait(child);
-        if ended.code != 0 {
-            ended.expect(130, &["interrupted", "--resume"]);
-        }
-        run("parts", &["--resume"]).expect(0, &["done: 3 steps"]);
         assert_same(&whole, &parts);
         let stretch = ["--set", "output.pictures=0.02", "--set", "output.picture.field=stretch"];
         immersa(folder.path(), &[&["render", "whole"], &stretch[..]].concat()).expect(0, &[]);

@@ -4,13 +4,6 @@ use super::program::*;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder_with(scene: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("scene.toml"), scene).unwrap();
-    folder
-}
 
 /// The small scene with a wall at rest, so that its energy can only fall.
 fn closed() -> String {

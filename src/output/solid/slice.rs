@@ -6,7 +6,7 @@ use super::camera::{Camera, in_space};
 use super::canvas::Facet;
 use crate::base::{Error, Result};
 use crate::fem::{EDGES, Space};
-use crate::mesh::Point;
+use crate::mesh::{Location, Point};
 use nalgebra::{Matrix2, SVector, Vector2};
 
 /// A plane across the domain, coloured by a field in the scale of the picture, without shading.
@@ -73,9 +73,7 @@ impl<'a> Cut<'a> {
         self.triangles.iter().enumerate().map(facet).collect()
     }
     fn point(&self, cell: u32, l: &[f64; 4]) -> Point<3> {
-        let mesh = self.space.mesh();
-        let corners = mesh.cell(cell as usize);
-        (0..4).fold(Point::<3>::zeros(), |x, k| x + mesh.points()[corners[k] as usize] * l[k])
+        self.space.mesh().point_at(&Location { cell, barycentric: *l })
     }
     /// Its colour at a point of a triangle, whose corners have the weights `l` in the picture.
     pub fn shade(&self, f: &Facet, l: [f64; 3], camera: &Camera, bar: &Colours) -> [f32; 3] {

@@ -73,15 +73,11 @@ impl Dimension<3> for In<3> {
         let (space, phi) = (sim.space(), sim.level_set(k));
         let surface = Isosurface::new(space, &phi)?;
         let mut row = measures(sim, &surface).to_vec();
-        row.extend(
-            chords
-                .iter()
-                .map(|c| surface.half_chord(space, &phi, &point(&c.through), &point(&c.direction)).unwrap_or(f64::NAN)),
-        );
         let radius = |x: &Point<3>, d: &Point<3>| surface.half_chord(space, &phi, x, d).unwrap_or(f64::NAN);
+        row.extend(chords.iter().map(|c| radius(&point(&c.through), &point(&c.direction))));
         rings.iter().for_each(|r| row.extend(waves(r, radius)));
         if sim.has_backward_map() {
-            row.extend(strain(sim, k, &levelset::surface_in_space(space, &phi)?));
+            row.extend(strain(sim, k, &surface.points_of_forms(space, &phi)));
         }
         Ok(row)
     }

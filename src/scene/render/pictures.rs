@@ -170,11 +170,12 @@ impl Painter {
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
-            Quantity::LevelSet => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
+            Quantity::LevelSet | Quantity::Checkerboard => {
+                Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?))
+            }
             Quantity::Stretch => Field::Interface(stretch(snapshot, self.level_set(snapshot)?)),
             Quantity::AreaChange => Field::Interface(snapshot.scalar(&self.column("area_change"))?.to_vec()),
             Quantity::Shear => Field::Interface(snapshot.scalar(&self.column("shear"))?.to_vec()),
-            Quantity::Checkerboard => Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?)),
         })
     }
 

@@ -118,8 +118,7 @@ impl Folder {
     /// Writes velocity, pressure and level sets of the current state.
     pub(super) fn write_fields<const D: usize>(&self, sim: &Simulation<D>, step: usize) -> Result<()> {
         let state = sim.state();
-        let names = sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name));
-        let names: Vec<String> = names.map(|name| format!("{name}.level_set")).collect();
+        let names: Vec<String> = names(sim).map(|name| format!("{name}.level_set")).collect();
         let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
         let mut fields = vec![("velocity", FieldData::Vector(&state.flow.u))];
         if !sim.is_prescribed() {
@@ -214,6 +213,11 @@ impl Folder {
     }
 }
 
+/// The names of all interfaces, in their order.
+fn names<const D: usize>(sim: &Simulation<D>) -> impl Iterator<Item = &String> {
+    sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name))
+}
+
 /// A field that is made for a file.
 enum Made<const D: usize> {
     Scalar(Vec<f64>),
@@ -236,8 +240,7 @@ fn strained<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
     if !sim.has_backward_map() {
         return fields;
     }
-    let names = sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name));
-    for (k, name) in names.enumerate() {
+    for (k, name) in names(sim).enumerate() {
         if sim.structures().get(k).is_some_and(|s| s.shear.is_some()) {
             fields.push((format!("{name}.displacement"), Made::Vector(sim.rest_displacement(k).into_owned())));
         }
