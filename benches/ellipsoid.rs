@@ -9,7 +9,7 @@ use cpu_time::ProcessTime;
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Point, box_mesh, freefem};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -76,7 +76,9 @@ fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(VISCOSITY) },
+        fluid: Fluid { density: 1.0, viscosity: VISCOSITY },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![("walls".into(), Condition::NoSlip)],
         gravity: SVector::zeros(),
         body_force: None,
@@ -89,6 +91,8 @@ fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<
         name: "membrane".into(),
         phi,
         membrane,
+        continuum: None,
+        inside: None,
         surface_mass: 0.0,
         sharp: None,
         shear: None,

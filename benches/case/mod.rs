@@ -5,7 +5,7 @@ use immersa::fem::{Basis, Cells, Condition, Element, Numbering, Rule, Space, ass
 use immersa::flow::FlowSolver;
 use immersa::linalg::{Factor, Ordering, SymmetricMatrix};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -106,7 +106,9 @@ impl<const D: usize> Case<D> {
             solve_tolerance: 1e-10,
             solving: Default::default(),
             quadrature: 5,
-            materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(0.01) },
+            fluid: Fluid { density: 1.0, viscosity: 0.01 },
+            boussinesq: false,
+            pressure: Element::P1,
             conditions: self.conditions.clone(),
             gravity: SVector::zeros(),
             body_force: None,
@@ -116,6 +118,8 @@ impl<const D: usize> Case<D> {
             name: "membrane".into(),
             phi,
             membrane,
+            continuum: None,
+            inside: None,
             surface_mass: 0.0,
             sharp: None,
             shear: None,

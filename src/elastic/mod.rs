@@ -2,6 +2,7 @@
 
 mod area_law;
 mod band_cells;
+mod continuum_force;
 mod membrane;
 mod predictor;
 mod sharp;
@@ -11,6 +12,7 @@ mod surface_strain;
 
 pub use area_law::AreaLaw;
 pub use band_cells::Band;
+pub use continuum_force::ContinuumForce;
 pub use membrane::{Membrane, explicit_step_limit};
 pub use predictor::Predictor;
 pub use sharp::{Cut, Force, SharpMembrane};

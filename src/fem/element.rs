@@ -8,13 +8,16 @@ pub const MAX_LOCAL: usize = 10;
 /// The edges of a simplex in the order of VTK's quadratic cells; the first 3 are those of a triangle.
 pub const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 
-/// A Lagrange element.
+/// An element: of Lagrange, or of Lagrange with a constant added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Element {
     /// Continuous, linear: one node a vertex.
     P1,
     /// Continuous, quadratic: vertices, then the midpoints of the edges in the order of [`EDGES`].
     P2,
+    /// P1 with a constant of each cell added, which can jump: vertices, then the cell. Not nodal: a value is the sum of both, and the
+    /// constants are there twice.
+    P1P0,
 }
 
 impl Element {
@@ -23,12 +26,13 @@ impl Element {
         match self {
             Element::P1 => d + 1,
             Element::P2 => (d + 1) * (d + 2) / 2,
+            Element::P1P0 => d + 2,
         }
     }
     /// Polynomial degree.
     pub const fn degree(self) -> usize {
         match self {
-            Element::P1 => 1,
+            Element::P1 | Element::P1P0 => 1,
             Element::P2 => 2,
         }
     }
@@ -38,6 +42,10 @@ impl Element {
         let mut n = [0.0; MAX_LOCAL];
         match self {
             Element::P1 => n[..=D].copy_from_slice(&l[..=D]),
+            Element::P1P0 => {
+                n[..=D].copy_from_slice(&l[..=D]);
+                n[D + 1] = 1.0;
+            }
             Element::P2 => {
                 for k in 0..=D {
                     n[k] = l[k] * (2.0 * l[k] - 1.0);
@@ -63,7 +71,7 @@ impl Element {
             }
         };
         match self {
-            Element::P1 => (0..=D).for_each(|k| add(k, k, 1.0)),
+            Element::P1 | Element::P1P0 => (0..=D).for_each(|k| add(k, k, 1.0)),
             Element::P2 => {
                 for k in 0..=D {
                     add(k, k, 4.0 * l[k] - 1.0);
@@ -76,11 +84,13 @@ impl Element {
         }
         g
     }
-    /// Barycentric coordinates of node `a`.
+    /// Barycentric coordinates of node `a`; that of a cell is its centre.
     pub fn node(self, a: usize, d: usize) -> [f64; 4] {
         let mut l = [0.0; 4];
         if a <= d {
             l[a] = 1.0;
+        } else if self == Element::P1P0 {
+            l[..=d].fill(1.0 / (d as f64 + 1.0));
         } else {
             let (i, j) = EDGES[a - d - 1];
             l[i] = 0.5;

@@ -5,10 +5,11 @@
 
 use super::condition::{Condition, Conditions, condition_of_facets};
 use super::corner::{Prescribed, Side};
+use super::element::Element;
 use super::periodic::{Translation, identify, periodic_pairs};
 use super::space::Space;
 use crate::base::Result;
-use crate::mesh::NONE;
+use crate::mesh::{Mesh, NONE};
 use nalgebra::{SMatrix, SVector};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -17,6 +18,8 @@ use std::sync::Arc;
 pub struct Numbering<const D: usize> {
     velocity: Vec<[u32; D]>,
     pressure: Vec<u32>,
+    /// How many pressures belong to points of the mesh; the others are constants of cells.
+    points: usize,
     first_pressure: usize,
     order: usize,
     frames: HashMap<u32, SMatrix<f64, D, D>>,
@@ -57,6 +60,9 @@ impl<const D: usize> Numbering<D> {
                 (walls..D).for_each(|i| numbers[n][i] = next());
             }
         }
+        let points = mesh.points().len();
+        let left_out =
+            if pressure.element() == Element::P1P0 { constants_left_out(mesh, &translations) } else { Vec::new() };
         let masters_of_pressure = identify(pressure, &translations);
         let mut pressures = vec![NONE; pressure.len()];
         // The pressure is fixed at one point when nothing else fixes it; its mean is removed after the solve.
@@ -67,6 +73,11 @@ impl<const D: usize> Numbering<D> {
             let master = masters_of_pressure[n] as usize;
             if master != n {
                 pressures[n] = pressures[master];
+            } else if n >= points {
+                if !left_out[n - points] {
+                    pressures[n] = free;
+                    free += 1;
+                }
             } else if used[n] && std::mem::replace(&mut fixed, true) {
                 pressures[n] = free;
                 free += 1;
@@ -78,6 +89,7 @@ impl<const D: usize> Numbering<D> {
         Ok(Numbering {
             velocity: numbers,
             pressure: pressures,
+            points,
             first_pressure: first_pressure as usize,
             order: free as usize,
             frames,
@@ -90,6 +102,15 @@ impl<const D: usize> Numbering<D> {
     /// Number of unknowns.
     pub fn order(&self) -> usize {
         self.order
+    }
+    /// The first pressure unknown that is the constant of a cell; the number of unknowns where there is none.
+    pub fn first_constant(&self) -> usize {
+        let constants = self.pressure.iter().skip(self.points);
+        constants.copied().find(|&p| p != NONE).map_or(self.order, |p| p as usize)
+    }
+    /// How many pressures, the first ones, belong to points of the mesh; the others are constants of cells.
+    pub fn pressure_points(&self) -> usize {
+        self.points
     }
     /// The first pressure unknown; velocity components come before.
     pub fn first_pressure(&self) -> usize {
@@ -208,7 +229,7 @@ impl<const D: usize> Numbering<D> {
         let shift = fixed.map_or(0.0, |n| pressure[n]);
         for (n, p) in pressure.iter().enumerate() {
             if self.pressure[n] != NONE {
-                x[self.pressure[n] as usize] = p - shift;
+                x[self.pressure[n] as usize] = if n < self.points { p - shift } else { *p };
             }
         }
     }
@@ -229,6 +250,17 @@ impl<const D: usize> Numbering<D> {
         }
         (numbers, count as usize)
     }
+}
+
+/// The cells whose constant is no unknown of a P1 + P0 pressure. In a cell with two walls a single edge carries velocity, by which the constant and the
+/// pressure at the corner are felt alike. As P1 holds the constants already, one more cell is left out.
+fn constants_left_out<const D: usize>(mesh: &Mesh<D>, translations: &[Translation<D>]) -> Vec<bool> {
+    let mut walls = vec![0; mesh.cell_count()];
+    mesh.facets().iter().for_each(|f| walls[f.cell as usize] += 1);
+    translations.iter().for_each(|t| walls[mesh.facets()[t.facet as usize].cell as usize] -= 1);
+    let mut left_out: Vec<bool> = walls.iter().map(|&count| count > 1).collect();
+    left_out.iter_mut().find(|out| !**out).into_iter().for_each(|first| *first = true);
+    left_out
 }
 
 /// What the conditions say about single nodes.

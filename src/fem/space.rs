@@ -19,9 +19,10 @@ impl<const D: usize> Value for SVector<f64, D> {
     const ZERO: Self = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
 }
 
-/// A continuous Lagrange space on a mesh. A function is a slice with one [`Value`] a node.
+/// A Lagrange space on a mesh, continuous but for constants of the cells in P1 + P0. A function is a slice with one [`Value`] a node.
 ///
-/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of the edges.
+/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of the edges; those of P1 + P0 the points, then the
+/// centres of the cells, whose values are constants to be added.
 #[derive(Clone, Debug)]
 pub struct Space<const D: usize> {
     mesh: Arc<Mesh<D>>,
@@ -39,7 +40,10 @@ impl<const D: usize> Space<D> {
         for c in 0..mesh.cell_count() {
             let cell = mesh.cell(c);
             cell_nodes.extend_from_slice(cell);
-            if element == Element::P2 {
+            if element == Element::P1P0 {
+                cell_nodes.push(nodes.len() as u32);
+                nodes.push(cell.iter().map(|&v| mesh.points()[v as usize]).sum::<Point<D>>() / (D as f64 + 1.0));
+            } else if element == Element::P2 {
                 for &(i, j) in &EDGES[..D * (D + 1) / 2] {
                     let (a, b) = (cell[i].min(cell[j]), cell[i].max(cell[j]));
                     let node = *edges.entry((a, b)).or_insert_with(|| {
@@ -94,6 +98,8 @@ impl<const D: usize> Space<D> {
         let on = move |a: usize| {
             if a <= D {
                 a != opposite
+            } else if self.element == Element::P1P0 {
+                false
             } else {
                 let (i, j) = EDGES[a - D - 1];
                 i != opposite && j != opposite
@@ -158,6 +164,7 @@ impl<T: Value, const D: usize> OnCell<T, D> {
         match self.element {
             Element::P1 => self.combined(&Element::P1.values::<D>(l)),
             Element::P2 => self.combined(&Element::P2.values::<D>(l)),
+            Element::P1P0 => self.combined(&Element::P1P0.values::<D>(l)),
         }
     }
     /// The value where the basis functions have the values `n`.

@@ -3,11 +3,13 @@
 
 mod boundary;
 mod coefficient;
+mod pressure;
 mod solver;
 mod step;
 pub mod term;
 
 pub use boundary::{Load, flux, kinetic_outflow, traction};
 pub use coefficient::Coefficient;
+pub use pressure::nodal_pressure;
 pub use solver::FlowSolver;
 pub use step::{BodyForce, FlowState, History, Step, StepReport};

@@ -3,7 +3,7 @@
 use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
-use crate::fem::{Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar};
+use crate::fem::{At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar};
 use crate::linalg::{Change, Factor, FactorSize, LaggedFactor, LaggedReport, Ledger, Solving, SymmetricMatrix, Way};
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -23,6 +23,8 @@ pub struct FlowSolver<const D: usize> {
     grad_div: f64,
     density: Coefficient,
     viscosity: Coefficient,
+    /// What gravity acts on, where it is not the density.
+    buoyancy: Option<Coefficient>,
     /// The part of the matrix that stays, and `weight / dt` that it was made with; NaN when it is stale.
     base: Option<(SymmetricMatrix, f64)>,
     matrix: SymmetricMatrix,
@@ -118,6 +120,7 @@ impl<const D: usize> FlowSolver<D> {
             grad_div,
             density: Coefficient::Constant(1.0),
             viscosity: Coefficient::Constant(1.0),
+            buoyancy: None,
             base: None,
             matrix,
             factor: None,
@@ -163,6 +166,14 @@ impl<const D: usize> FlowSolver<D> {
         }
         self.density = density;
         self.viscosity = viscosity;
+    }
+    /// Sets what gravity acts on in place of the density: in the Boussinesq form the difference from it, a mass per volume.
+    pub fn set_buoyancy(&mut self, buoyancy: Option<Coefficient>) {
+        self.buoyancy = buoyancy;
+    }
+    /// What gravity acts on at a quadrature point, a mass per volume.
+    pub fn weight(&self, at: &At<D>) -> f64 {
+        self.buoyancy.as_ref().unwrap_or(&self.density).at(at)
     }
     /// The velocity basis at the points of the rule.
     pub fn velocity(&self) -> &Basis<D> {
@@ -306,9 +317,10 @@ impl<const D: usize> FlowSolver<D> {
         })?;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         if !self.numbering.is_open() {
-            let mass: f64 = work.pressure_mass.iter().sum();
+            let points = self.numbering.pressure_points();
+            let mass: f64 = work.pressure_mass[..points].iter().sum();
             let mean = state.p.iter().zip(&work.pressure_mass).map(|(p, m)| p * m).sum::<f64>() / mass;
-            state.p.iter_mut().for_each(|p| *p -= mean);
+            state.p.iter_mut().take(points).for_each(|p| *p -= mean);
         }
         Ok(report)
     }

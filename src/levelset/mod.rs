@@ -47,3 +47,6 @@ pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
 pub use solid::SolidMeasures;
 pub use solid_union::SolidUnion;
 pub use union::Union;
+
+mod tmp_curvature;
+pub use tmp_curvature::mean_curvature;

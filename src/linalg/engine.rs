@@ -3,7 +3,7 @@
 use super::gmres::RESTART;
 use super::memory::{available, readable};
 use super::schur::{Saddle, Schur};
-use super::{Factor, FactorSize, Ordering, Precision, SymmetricMatrix};
+use super::{Factor, FactorSize, Multipliers, Ordering, Precision, SymmetricMatrix};
 use crate::base::{Error, Result};
 use std::fmt;
 
@@ -82,14 +82,14 @@ impl Engine {
     /// Computation, if none does.
     pub fn choose(
         matrix: &SymmetricMatrix,
-        first: usize,
+        multipliers: Multipliers,
         solving: Solving,
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<Engine> {
         let limit = solving.memory.or_else(available);
         let mut tried = Vec::new();
         if solving.way != Some(Way::Schur) {
-            let mut factor = Factor::plan(matrix, Ordering::saddle_point(matrix, first)?)?;
+            let mut factor = Factor::plan(matrix, Ordering::saddle_point(matrix, multipliers)?)?;
             for (way, precision) in [(Way::Direct, Precision::Double), (Way::Single, Precision::Single)] {
                 factor = factor.with_precision(precision);
                 let engine = Engine::Whole(factor);

@@ -4,7 +4,7 @@ use super::direct::require_finite;
 use super::engine::{Engine, Solving, Way};
 use super::gmres::{Gmres, Iterated, RESTART};
 use super::schur::Saddle;
-use super::{Factor, FactorSize, Ordering, SolveReport, SymmetricMatrix};
+use super::{Factor, FactorSize, Multipliers, Ordering, SolveReport, SymmetricMatrix};
 use crate::base::{Error, Result};
 use cpu_time::ProcessTime;
 
@@ -128,19 +128,19 @@ impl LaggedFactor {
     pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering, tolerance: f64) -> Result<LaggedFactor> {
         Ok(LaggedFactor::with(Engine::Whole(Factor::analyse(matrix, ordering)?), tolerance))
     }
-    /// Finds the way of solving for a saddle point whose multipliers begin at `first`, by what fits into the memory: directly, with
+    /// Finds the way of solving for a saddle point with these multipliers, by what fits into the memory: directly, with
     /// a factor in single precision, by the Schur route. `saddle` is asked for where the last comes into question.
     ///
     /// # Errors
     /// Computation, if nothing that `solving` allows fits.
     pub fn choose(
         matrix: &SymmetricMatrix,
-        first: usize,
+        multipliers: impl Into<Multipliers>,
         solving: Solving,
         tolerance: f64,
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<LaggedFactor> {
-        Ok(LaggedFactor::with(Engine::choose(matrix, first, solving, saddle)?, tolerance))
+        Ok(LaggedFactor::with(Engine::choose(matrix, multipliers.into(), solving, saddle)?, tolerance))
     }
     fn with(engine: Engine, tolerance: f64) -> LaggedFactor {
         let cost = engine.size().cost();

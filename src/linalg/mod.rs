@@ -23,7 +23,7 @@ mod testing;
 pub use direct::{Factor, Precision, SolveReport};
 pub use engine::{Solving, Way};
 pub use lagged::{Change, LaggedFactor, LaggedReport, Ledger};
-pub use ordering::Ordering;
+pub use ordering::{Multipliers, Ordering};
 pub use schur::Saddle;
 pub use size::FactorSize;
 pub use symmetric::{CONSTRAINED, SymmetricMatrix};

@@ -7,6 +7,22 @@ use std::collections::HashSet;
 
 const NONE: usize = usize::MAX;
 
+/// Which unknowns of a saddle point are multipliers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Multipliers {
+    /// The first; all later unknowns are multipliers too.
+    pub first: usize,
+    /// The first of those that are eliminated after all their neighbours of the first row.
+    pub first_late: usize,
+}
+
+impl From<usize> for Multipliers {
+    /// All from `first` on, none of them late.
+    fn from(first: usize) -> Multipliers {
+        Multipliers { first, first_late: usize::MAX }
+    }
+}
+
 /// An order of elimination: a permutation of the unknowns of a [`SymmetricMatrix`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ordering {
@@ -24,20 +40,24 @@ impl Ordering {
     pub fn plain(matrix: &SymmetricMatrix) -> Result<Ordering> {
         let adjacency = Adjacency::new(matrix);
         let singles = Blocks::from_partners(&vec![NONE; matrix.order()]);
-        Ordering::of_blocks(&adjacency, &singles)
+        Ordering::of_blocks(&adjacency, &singles, matrix.order())
     }
 
     /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C` small, even zero.
     ///
-    /// Unknowns from `first_multiplier` on belong to the second row (pressures). Each is merged with one unknown of the
+    /// The `multipliers` belong to the second row (pressures). Each is merged with one unknown of the
     /// first row (a velocity component): the one with the largest entry of `B` that is not yet taken, if possible on a
     /// node that has no multiplier yet, multipliers with the fewest entries first. The graph so compressed is dissected, and each velocity is eliminated before its
     /// pressure, so that no pressure is eliminated while its pivot is still the tiny `-C`: for Taylor-Hood elements
     /// LDL^T without pivoting is then accurate to rounding. Depends on the values of `B`: fill the matrix before.
     ///
+    /// Late multipliers (the constants of cells in a pressure that jumps) are eliminated after all their neighbours of the first
+    /// row: an edge feels the constant of a cell and the pressure at the vertex opposite to it alike, so that one velocity does not do for each.
+    ///
     /// # Errors
-    /// Computation, if the matrix is too large for METIS; internal, if there are fewer than `first_multiplier` unknowns.
-    pub fn saddle_point(matrix: &SymmetricMatrix, first_multiplier: usize) -> Result<Ordering> {
+    /// Computation, if the matrix is too large for METIS; internal, if there are fewer unknowns than come before the first multiplier.
+    pub fn saddle_point(matrix: &SymmetricMatrix, multipliers: impl Into<Multipliers>) -> Result<Ordering> {
+        let Multipliers { first: first_multiplier, first_late } = multipliers.into();
         if first_multiplier > matrix.order() {
             return Err(Error::internal(format!(
                 "a matrix of {} unknowns cannot have its first multiplier at {first_multiplier}",
@@ -45,7 +65,7 @@ impl Ordering {
             )));
         }
         let blocks = Blocks::from_partners(&partners(matrix, first_multiplier));
-        Ordering::of_blocks(&Adjacency::new(matrix), &blocks)
+        Ordering::of_blocks(&Adjacency::new(matrix), &blocks, first_late)
     }
 
     /// The unknowns in the order of their elimination.
@@ -58,10 +78,26 @@ impl Ordering {
         &self.positions
     }
 
-    fn of_blocks(adjacency: &Adjacency, blocks: &Blocks) -> Result<Ordering> {
+    fn of_blocks(adjacency: &Adjacency, blocks: &Blocks, first_late: usize) -> Result<Ordering> {
         let order = blocks.graph(adjacency)?.nested_dissection()?;
         let expanded = Ordering::new(order.into_iter().flat_map(|b| blocks.members(b)).copied().collect());
-        Ok(expanded.postordered(adjacency))
+        Ok(expanded.delayed(adjacency, first_late).postordered(adjacency))
+    }
+
+    /// The same order but for the unknowns from `first_late` on, each of which comes after the last of its neighbours among the others.
+    fn delayed(self, adjacency: &Adjacency, first_late: usize) -> Ordering {
+        let n = self.unknowns.len();
+        if first_late >= n {
+            return self;
+        }
+        let place = |i: usize| {
+            let neighbours = adjacency.neighbours(i).iter().filter(|&&j| i >= first_late && j < first_late);
+            let last = neighbours.map(|&j| self.positions[j]).fold(self.positions[i], usize::max);
+            (last, i >= first_late)
+        };
+        let mut unknowns = self.unknowns.clone();
+        unknowns.sort_by_cached_key(|&i| place(i));
+        Ordering::new(unknowns)
     }
 
     fn new(unknowns: Vec<usize>) -> Ordering {

@@ -22,8 +22,8 @@ pub(super) const BLOCK: usize = 32 * 1024;
 /// The type number that VTK gives to a cell of `element` in dimension `d`.
 pub(super) fn cell_type(element: Element, d: usize) -> u8 {
     match (element, d) {
-        (Element::P1, 2) => 5,
-        (Element::P1, _) => 10,
+        (Element::P1 | Element::P1P0, 2) => 5,
+        (Element::P1 | Element::P1P0, _) => 10,
         (Element::P2, 2) => 22,
         (Element::P2, _) => 24,
     }

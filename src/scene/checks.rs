@@ -8,7 +8,7 @@ use crate::base::{Error, Result, Warning};
 pub(super) fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
     let held = |b: &Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
     if scene.fluid.is_prescribed()
-        || scene.fluid.has_inertia()
+        || scene.has_inertia()
         || scene.membranes.iter().any(|m| m.mass > 0.0)
         || scene.boundaries.iter().any(held)
     {

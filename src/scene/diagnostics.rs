@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::dimension::{Dimension, In, point};
+use super::drops;
 use super::errors;
 use super::model::Model;
 use super::schema::{Profile, Quantity};
@@ -84,7 +85,8 @@ where
                 let columns = std::iter::once("radius".to_string()).chain(modes);
                 names.extend(columns.map(|c| format!("{}.{}_{c}", m.name, ring.name)));
             }
-            names.extend(self.strain().map(|c| format!("{}.{c}", m.name)));
+            let own: &[&str] = if m.drop.is_some() { In::<D>::DROP } else { &[] };
+            names.extend(self.strain().chain(own.iter().copied()).map(|c| format!("{}.{c}", m.name)));
         }
         for s in &self.scene.level_sets {
             let markers: &[&str] = if s.markers > 0 { &MARKERS } else { &[] };
@@ -124,7 +126,9 @@ where
         let (state, space) = (sim.state(), sim.space());
         let mut row = Vec::new();
         for (k, m) in self.scene.membranes.iter().enumerate() {
-            row.extend(In::<D>::measure(sim, k, &m.chords, &m.rings)?);
+            let measured = In::<D>::measure(sim, k, &m.chords, &m.rings)?;
+            let own = m.drop.is_some().then(|| drops::row(sim, k, [measured[0], measured[1]])).transpose()?;
+            row.extend(measured.into_iter().chain(own.into_iter().flatten()));
         }
         for k in 0..self.scene.level_sets.len() {
             row.extend(In::<D>::measure(sim, self.scene.membranes.len() + k, &[], &[])?);

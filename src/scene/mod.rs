@@ -5,6 +5,7 @@ mod checks;
 mod diagnostics;
 mod dimension;
 mod document;
+mod drops;
 mod errors;
 pub mod expression;
 mod item;

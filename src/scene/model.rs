@@ -6,16 +6,16 @@ use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::dimension::{Dimension, In, coordinates};
 use super::expression::Expression;
 use super::pacing::pacing;
-use super::passive::{Placed, check_inflow, prescribed};
+use super::passive::{Placed, check_inflow, nearest_image, prescribed};
 use super::plan::is_stepped;
 use super::schema::{self, Condition, MeshSource};
 use super::sheared::{check_map, check_rest_map};
 use crate::base::{Error, Kind, Result, Warning};
-use crate::elastic::{AreaLaw, Band, Force, Membrane, SharpMembrane, SurfaceLaw};
+use crate::elastic::{AreaLaw, Band, ContinuumForce, Force, Membrane, SharpMembrane, SurfaceLaw};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::{Shape, band_edges, check_band};
 use crate::mesh::{self, Mesh, Point};
-use crate::sim::{self, InitialFunction, Materials, Simulation, Structure, Transfer};
+use crate::sim::{self, InitialFunction, Simulation, Structure, Transfer};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -179,8 +179,7 @@ impl<const D: usize> Model<D> {
     /// The limit (1.54) for the current tension, with the finest edge of the bands; `None` without tension.
     pub fn step_limit(&self) -> Option<f64> {
         let [edge, _] = self.band_edges?;
-        let viscosity = self.simulation.settings().materials.viscosity;
-        let viscosity = viscosity.inside.min(viscosity.outside);
+        let viscosity = self.simulation.least_viscosity();
         self.simulation
             .structures()
             .iter()
@@ -213,7 +212,8 @@ where
     fn distances(&self) -> Result<(Vec<Vec<f64>>, Functions<D>)> {
         let (mut all, mut functions) = (Vec::new(), Vec::new());
         for (k, m) in self.scene.membranes.iter().enumerate() {
-            let Placed { nodal, function } = self.placed(&m.shape, &["membrane", &k.to_string(), "shape"])?;
+            let Placed { nodal, function } =
+                self.placed(&m.shape, &shape_keys(self.scene, k).each_ref().map(String::as_str))?;
             all.push(nodal);
             functions.push(self.level_set_of(m, function));
         }
@@ -230,11 +230,10 @@ where
     }
 
     /// The distance to the nearest of the images that periodic sides make of a shape, so that the level set is periodic too.
-    pub(super) fn nearest_image(&self, mut distance: Vec<f64>, shape: &dyn Shape<D>, shifts: &[Point<D>]) -> Vec<f64> {
-        for shift in shifts.iter().skip(1) {
-            for (d, x) in distance.iter_mut().zip(self.space.nodes()) {
-                *d = d.min(shape.distance(&(x + shift)));
-            }
+    pub(super) fn with_images(&self, mut distance: Vec<f64>, shape: &dyn Shape<D>, shifts: &[Point<D>]) -> Vec<f64> {
+        for (d, x) in distance.iter_mut().zip(self.space.nodes()).filter(|_| shifts.len() > 1) {
+            let images = shifts.iter().skip(1).map(|shift| shape.distance(&(x + shift)));
+            *d = nearest_image(std::iter::once(*d).chain(images));
         }
         distance
     }
@@ -249,7 +248,7 @@ where
             let Some(edges) = band_edges(self.space, d, 0.0) else {
                 let e = Error::scene("no part of the interface lies on the mesh")
                     .remedy("move the shape onto the mesh (does it lie in a hole?), or refine the mesh");
-                return Err(self.scene.blame(&["membrane", &k.to_string(), "shape"], e));
+                return Err(self.scene.blame(&shape_keys(self.scene, k).each_ref().map(String::as_str), e));
             };
             longest = longest.max(edges.largest);
         }
@@ -313,12 +312,13 @@ where
                 if margin > reach {
                     return Ok(());
                 }
-                Err(Error::scene(format!("the band of membrane `{}` reaches the boundary of the mesh", m.name))
+                Err(Error::scene(format!("the band of `{}` reaches the boundary of the mesh", m.name))
                     .value(format!("half-width {reach}, distance to the boundary {margin:.4}"))
                     .remedy("give a smaller thickness, move the shape, or enlarge the mesh"))
             });
+            let [list, _] = self.scene.structure_keys(k);
             let key =
-                if self.scene.numerics.thickness.is_some() { vec!["numerics", "thickness"] } else { vec!["membrane"] };
+                if self.scene.numerics.thickness.is_some() { vec!["numerics", "thickness"] } else { vec![&list[..]] };
             check.map_err(|e| self.scene.blame(&key, e))?;
             let phi: Vec<f64> = match m.map.is_empty() {
                 true => distance.iter().map(|d| d * m.stretch).collect(),
@@ -329,8 +329,10 @@ where
                 name: self.scene.membranes[k].name.clone(),
                 phi,
                 membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
-                sharp: self.sharp(m),
+                sharp: self.sharp(k, m),
+                continuum: self.continuum(m, eps),
                 shear: m.surface.map(|law| self.sheared(m, law, eps)),
+                inside: self.scene.inside(k),
                 stretch: m.stretch,
                 surface_mass: m.mass,
             });
@@ -339,16 +341,24 @@ where
     }
 
     /// The membrane on the interface itself, if the scene asks for it.
-    fn sharp(&self, membrane: &schema::Membrane) -> Option<SharpMembrane<D>> {
-        let viscosity = self.scene.fluid.viscosity;
-        let mean = 0.5 * (viscosity.inside + viscosity.outside);
+    fn sharp(&self, k: usize, membrane: &schema::Membrane) -> Option<SharpMembrane<D>> {
+        let outside = self.scene.outside();
+        let inside = self.scene.inside(k).unwrap_or(outside);
+        let mean = 0.5 * (inside.viscosity + outside.viscosity);
         (membrane.force == Force::Sharp).then(|| SharpMembrane::new(membrane.area, mean, In::<D>::surface))
+    }
+
+    /// Surface tension as a continuum force, if the scene asks for it.
+    fn continuum(&self, membrane: &schema::Membrane, eps: f64) -> Option<ContinuumForce<D>> {
+        let scheme = self.scene.numerics.surface_tension.filter(|s| s.continuum);
+        let band = band_of(self.scene, membrane);
+        scheme.map(|_| ContinuumForce::new(membrane.area.modulus(), eps).with_band(band, membrane.stretch))
     }
 
     /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.
     fn velocity_scale(&self) -> f64 {
         let (fluid, length) = (&self.scene.fluid, self.size());
-        let density = fluid.density.inside.max(fluid.density.outside);
+        let density = self.heaviest();
         let initial = vector(&fluid.initial_velocity);
         let mut speed = self.mesh.points().iter().map(|x| initial(x, 0.0).norm()).fold(0.0, f64::max);
         for b in &self.scene.boundaries {
@@ -381,15 +391,24 @@ where
 
     /// `gamma` in units where `rho U L = 1`, at least the viscosity.
     fn grad_div(&self, speed: f64) -> f64 {
-        let fluid = &self.scene.fluid;
-        let viscosity = fluid.viscosity.inside.max(fluid.viscosity.outside);
+        let viscosity = self.scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
         let sharp = self.scene.membranes.iter().any(schema::Membrane::is_sharp);
-        if !fluid.has_inertia() {
+        if !self.scene.has_inertia() {
             return GRAD_DIV_STOKES[usize::from(sharp)] * viscosity;
         }
-        let density = fluid.density.inside.max(fluid.density.outside);
+        let density = self.heaviest();
         let weight = if sharp { GRAD_DIV_SHARP } else { GRAD_DIV[usize::from(self.scene.membranes.is_empty())] };
         (weight * density * speed * self.size()).max(viscosity)
+    }
+
+    /// The largest density that inertia has.
+    fn heaviest(&self) -> f64 {
+        let outside = self.scene.outside().density;
+        if self.scene.fluid.boussinesq {
+            outside
+        } else {
+            self.scene.fluids().map(|f| f.density).fold(outside, f64::max)
+        }
     }
 
     pub(super) fn settings(&self, conditions: Conditions<D>, grad_div: f64) -> sim::Settings<D> {
@@ -403,17 +422,25 @@ where
             order: self.scene.time.order,
             transport: numerics.transport,
             coupling: numerics.coupling,
-            convection: numerics.convection.unwrap_or(fluid.has_inertia()),
+            convection: numerics.convection.unwrap_or(self.scene.has_inertia()),
             grad_div,
             solve_tolerance: numerics.solve_tolerance,
             solving: numerics.solving,
             quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
-            materials: Materials { density: fluid.density, viscosity: fluid.viscosity },
+            fluid: self.scene.outside(),
+            boussinesq: fluid.boussinesq,
+            pressure: numerics.pressure,
             conditions,
             gravity: SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()),
             body_force,
         }
     }
+}
+
+/// Where the shape of structure number `k` is written.
+fn shape_keys(scene: &Scene, k: usize) -> [String; 3] {
+    let [list, number] = scene.structure_keys(k);
+    [list, number, "shape".into()]
 }
 
 /// Shortest and longest edge in the bands of structures with these level sets.

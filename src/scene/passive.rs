@@ -35,10 +35,15 @@ where
         let domain = self.mesh.bounding_box();
         let place = |e| self.scene.blame(keys, e);
         let shape = In::<D>::shape(shape, domain).map_err(place)?;
-        check_inside(shape.bounds(), domain, 0.0).map_err(place)?;
+        let (mut low, mut high) = shape.bounds();
+        // Through a periodic side it goes on at the other one.
+        for axis in (0..D).filter(|&axis| self.pairs.iter().any(|p| p.shift[axis] != 0.0)) {
+            (low[axis], high[axis]) = (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
+        }
+        check_inside((low, high), domain, 0.0).map_err(place)?;
         let shifts = images(&self.pairs);
-        let nodal = self.nearest_image(signed_distance(self.space, shape.as_ref()), shape.as_ref(), &shifts);
-        let nearest = move |x: &Point<D>| shifts.iter().map(|s| shape.distance(&(x + s))).fold(f64::INFINITY, f64::min);
+        let nodal = self.with_images(signed_distance(self.space, shape.as_ref()), shape.as_ref(), &shifts);
+        let nearest = move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));
         Ok(Placed { nodal, function: Arc::new(nearest) })
     }
 
@@ -73,6 +78,13 @@ where
         }
         In::<D>::markers(self.space, phi, distance, count)
     }
+}
+
+/// The signed distance to a shape and its images, from the distances to each: that of their union. Where all are negative the shape is the same in all
+/// images, the half under a wave for example, and the nearest counts.
+pub(super) fn nearest_image(distances: impl Iterator<Item = f64>) -> f64 {
+    let (least, greatest) = distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, g), d| (l.min(d), g.max(d)));
+    if greatest < 0.0 { greatest } else { least }
 }
 
 /// The shifts to all images that periodic sides make, the zero shift first.

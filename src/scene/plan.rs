@@ -5,11 +5,12 @@ use super::adapt::Lengths;
 use super::diagnostics::has_backward_map;
 use super::dimension::{Dimension, In};
 use super::model::{Model, band_of};
-use super::schema::{Adapt, Condition, Membrane, MeshSource};
+use super::schema::{Adapt, Condition, Contrast, Membrane, MeshSource};
 use crate::base::Result;
 use crate::elastic::{AreaFrom, AreaLaw, Band, Force, ShearLaw, SurfaceLaw};
+use crate::fem::Element;
 use crate::mesh::Point;
-use crate::sim::{Contrast, Coupling};
+use crate::sim::Coupling;
 use crate::transport::Method;
 use std::fmt::Write;
 
@@ -140,6 +141,12 @@ fn membrane(m: &Membrane) -> Vec<String> {
     };
     let mass = if m.mass > 0.0 { format!(", surface mass {} (3.19)", m.mass) } else { String::new() };
     let (name, stretch) = (&m.name, m.stretch);
+    if let Some(drop) = &m.drop {
+        let own = [("density", drop.density), ("viscosity", drop.viscosity)];
+        let own = own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
+        let own: String = own.collect();
+        return vec![format!("drop `{name}`: surface tension {}{own}; its level set by (1.34)", m.area.tension(1.0))];
+    }
     let Some(law) = m.surface else {
         let law = area(m.area);
         return vec![format!(
@@ -187,7 +194,8 @@ fn unknowns<const D: usize>(model: &Model<D>) -> Vec<String> {
     let numbering = flow.numbering();
     let velocity = numbering.first_pressure();
     let pressure = numbering.order() - velocity;
-    lines.push(format!("velocity {velocity} (P2), pressure {pressure} (P1)"));
+    let element = if sim.settings().pressure == Element::P1P0 { "P1 + P0" } else { "P1" };
+    lines.push(format!("velocity {velocity} (P2), pressure {pressure} ({element})"));
     lines.extend(level_sets);
     if sim.has_backward_map() {
         lines.push(format!("backward characteristics {} x {} (P2)", D, sim.space().len()));
@@ -309,6 +317,9 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         }
         lines.push(transport(model, scene));
         lines.push(match s.coupling {
+            Coupling::Explicit if scene.numerics.surface_tension.is_some_and(|s| s.continuum) => {
+                "surface tension as a continuum force (1.32), explicit, with the curvature from recovered second derivatives".into()
+            }
             Coupling::Explicit => "membrane force explicit".into(),
             Coupling::SemiImplicit => format!(
                 "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored {}",
@@ -339,15 +350,19 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         if !has_backward_map(scene) {
             lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
         }
-        lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
+        if !scene.numerics.surface_tension.is_some_and(|s| s.continuum) {
+            lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
+        }
         lines.push("redistancing: the slope of the level set is the stretch of the membrane");
         if sim.settings().transport == Method::Nodal {
             lines.push("the mass matrix of the level set: nodal transport does not project");
         }
     }
-    let materials = sim.settings().materials;
-    if materials.density.is_uniform() && materials.viscosity.is_uniform() {
+    let is_one_fluid = scene.fluids().all(|f| f == scene.outside());
+    if is_one_fluid {
         lines.push("variable density and viscosity: both sides are the same");
+    } else if scene.fluid.boussinesq {
+        lines.push("variable inertia: the Boussinesq form, in which densities differ in gravity alone");
     }
     lines.extend(third_dimension(D));
     lines.into_iter().map(String::from).collect()
@@ -397,8 +412,7 @@ fn steps<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
 
 /// Whether density or viscosity change across a membrane, which needs a band.
 pub(super) fn is_stepped(scene: &Scene) -> bool {
-    let fluid = &scene.fluid;
-    !(fluid.density.is_uniform() && fluid.viscosity.is_uniform() && scene.membranes.iter().all(|m| m.mass == 0.0))
+    scene.fluids().any(|f| f != scene.outside()) || scene.membranes.iter().any(|m| m.mass > 0.0)
 }
 
 /// Whether some membrane has more than a constant tension.

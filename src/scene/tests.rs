@@ -1,7 +1,8 @@
 use super::*;
 use crate::base::Kind;
 use crate::elastic::AreaLaw;
-use crate::sim::{Contrast, Coupling};
+use crate::scene::schema::Contrast;
+use crate::sim::Coupling;
 use proptest::prelude::*;
 use schema::*;
 
@@ -106,7 +107,7 @@ fn the_book_s_membrane_reads_with_its_defaults() {
     assert_eq!(s.title, "Relaxing elliptical membrane");
     assert_eq!((s.dimension(), s.name().as_str()), (2, "case"));
     assert_eq!(s.fluid.density, Contrast::uniform(1.0));
-    assert!(s.fluid.has_inertia() && !s.fluid.has_force());
+    assert!(s.has_inertia() && !s.fluid.has_force());
     assert_eq!((s.time.steps(), s.time.order), (200, 2));
     let m = &s.membranes[0];
     assert_eq!((m.name.as_str(), m.stretch, m.mass), ("membrane", 1.2625316, 0.0));

@@ -1,6 +1,6 @@
 //! Density and viscosity of the fluids, by (3.19).
 
-use super::setup::{Materials, Structure};
+use super::setup::{Fluid, Structure};
 use super::step::Simulation;
 use crate::fem::At;
 use crate::flow::{Coefficient, FlowSolver};
@@ -10,14 +10,13 @@ impl<const D: usize> Simulation<D> {
     pub(super) fn has_constant_materials(&self) -> bool {
         self.settings.has_constant_materials(&self.structures)
     }
+    /// Viscosity of the thinnest fluid.
+    pub fn least_viscosity(&self) -> f64 {
+        self.settings.fluids(&self.structures).map(|f| f.viscosity).fold(f64::INFINITY, f64::min)
+    }
 
-    /// Density and viscosity by (3.19), with the level set of the first structure; surface masses of all.
+    /// Density and viscosity by (3.19), and surface masses; in the Boussinesq form the density that gravity acts on instead.
     pub(super) fn set_materials(&self, flow: &mut FlowSolver<D>, level_sets: &[Vec<f64>]) {
-        let Materials { density, viscosity } = self.settings.materials;
-        if self.has_constant_materials() {
-            let (density, viscosity) = (density.outside, viscosity.outside);
-            return flow.set_materials(Coefficient::Constant(density), Coefficient::Constant(viscosity));
-        }
         let basis = flow.velocity();
         let points = basis.rule().len();
         let count = self.space.mesh().cell_count();
@@ -33,36 +32,54 @@ impl<const D: usize> Simulation<D> {
             Coefficient::Pointwise { points, values }
         };
         let at_point = |at: &At<D>, k: usize| basis.value(at, &level_sets[k]);
-        let rho = pointwise(&|at| self.density_of(|k| at_point(at, k)));
-        let mu = if viscosity.is_uniform() {
-            Coefficient::Constant(viscosity.outside)
+        let Fluid { density, viscosity } = self.settings.fluid;
+        let buoyant = self.settings.boussinesq && self.settings.fluids(&self.structures).any(|f| f.density != density);
+        let buoyancy = buoyant.then(|| pointwise(&|at| self.density_of(|k| at_point(at, k)) - density));
+        let rho = if self.settings.has_constant_inertia(&self.structures) {
+            Coefficient::Constant(density)
+        } else {
+            pointwise(&|at| self.density_of(|k| at_point(at, k)))
+        };
+        let mu = if self.settings.has_constant_viscosity(&self.structures) {
+            Coefficient::Constant(viscosity)
         } else {
             pointwise(&|at| self.viscosity_of(|k| at_point(at, k)))
         };
         flow.set_materials(rho, mu);
+        flow.set_buoyancy(buoyancy);
     }
 
-    /// Density by (3.19) where level set `k` has the value `phi(k)`.
+    /// Density by (3.19) where level set `k` has the value `phi(k)`: each structure puts its fluid in place of what was there.
     fn density_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
-        let rho = self.settings.materials.density;
+        let mut rho = self.settings.fluid.density;
         let eps = |s: &Structure<D>| s.membrane.thickness();
-        let bulk = match self.structures.first() {
-            Some(s) if !rho.is_uniform() => band::density(phi(0), eps(s), rho.inside, rho.outside, 0.0),
-            _ => rho.outside,
-        };
-        let heavy = self.structures.iter().enumerate().filter(|(_, s)| s.surface_mass > 0.0);
-        heavy.fold(bulk, |rho, (k, s)| rho + band::density(phi(k), eps(s), 0.0, 0.0, s.surface_mass))
-    }
-    /// Viscosity by (3.19) where level set `k` has the value `phi(k)`.
-    fn viscosity_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
-        let mu = self.settings.materials.viscosity;
-        match self.structures.first() {
-            Some(s) if !mu.is_uniform() => band::viscosity(phi(0), s.membrane.thickness(), mu.inside, mu.outside),
-            _ => mu.outside,
+        for (k, s, inside) in self.filled() {
+            if inside.density != rho {
+                rho = band::density(phi(k), eps(s), inside.density, rho, 0.0);
+            }
         }
+        let heavy = self.structures.iter().enumerate().filter(|(_, s)| s.surface_mass > 0.0);
+        heavy.fold(rho, |rho, (k, s)| rho + band::density(phi(k), eps(s), 0.0, 0.0, s.surface_mass))
     }
-    /// Density in a cell at barycentric coordinates, for the current level sets.
+    /// Viscosity by (3.19) where level set `k` has the value `phi(k)`, as the density.
+    fn viscosity_of(&self, phi: impl Fn(usize) -> f64) -> f64 {
+        let mut mu = self.settings.fluid.viscosity;
+        for (k, s, inside) in self.filled() {
+            if inside.viscosity != mu {
+                mu = band::viscosity(phi(k), s.membrane.thickness(), inside.viscosity, mu);
+            }
+        }
+        mu
+    }
+    /// The structures that hold a fluid of their own.
+    fn filled(&self) -> impl Iterator<Item = (usize, &Structure<D>, Fluid)> {
+        self.structures.iter().enumerate().filter_map(|(k, s)| Some((k, s, s.inside?)))
+    }
+    /// Density of what moves, in a cell at barycentric coordinates, for the current level sets; in the Boussinesq form that of the fluid outside.
     pub fn density_at(&self, cell: usize, l: &[f64; 4]) -> f64 {
+        if self.settings.boussinesq {
+            return self.settings.fluid.density;
+        }
         self.density_of(|k| self.space.value(&self.state.phi[k], cell, l))
     }
     /// Viscosity in a cell at barycentric coordinates, for the current level sets.

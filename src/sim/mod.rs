@@ -21,5 +21,5 @@ pub use carrier::{InitialFunction, REMAP};
 pub use clock::{Clock, Pacing};
 pub use markers::{polygon_area, polygon_length};
 pub use remesh::Transfer;
-pub use setup::{Contrast, Coupling, Factored, LevelSet, Materials, Pace, Settings, State, Structure};
+pub use setup::{Coupling, Factored, Fluid, LevelSet, Pace, Settings, State, Structure};
 pub use step::Simulation;

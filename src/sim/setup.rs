@@ -4,8 +4,8 @@ use super::budget::{Budget, Energies};
 use super::carrier::InitialFunction;
 use super::clock::Clock;
 use crate::base::{Error, Result};
-use crate::elastic::{Membrane, SharpMembrane, ShearMembrane, explicit_step_limit};
-use crate::fem::Conditions;
+use crate::elastic::{ContinuumForce, Membrane, SharpMembrane, ShearMembrane, explicit_step_limit};
+use crate::fem::{Conditions, Element};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{BodyForce, FlowState};
 use crate::linalg::{Ledger, Solving};
@@ -25,33 +25,13 @@ pub enum Coupling {
     Implicit,
 }
 
-/// A property that differs between the two sides of a structure, by (3.19).
+/// A Newtonian fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contrast {
-    /// Value where `phi < 0`.
-    pub inside: f64,
-    /// Value where `phi > 0`.
-    pub outside: f64,
-}
-
-impl Contrast {
-    /// The same on both sides.
-    pub fn uniform(value: f64) -> Contrast {
-        Contrast { inside: value, outside: value }
-    }
-    /// Whether both sides are the same.
-    pub fn is_uniform(&self) -> bool {
-        self.inside == self.outside
-    }
-}
-
-/// Density and viscosity of the fluids.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Materials {
-    /// Density; zero on both sides stands for a flow without inertia.
-    pub density: Contrast,
+pub struct Fluid {
+    /// Mass per volume; zero for all fluids stands for a flow without inertia.
+    pub density: f64,
     /// Dynamic viscosity.
-    pub viscosity: Contrast,
+    pub viscosity: f64,
 }
 
 /// What a simulation is told.
@@ -75,8 +55,12 @@ pub struct Settings<const D: usize> {
     pub solving: Solving,
     /// Degree of the quadrature rule.
     pub quadrature: usize,
-    /// The fluids.
-    pub materials: Materials,
+    /// The fluid outside of all structures; what they hold is said by [`Structure::inside`].
+    pub fluid: Fluid,
+    /// The Boussinesq form (book, section 1.4.2): densities differ in gravity alone, inertia is that of [`fluid`](Self::fluid) everywhere.
+    pub boussinesq: bool,
+    /// The elements of the pressure: P1, or in the plane P1 + P0.
+    pub pressure: Element,
     /// Boundary conditions.
     pub conditions: Conditions<D>,
     /// Force per mass.
@@ -86,10 +70,22 @@ pub struct Settings<const D: usize> {
 }
 
 impl<const D: usize> Settings<D> {
-    /// Whether density and viscosity are the same everywhere at any time.
+    /// All fluids, that outside of the structures first.
+    pub fn fluids(&self, structures: &[Structure<D>]) -> impl Iterator<Item = Fluid> {
+        std::iter::once(self.fluid).chain(structures.iter().filter_map(|s| s.inside))
+    }
+    /// Whether the density that the inertia of the flow has is the same everywhere at any time.
+    pub fn has_constant_inertia(&self, structures: &[Structure<D>]) -> bool {
+        structures.iter().all(|s| s.surface_mass == 0.0)
+            && (self.boussinesq || self.fluids(structures).all(|f| f.density == self.fluid.density))
+    }
+    /// Whether the viscosity is the same everywhere at any time.
+    pub fn has_constant_viscosity(&self, structures: &[Structure<D>]) -> bool {
+        self.fluids(structures).all(|f| f.viscosity == self.fluid.viscosity)
+    }
+    /// Whether inertia and viscosity are the same everywhere at any time.
     pub fn has_constant_materials(&self, structures: &[Structure<D>]) -> bool {
-        let Materials { density, viscosity } = self.materials;
-        density.is_uniform() && viscosity.is_uniform() && structures.iter().all(|s| s.surface_mass == 0.0)
+        self.has_constant_inertia(structures) && self.has_constant_viscosity(structures)
     }
     /// Whether the coupling can be had with these settings.
     ///
@@ -111,16 +107,16 @@ impl<const D: usize> Settings<D> {
                 .value("coupling = \"semi-implicit\"")
                 .remedy("take coupling = \"implicit\" or \"explicit\""));
         }
-        let Contrast { inside, outside } = self.materials.density;
+        let lightest = self.fluids(structures).map(|f| f.density).fold(f64::INFINITY, f64::min);
         let (what, value, remedy) = if self.order != 1 {
             (
                 "the semi-implicit scheme (3.62)-(3.64) is of order 1 in time",
                 format!("order {}", self.order),
                 "time.order = 1",
             )
-        } else if inside <= 0.0 || outside <= 0.0 {
+        } else if lightest <= 0.0 {
             let what = "the semi-implicit scheme (3.62)-(3.64) needs inertia: it predicts the velocity that the force gives to the fluid";
-            (what, format!("density {inside} inside, {outside} outside"), "densities above 0")
+            (what, format!("density {lightest}"), "densities above 0")
         } else {
             return Ok(());
         };
@@ -141,6 +137,10 @@ pub struct Structure<const D: usize> {
     pub sharp: Option<SharpMembrane<D>>,
     /// The membrane that resists shear beside the change of its area, which then acts in place of the other two.
     pub shear: Option<ShearMembrane<D>>,
+    /// The continuum force of surface tension, which then acts in place of the stress of the membrane.
+    pub continuum: Option<ContinuumForce<D>>,
+    /// The fluid that it encloses; `None` for that outside.
+    pub inside: Option<Fluid>,
     /// Stretch at time 0, the same all over the interface.
     pub stretch: f64,
     /// Mass per area at rest.
@@ -150,14 +150,18 @@ pub struct Structure<const D: usize> {
 impl<const D: usize> Structure<D> {
     /// What acts on the flow.
     pub fn term(&self) -> &dyn MomentumTerm<D> {
-        match (&self.shear, &self.sharp) {
-            (Some(shear), _) => shear,
-            (None, Some(sharp)) => sharp,
-            (None, None) => &self.membrane,
+        match (&self.shear, &self.sharp, &self.continuum) {
+            (Some(shear), ..) => shear,
+            (None, Some(sharp), _) => sharp,
+            (None, None, Some(continuum)) => continuum,
+            (None, None, None) => &self.membrane,
         }
     }
     /// Largest tension `E'(r)` on what was prepared last; 0 when nothing is under tension.
     pub fn largest_tension(&self) -> f64 {
+        if self.continuum.is_some() {
+            return self.membrane.law().tension(1.0);
+        }
         match (&self.shear, &self.sharp) {
             (Some(shear), _) => shear.stiffest_waves()[0],
             (None, Some(sharp)) => sharp.largest_tension(),

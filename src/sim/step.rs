@@ -74,7 +74,7 @@ impl<const D: usize> Simulation<D> {
     ) -> Result<Simulation<D>> {
         settings.check_coupling(&structures)?;
         let space = Arc::new(Space::new(mesh, Element::P2));
-        let pressure = Arc::new(Space::new(mesh, Element::P1));
+        let pressure = Arc::new(Space::new(mesh, settings.pressure));
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let mut flow = FlowSolver::new(&space, &pressure, &rule, &settings.conditions, settings.grad_div)?;
         flow.solve_by(settings.solving);
@@ -414,7 +414,7 @@ impl<const D: usize> Simulation<D> {
         let (basis, time) = (flow.velocity(), self.time());
         let [power] = integrate(basis, Cells::All, |at| {
             let force = self.settings.body_force.as_ref().map_or(SVector::zeros(), |f| f(&at.x, time));
-            [(gravity * flow.density().at(at) + force).dot(&basis.value(at, &self.state.flow.u))]
+            [(gravity * flow.weight(at) + force).dot(&basis.value(at, &self.state.flow.u))]
         });
         power
     }
@@ -467,8 +467,8 @@ impl<const D: usize> Simulation<D> {
     }
     /// Whether the flow has no inertia.
     pub fn is_stokes(&self) -> bool {
-        let d = self.settings.materials.density;
-        d.inside == 0.0 && d.outside == 0.0 && self.structures.iter().all(|s| s.surface_mass == 0.0)
+        self.settings.fluids(&self.structures).all(|f| f.density == 0.0)
+            && self.structures.iter().all(|s| s.surface_mass == 0.0)
     }
     /// What it was told.
     pub fn settings(&self) -> &Settings<D> {

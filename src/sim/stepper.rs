@@ -50,8 +50,7 @@ impl<const D: usize> Simulation<D> {
         let Some(flow) = self.flow.as_ref().filter(|_| self.settings.coupling == Coupling::Explicit) else {
             return f64::INFINITY;
         };
-        let viscosity = self.settings.materials.viscosity;
-        let viscosity = viscosity.inside.min(viscosity.outside);
+        let viscosity = self.least_viscosity();
         let mut limit = f64::INFINITY;
         for k in 0..self.structures.len() {
             let (phi, rest) = (&self.state.phi[k], self.rest_of(k, &self.state.displacement));

@@ -34,7 +34,10 @@ impl<const D: usize> Simulation<D> {
             match (&mut s.shear, &mut s.sharp) {
                 (Some(shear), _) => shear.prepare(flow.velocity(), phi, &rest, implicit_step),
                 (None, Some(sharp)) => sharp.prepare(&self.space, phi, stretch, implicit_step)?,
-                (None, None) => s.membrane.prepare(flow.velocity(), phi, implicit_step),
+                (None, None) => match &mut s.continuum {
+                    Some(force) => force.prepare(flow.velocity(), phi),
+                    None => s.membrane.prepare(flow.velocity(), phi, implicit_step),
+                },
             }
         }
         Ok(())

@@ -5,7 +5,7 @@ use crate::tools::point;
 use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::studies::stability::largest_stable_step;
 use immersa::transport::Method;
 use nalgebra::SVector;
@@ -70,9 +70,10 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
         sharp: None,
         shear: None,
         stretch: 1.0,
+        continuum: None,
+        inside: None,
         surface_mass: 0.0,
     };
-    let uniform = Contrast::uniform;
     let settings = Settings {
         dt,
         order: 1,
@@ -83,7 +84,9 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: uniform(1.0), viscosity: uniform(viscosity) },
+        fluid: Fluid { density: 1.0, viscosity: viscosity },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![
             ("left".into(), Condition::Periodic("right".into())),
             ("bottom".into(), Condition::NoSlip),

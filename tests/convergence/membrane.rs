@@ -5,7 +5,7 @@ use immersa::elastic::{AreaLaw, Band, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{self, Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -60,7 +60,6 @@ impl Case {
         let space = Space::new(&mesh, Element::P2);
         let [a, b] = self.semi_axes;
         let shape = Ellipse::new(point(1.0, 1.0), point(a, b), 0.0).unwrap();
-        let uniform = Contrast::uniform;
         let (law, band) = if self.tension {
             (AreaLaw::Tension { tension: self.modulus }, Band::Carried)
         } else {
@@ -73,6 +72,8 @@ impl Case {
             sharp: self.sharp.then(|| SharpMembrane::new(law, self.viscosity, levelset::surface)),
             shear: None,
             stretch: self.stretch,
+            continuum: None,
+            inside: None,
             surface_mass: 0.0,
         };
         let settings = Settings {
@@ -85,7 +86,9 @@ impl Case {
             solve_tolerance: 1e-10,
             solving: Default::default(),
             quadrature: 5,
-            materials: Materials { density: uniform(1.0), viscosity: uniform(self.viscosity) },
+            fluid: Fluid { density: 1.0, viscosity: self.viscosity },
+            boussinesq: false,
+            pressure: Element::P1,
             conditions: vec![],
             gravity: SVector::zeros(),
             body_force: None,

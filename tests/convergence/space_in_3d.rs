@@ -3,9 +3,10 @@
 use crate::exact::EthierSteinman;
 use crate::space_order::pressure_error;
 use crate::tools::{Study, size};
+use immersa::fem::Element;
 use immersa::fem::{Condition, vector_errors};
 use immersa::mesh::{Mesh, box_mesh};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -13,7 +14,6 @@ use std::sync::Arc;
 /// Errors after `steps` steps of BDF2, the exact velocity given at the walls: of the velocity, its gradient, the pressure.
 fn errors(exact: EthierSteinman, mesh: Mesh<3>, grad_div: f64, dt: f64, steps: usize) -> [f64; 3] {
     let mesh = Arc::new(mesh);
-    let uniform = Contrast::uniform;
     let settings = Settings {
         dt,
         order: 2,
@@ -24,7 +24,9 @@ fn errors(exact: EthierSteinman, mesh: Mesh<3>, grad_div: f64, dt: f64, steps: u
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: uniform(1.0), viscosity: uniform(exact.viscosity) },
+        fluid: Fluid { density: 1.0, viscosity: exact.viscosity },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![("walls".into(), Condition::Velocity(Arc::new(move |x, t| exact.velocity(x, t))))],
         gravity: SVector::zeros(),
         body_force: None,

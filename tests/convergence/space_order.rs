@@ -5,7 +5,7 @@ use crate::tools::{Study, size, with_walls};
 use immersa::fem::{Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors};
 use immersa::flow::{Coefficient, FlowSolver, Step};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, disc, gmsh, rectangle, refine};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
 use immersa::transport::Method;
 use nalgebra::{SMatrix, SVector};
 use std::path::Path;
@@ -162,7 +162,6 @@ pub fn taylor_green_errors(exact: TaylorGreen, n: usize, dt: f64, steps: usize) 
 /// A simulation of a vortex on `n x n` squares with periodic sides.
 pub fn taylor_green_run(exact: TaylorGreen, n: usize, dt: f64, steps: usize, order: usize) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0; 2], [std::f64::consts::TAU; 2], [n; 2], Diagonals::UnionJack).unwrap());
-    let uniform = Contrast::uniform;
     let conditions: Conditions<2> = vec![
         ("left".into(), Condition::Periodic("right".into())),
         ("bottom".into(), Condition::Periodic("top".into())),
@@ -177,7 +176,9 @@ pub fn taylor_green_run(exact: TaylorGreen, n: usize, dt: f64, steps: usize, ord
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: uniform(1.0), viscosity: uniform(exact.viscosity) },
+        fluid: Fluid { density: 1.0, viscosity: exact.viscosity },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions,
         gravity: V::zeros(),
         body_force: None,

@@ -7,7 +7,7 @@ use immersa::fem::{At, Basis, Cells, Element, Rule, Space, integrate};
 use immersa::flow::term::MomentumTerm;
 use immersa::levelset::zeta;
 use immersa::mesh::{Mesh, Point, box_mesh};
-use immersa::sim::{Contrast, Coupling, LevelSet, Materials, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, LevelSet, Settings, Simulation};
 use immersa::transport::Method;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
@@ -198,7 +198,9 @@ fn settings(dt: f64, transport: Method) -> Settings<3> {
         solve_tolerance: 0.0,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(1.0) },
+        fluid: Fluid { density: 1.0, viscosity: 1.0 },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![],
         gravity: V::zeros(),
         body_force: None,

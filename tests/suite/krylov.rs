@@ -3,7 +3,7 @@
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Element, Space};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -25,6 +25,8 @@ fn squeezed<const D: usize>(mesh: Mesh<D>, coupling: Coupling, tolerance: f64, d
         sharp: None,
         shear: None,
         stretch: 1.1,
+        continuum: None,
+        inside: Some(Fluid { density: 1.0, viscosity: 0.1 }),
         surface_mass: 0.0,
     };
     let settings = Settings {
@@ -37,7 +39,9 @@ fn squeezed<const D: usize>(mesh: Mesh<D>, coupling: Coupling, tolerance: f64, d
         solve_tolerance: tolerance,
         solving: Default::default(),
         quadrature: 4,
-        materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast { inside: 0.1, outside: 0.01 } },
+        fluid: Fluid { density: 1.0, viscosity: 0.01 },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![],
         gravity: SVector::zeros(),
         body_force: None,

@@ -4,7 +4,7 @@ use immersa::elastic::{AreaLaw, Force, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Ellipse, signed_distance, surface};
 use immersa::mesh::{Diagonals, Point, rectangle};
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, State, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, State, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -21,6 +21,8 @@ fn simulation((transport, coupling, order, force): (Method, Coupling, usize, For
         shear: None,
         sharp: (force == Force::Sharp).then(|| SharpMembrane::new(LAW, 0.1, surface)),
         stretch: 1.2,
+        continuum: None,
+        inside: Some(Fluid { density: 2.0, viscosity: 0.1 }),
         surface_mass: 0.1,
     };
     let settings = Settings {
@@ -33,10 +35,9 @@ fn simulation((transport, coupling, order, force): (Method, Coupling, usize, For
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials {
-            density: Contrast { inside: 2.0, outside: 1.0 },
-            viscosity: Contrast { inside: 0.1, outside: 0.05 },
-        },
+        fluid: Fluid { density: 1.0, viscosity: 0.05 },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![],
         gravity: SVector::<f64, 2>::new(0.0, -1.0),
         body_force: None,

@@ -1,11 +1,12 @@
 //! Run folders for tests: a short true simulation, written as a run writes it.
 
 use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
+use immersa::fem::Element;
 use immersa::levelset::{Contour, Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Locator, Point, rectangle};
 use immersa::output::{FieldData, Series, Table, write_pvd, write_vtu};
 use immersa::scene::Scene;
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::fs;
@@ -63,7 +64,6 @@ fn simulation(cells: usize) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
     let space = immersa::fem::Space::new(&mesh, immersa::fem::Element::P2);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), AXES.into(), 0.0).unwrap();
-    let both = |value| Contrast::uniform(value);
     let settings = Settings {
         dt: STEP,
         order: 2,
@@ -74,7 +74,9 @@ fn simulation(cells: usize) -> Simulation<2> {
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: both(1.0), viscosity: both(0.01) },
+        fluid: Fluid { density: 1.0, viscosity: 0.01 },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: Vec::new(),
         gravity: SVector::zeros(),
         body_force: None,
@@ -86,6 +88,8 @@ fn simulation(cells: usize) -> Simulation<2> {
         sharp: None,
         shear: None,
         stretch: 1.0,
+        continuum: None,
+        inside: None,
         surface_mass: 0.0,
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()

@@ -6,7 +6,7 @@ use immersa::fem::{Condition, Element, Space};
 use immersa::levelset::{Circle, signed_distance};
 use immersa::mesh::{Point, box_mesh};
 use immersa::scene::Scene;
-use immersa::sim::{Contrast, Coupling, Materials, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::f64::consts::PI;
@@ -231,6 +231,8 @@ fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt:
         sharp: None,
         shear: Some(if let Some(map) = map { shear.with_map(map) } else { shear }),
         stretch: 1.0,
+        continuum: None,
+        inside: None,
         surface_mass: 0.0,
     };
     let settings = Settings {
@@ -243,7 +245,9 @@ fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt:
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        materials: Materials { density: Contrast::uniform(1.0), viscosity: Contrast::uniform(0.05) },
+        fluid: Fluid { density: 1.0, viscosity: 0.05 },
+        boussinesq: false,
+        pressure: Element::P1,
         conditions: vec![("walls".into(), Condition::NoSlip)],
         gravity: SVector::zeros(),
         body_force: None,

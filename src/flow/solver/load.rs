@@ -12,14 +12,15 @@ impl<const D: usize> FlowSolver<D> {
     pub(super) fn assemble_load(&mut self, step: &Step<'_, D>) {
         self.work.load.fill(SVector::zeros());
         self.assemble_inertia(step);
-        let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
+        let (velocity, work) = (&self.velocity, &mut self.work);
+        let weight = self.buoyancy.as_ref().unwrap_or(&self.density);
         let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
         if step.body_force.is_some() || step.gravity.norm() > 0.0 {
             assemble_source(velocity, load, scratch, |c, cell| {
                 for q in 0..velocity.rule().len() {
                     let at = velocity.at(c, q);
                     let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
-                    cell.add(q, step.gravity * density.at(&at) + force);
+                    cell.add(q, step.gravity * weight.at(&at) + force);
                 }
             });
         }
@@ -93,7 +94,7 @@ impl<const D: usize> FlowSolver<D> {
         });
         if !self.numbering.is_open() {
             let mesh = space.mesh();
-            let through: f64 = work.continuity.iter().sum();
+            let through: f64 = work.continuity[..self.numbering.pressure_points()].iter().sum();
             let [scale, along] = boundary_flow(mesh, space, g);
             // A wall that moves along itself may have a normal velocity of rounding, such as sin(pi).
             if through.abs() > 1e-3 * scale && scale > 1e-12 * along {

@@ -4,7 +4,7 @@ use super::FlowSolver;
 use crate::base::{Error, Phase, Result};
 use crate::fem::{At, Cells, VectorForm, add_surface_matrix, assemble_flow_matrix, assemble_scalar_matrix};
 use crate::flow::term::MomentumTerm;
-use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Ledger, Saddle, SymmetricMatrix};
+use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Ledger, Multipliers, Saddle, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
 
 /// Diagonal entry that makes the solution of an equation for a pressure zero.
@@ -33,8 +33,12 @@ impl<const D: usize> FlowSolver<D> {
         self.phases.end(Phase::Assembly);
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         if self.factor.is_none() {
-            let (first, saddle) = (self.numbering.first_pressure(), || self.saddle(weight));
-            let factor = LaggedFactor::choose(base, first, self.solving, self.tolerance, saddle)?;
+            let multipliers = Multipliers {
+                first: self.numbering.first_pressure(),
+                first_late: self.numbering.first_constant(),
+            };
+            let saddle = || self.saddle(weight);
+            let factor = LaggedFactor::choose(base, multipliers, self.solving, self.tolerance, saddle)?;
             self.factor = Some(factor);
             self.factor_is_base = false;
         }

@@ -20,6 +20,8 @@ pub struct In<const D: usize>;
 pub trait Dimension<const D: usize> {
     /// The columns that each interface has, after its name and a dot; what it encloses comes first.
     const MEASURES: &'static [&'static str];
+    /// The columns that a drop has beside them.
+    const DROP: &'static [&'static str];
     /// What cells are called, more than one of them.
     const CELLS: &'static str;
 
@@ -84,6 +86,11 @@ pub trait Dimension<const D: usize> {
     fn go_on(_model: &mut Model<D>, _mesh: Mesh<D>, _transfer: Transfer) -> Result<()> {
         Err(Error::internal("a mesh that cannot be adapted was adapted"))
     }
+}
+
+/// Along which axes an interface that is `cut` by walls is in parts on the two sides of the mesh: it has no place and no extent along them.
+fn parted<const D: usize>(sim: &Simulation<D>, cut: bool) -> [bool; D] {
+    std::array::from_fn(|axis| cut && sim.translations().iter().any(|t| t.shift[axis] != 0.0))
 }
 
 /// A point of the scene, as expressions take it.

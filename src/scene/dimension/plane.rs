@@ -2,7 +2,7 @@
 
 use super::super::adapt;
 use super::super::refined::refined;
-use super::{Dimension, In, coordinates, other_dimension, point};
+use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
@@ -20,6 +20,7 @@ impl Dimension<2> for In<2> {
     const MEASURES: &'static [&'static str] =
         &["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
     const CELLS: &'static str = "triangles";
+    const DROP: &'static [&'static str] = &["circularity", "velocity_x", "velocity_y"];
     const STRAIN: &'static [&'static str] = &[];
 
     fn mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
@@ -99,13 +100,13 @@ impl Dimension<2> for In<2> {
 /// The first columns of an interface.
 fn measures(sim: &Simulation<2>, interface: &Interface) -> [f64; COUNT] {
     let contour = &interface.contour;
-    // In parts on the two sides of the mesh a membrane has an area and a length, but no place and no form.
-    let parted = !sim.translations().is_empty() && contour.lines().iter().any(|l| !l.closed);
+    let parted = parted(sim, contour.lines().iter().any(|l| !l.closed));
     contour.measures().map_or([f64::NAN; COUNT], |k| {
-        let whole = |v: f64| if parted { f64::NAN } else { v };
-        let form = [k.centroid[0], k.centroid[1], k.axis_1, k.axis_2, k.angle, k.extent_x, k.extent_y];
-        let [x, y, a, b, angle, width, height] = form.map(whole);
-        [k.area, k.perimeter, x, y, a, b, angle, width, height]
+        let along = |axis: usize, v: f64| if parted[axis] { f64::NAN } else { v };
+        let whole = |v: f64| if parted.contains(&true) { f64::NAN } else { v };
+        let [a, b, angle] = [k.axis_1, k.axis_2, k.angle].map(whole);
+        let [x, y] = [0, 1].map(|i| along(i, k.centroid[i]));
+        [k.area, k.perimeter, x, y, a, b, angle, along(0, k.extent_x), along(1, k.extent_y)]
     })
 }
 

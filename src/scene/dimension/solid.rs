@@ -1,7 +1,7 @@
 //! Scenes of space.
 
 use super::super::refined::refined;
-use super::{Dimension, In, coordinates, other_dimension, point};
+use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
@@ -22,6 +22,7 @@ impl Dimension<3> for In<3> {
         "extent_z",
     ];
     const CELLS: &'static str = "tetrahedra";
+    const DROP: &'static [&'static str] = &["sphericity", "velocity_x", "velocity_y", "velocity_z"];
     const STRAIN: &'static [&'static str] =
         &["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];
 
@@ -85,13 +86,13 @@ impl Dimension<3> for In<3> {
 
 /// The first columns of an interface.
 fn measures(sim: &Simulation<3>, surface: &Isosurface) -> [f64; COUNT] {
-    // In parts on the two sides of the mesh a membrane has a volume and a surface, but no place and no form.
-    let parted = !sim.translations().is_empty() && !surface.walls().is_empty();
+    let parted = parted(sim, !surface.walls().is_empty());
     surface.measures().map_or([f64::NAN; COUNT], |k| {
-        let whole = |v: f64| if parted { f64::NAN } else { v };
-        let [x, y, z] = [0, 1, 2].map(|i| whole(k.centroid[i]));
+        let whole = |v: f64| if parted.contains(&true) { f64::NAN } else { v };
+        let along = |list: [f64; 3]| [0, 1, 2].map(|i| if parted[i] { f64::NAN } else { list[i] });
+        let [x, y, z] = along([0, 1, 2].map(|i| k.centroid[i]));
         let [a, b, c] = [k.axis_1, k.axis_2, k.axis_3].map(whole);
-        let [width, height, depth] = [k.extent_x, k.extent_y, k.extent_z].map(whole);
+        let [width, height, depth] = along([k.extent_x, k.extent_y, k.extent_z]);
         [k.volume, k.surface, x, y, z, a, b, c, width, height, depth]
     })
 }

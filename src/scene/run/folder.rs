@@ -3,6 +3,7 @@
 use super::Options;
 use super::record::{Column, Record};
 use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
+use crate::flow::nodal_pressure;
 use crate::mesh::{Mesh, Point};
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
 use crate::scene::{Model, Scene};
@@ -120,9 +121,10 @@ impl Folder {
         let state = sim.state();
         let names: Vec<String> = names(sim).map(|name| format!("{name}.level_set")).collect();
         let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
+        let pressure = sim.flow().map_or(Vec::new(), |flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
         let mut fields = vec![("velocity", FieldData::Vector(&state.flow.u))];
         if !sim.is_prescribed() {
-            fields.push(("pressure", FieldData::Scalar(&state.flow.p)));
+            fields.push(("pressure", FieldData::Scalar(&pressure)));
         }
         for (name, phi) in names.iter().zip(&level_sets) {
             fields.push((name, FieldData::Scalar(phi)));

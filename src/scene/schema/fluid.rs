@@ -1,11 +1,31 @@
 //! `[fluid]`: what flows, and what drives it.
 
 use super::keys::{Absent::Default, Absent::OneOf, Absent::Required, Keys, Kind::Either, Kind::Value, row};
+use super::membrane::Membrane;
 use super::write::{Writer, expressions, number, vector};
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::item::{Context, Item};
-use crate::sim::Contrast;
+
+/// A property that differs between the two sides of a structure, by (3.19).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contrast {
+    /// Value where `phi < 0`.
+    pub inside: f64,
+    /// Value where `phi > 0`.
+    pub outside: f64,
+}
+
+impl Contrast {
+    /// The same on both sides.
+    pub fn uniform(value: f64) -> Contrast {
+        Contrast { inside: value, outside: value }
+    }
+    /// Whether both sides are the same.
+    pub fn is_uniform(&self) -> bool {
+        self.inside == self.outside
+    }
+}
 
 /// The fluid on both sides of a closed structure.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +34,8 @@ pub struct Fluid {
     pub density: Contrast,
     /// Dynamic viscosity, > 0.
     pub viscosity: Contrast,
+    /// Whether densities differ in gravity alone.
+    pub boussinesq: bool,
     /// Acceleration; acts on the density.
     pub gravity: Vec<f64>,
     /// Force per volume.
@@ -25,7 +47,7 @@ pub struct Fluid {
 }
 
 /// All keys but `prescribed_velocity`.
-const SOLVED: [&str; 5] = ["density", "viscosity", "gravity", "force", "initial_velocity"];
+const SOLVED: [&str; 6] = ["density", "viscosity", "boussinesq", "gravity", "force", "initial_velocity"];
 
 pub(super) static KEYS: Keys = Keys {
     about: "What flows, and what drives it.",
@@ -38,6 +60,14 @@ pub(super) static KEYS: Keys = Keys {
             "Mass per volume; 0 means no inertia: the Stokes equations.",
         ),
         row("viscosity", Either("number > 0", &CONTRAST), "Pa s", OneOf, "Dynamic viscosity."),
+        row(
+            "boussinesq",
+            Value("true or false"),
+            "",
+            Default("false"),
+            "Whether the densities of drops (or inside a membrane) differ from that of the fluid in gravity alone, inertia being the same everywhere: \
+             the Boussinesq form of section 1.4.2, for small differences.",
+        ),
         row("gravity", Value("vector of numbers"), "m/s2", Default("[0.0, 0.0]"), "Acceleration; acts on the density."),
         row("force", Value("vector of numbers or expressions"), "N/m3", Default("[0.0, 0.0]"), "Force per volume."),
         row(
@@ -59,7 +89,7 @@ pub(super) static KEYS: Keys = Keys {
 };
 
 static CONTRAST: Keys = Keys {
-    about: "A value on each side of the one closed structure of the scene.",
+    about: "A value on each side of the one closed structure of the scene. A drop can have a density and a viscosity of its own instead.",
     keys: &[
         row("inside", Value("number"), "", Required, "Where the level set is negative."),
         row("outside", Value("number"), "", Required, "Where it is positive."),
@@ -67,7 +97,7 @@ static CONTRAST: Keys = Keys {
 };
 
 impl Fluid {
-    pub(super) fn read(item: &Item, structures: usize, context: &Context) -> Result<Fluid> {
+    pub(super) fn read(item: &Item, structures: &[Membrane], context: &Context) -> Result<Fluid> {
         let table = item.table(&KEYS)?;
         let zero = vec![Expression::constant(0.0); context.dimension];
         if let Some(velocity) = table.optional("prescribed_velocity", |i| i.components(context))? {
@@ -80,6 +110,7 @@ impl Fluid {
             return Ok(Fluid {
                 density: none,
                 viscosity: none,
+                boussinesq: false,
                 gravity: vec![0.0; context.dimension],
                 force: zero.clone(),
                 initial_velocity: zero,
@@ -91,6 +122,7 @@ impl Fluid {
         Ok(Fluid {
             density: table.optional("density", density)?.unwrap_or(Contrast::uniform(1.0)),
             viscosity: table.required("viscosity", "give the dynamic viscosity: viscosity = 0.01", viscosity)?,
+            boussinesq: table.optional("boussinesq", Item::boolean)?.unwrap_or(false),
             gravity: table.optional("gravity", |i| i.point(context))?.unwrap_or(vec![0.0; context.dimension]),
             force: table.optional("force", |i| i.components(context))?.unwrap_or(zero.clone()),
             initial_velocity: table.optional("initial_velocity", |i| initial(i, context))?.unwrap_or(zero),
@@ -101,11 +133,6 @@ impl Fluid {
     /// Whether the velocity is prescribed, so that no flow is solved.
     pub fn is_prescribed(&self) -> bool {
         self.prescribed_velocity.is_some()
-    }
-
-    /// Whether the fluid has mass; without it the Stokes equations are solved.
-    pub fn has_inertia(&self) -> bool {
-        self.density.inside > 0.0 || self.density.outside > 0.0
     }
 
     /// Whether there is a force per volume.
@@ -120,6 +147,7 @@ impl Fluid {
         }
         out.entry("density", write_contrast(self.density));
         out.entry("viscosity", write_contrast(self.viscosity));
+        out.entry("boussinesq", self.boussinesq);
         out.entry("gravity", vector(&self.gravity));
         out.entry("force", expressions(&self.force));
         out.entry("initial_velocity", expressions(&self.initial_velocity));
@@ -137,7 +165,11 @@ fn initial(item: &Item, context: &Context) -> Result<Vec<Expression>> {
 }
 
 /// A number or `{ inside, outside }`, each read by `value`; the latter needs exactly one structure.
-fn read_contrast<'a>(item: &Item<'a>, structures: usize, value: impl Fn(&Item<'a>) -> Result<f64>) -> Result<Contrast> {
+fn read_contrast<'a>(
+    item: &Item<'a>,
+    structures: &[Membrane],
+    value: impl Fn(&Item<'a>) -> Result<f64>,
+) -> Result<Contrast> {
     if !item.is_table() {
         return value(item).map(Contrast::uniform);
     }
@@ -147,13 +179,23 @@ fn read_contrast<'a>(item: &Item<'a>, structures: usize, value: impl Fn(&Item<'a
         inside: table.required("inside", remedy, &value)?,
         outside: table.required("outside", remedy, &value)?,
     };
-    if structures != 1 {
+    let own = |m: &&Membrane| m.drop.is_some_and(|d| d.density.is_some() || d.viscosity.is_some());
+    if let Some(drop) = structures.iter().find(own) {
         return Err(item
             .key_error(format!(
-                "`{}` differs inside and outside, but the scene has {structures} closed structures",
-                item.key
+                "`{}` differs inside and outside, and so does what the drop `{}` says",
+                item.key, drop.name
             ))
-            .remedy("give one number, or a scene with exactly one [[membrane]]"));
+            .remedy(format!("give one number, that outside, and the drop its own {}", item.key)));
+    }
+    if structures.len() != 1 {
+        return Err(item
+            .key_error(format!(
+                "`{}` differs inside and outside, but the scene has {} closed structures",
+                item.key,
+                structures.len()
+            ))
+            .remedy("give one number, and each [[drop]] its own density and viscosity, or a scene with exactly one [[membrane]] or [[drop]]"));
     }
     Ok(contrast)
 }

@@ -1,5 +1,6 @@
 //! `[[membrane]]`: elastic interfaces.
 
+use super::drop::Drop;
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::{self, Shape};
 use super::write::{Writer, expressions, key, list, name as word, number, text, vector};
@@ -31,6 +32,8 @@ pub struct Membrane {
     pub force: Force,
     /// Mass per length (2-D) or area (3-D), >= 0.
     pub mass: f64,
+    /// What it is, if it is a drop rather than a membrane.
+    pub drop: Option<Drop>,
     /// Lines along which the contour is measured.
     pub chords: Vec<Chord>,
     /// Rings on which the form of the interface is measured; in space alone.
@@ -61,8 +64,8 @@ pub struct Chord {
     pub direction: Vec<f64>,
 }
 
-const FORCES: [(&str, Force); 2] = [("smeared", Force::Smeared), ("sharp", Force::Sharp)];
-const FORCE_WORDS: [&str; FORCES.len()] = words(&FORCES);
+pub(super) const FORCES: [(&str, Force); 2] = [("smeared", Force::Smeared), ("sharp", Force::Sharp)];
+pub(super) const FORCE_WORDS: [&str; FORCES.len()] = words(&FORCES);
 const AREAS: [(&str, AreaFrom); 2] = [("slope", AreaFrom::Slope), ("map", AreaFrom::Map)];
 const AREA_WORDS: [&str; AREAS.len()] = words(&AREAS);
 const LEVEL_SETS: [(&str, bool); 2] = [("carried", false), ("mapped", true)];
@@ -178,7 +181,7 @@ static SKALAK: Keys = Keys {
     ],
 };
 
-static RING: Keys = Keys {
+pub(super) static RING: Keys = Keys {
     about: "A plane through the membrane: the radius of the line in which it cuts the membrane, half the diameters in the mean, and the amplitudes of its waves.",
     keys: &[
         row("centre", Value("point"), "m", Required, "The point through which diameters go."),
@@ -212,7 +215,7 @@ static TENSION: Keys = Keys {
     keys: &[row("tension", Value("number >= 0"), "N/m", Required, "Surface tension.")],
 };
 
-static CHORD: Keys = Keys {
+pub(super) static CHORD: Keys = Keys {
     about: "A line through the membrane, along which half the distance of its two crossings is measured.",
     keys: &[
         row("through", Value("point"), "m", Required, "A point of the line."),
@@ -264,11 +267,7 @@ impl Membrane {
                 return Err(needs_shear(&item));
             }
         }
-        if let (2, Some(item)) = (context.dimension, table.get("rings")) {
-            return Err(item
-                .key_error("rings are planes through a surface, and the membrane is a curve")
-                .remedy("ask for chords"));
-        }
+        let (chords, rings) = cuts(&table, context)?;
         Ok(Membrane {
             name,
             shape: table.required("shape", shape, |i| Shape::read(i, context))?,
@@ -280,14 +279,16 @@ impl Membrane {
             mapped: table.optional("level_set", |i| i.choice(&LEVEL_SETS))?.unwrap_or(false),
             force,
             mass: table.optional("mass", Item::non_negative)?.unwrap_or(0.0),
-            chords: table
-                .optional("chords", |i| named(i, |name, i| Chord::read(name, i, context)))?
-                .unwrap_or_default(),
-            rings: table.optional("rings", |i| named(i, |name, i| Ring::read(name, i, context)))?.unwrap_or_default(),
+            drop: None,
+            chords,
+            rings,
         })
     }
 
     fn write(&self, out: &mut Writer) {
+        if let Some(drop) = &self.drop {
+            return self.write_drop(drop, out);
+        }
         out.header("[[membrane]]");
         out.entry("name", text(&self.name));
         out.entry("shape", self.shape.write());
@@ -319,6 +320,11 @@ impl Membrane {
         }
         out.entry("force", word(self.force, &FORCES));
         out.entry("mass", number(self.mass));
+        self.write_cuts(out);
+    }
+
+    /// The lines and planes along which it is measured.
+    pub(super) fn write_cuts(&self, out: &mut Writer) {
         for chord in &self.chords {
             let (through, direction) = (vector(&chord.through), vector(&chord.direction));
             let name = key(&chord.name);
@@ -331,6 +337,18 @@ impl Membrane {
             out.entry(&format!("rings.{name}"), ring);
         }
     }
+}
+
+/// The lines and planes along which an interface is measured.
+pub(super) fn cuts(table: &Table<'_>, context: &Context) -> Result<(Vec<Chord>, Vec<Ring>)> {
+    if let (2, Some(item)) = (context.dimension, table.get("rings")) {
+        return Err(item
+            .key_error("rings are planes through a surface, and the interface is a curve")
+            .remedy("ask for chords"));
+    }
+    let chords = table.optional("chords", |i| named(i, |name, i| Chord::read(name, i, context)))?;
+    let rings = table.optional("rings", |i| named(i, |name, i| Ring::read(name, i, context)))?;
+    Ok((chords.unwrap_or_default(), rings.unwrap_or_default()))
 }
 
 /// The law of the area, and that of a membrane which resists shear.

@@ -2,6 +2,7 @@
 
 mod adapt;
 mod boundary;
+mod drop;
 mod exact;
 mod fluid;
 mod keys;
@@ -18,13 +19,14 @@ mod write;
 
 pub use adapt::{Adapt, AdaptField};
 pub use boundary::{Boundary, Condition, WALLS};
+pub use drop::Drop;
 pub use exact::Exact;
-pub use fluid::Fluid;
+pub use fluid::{Contrast, Fluid};
 pub use keys::{Absent, Key, Keys, Kind};
 pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane, Ring};
 pub use mesh::MeshSource;
-pub use numerics::Numerics;
+pub use numerics::{Numerics, TensionScheme};
 pub use output::{Flux, Force, Output, Probe, Profile, Quantity};
 pub use picture::{Cut, Picture};
 pub use shape::Shape;
@@ -33,6 +35,9 @@ pub use time::Time;
 use super::expression::is_reserved;
 use super::item::{self, Context, Item};
 use crate::base::Result;
+use crate::elastic::AreaLaw;
+use crate::fem::Element;
+use crate::sim;
 use crate::transport::Method;
 use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
@@ -56,7 +61,7 @@ pub struct Settings {
     pub fluid: Fluid,
     /// Conditions on the boundary, in the order of the scene; empty only when the velocity is prescribed.
     pub boundaries: Vec<Boundary>,
-    /// Elastic interfaces, in the order of the scene.
+    /// Elastic interfaces, in the order of the scene, then the drops.
     pub membranes: Vec<Membrane>,
     /// Interfaces that are carried and act on nothing, in the order of the scene.
     pub level_sets: Vec<LevelSet>,
@@ -94,6 +99,7 @@ pub static KEYS: Keys = Keys {
             "What happens on the named parts of the boundary.",
         ),
         row("membrane", List(&membrane::KEYS), "", Optional, "Elastic interfaces."),
+        row("drop", List(&drop::KEYS), "", Optional, "Fluids in the fluid, with surface tension."),
         row("level_set", List(&level_set::KEYS), "", Optional, "Interfaces that are carried and act on nothing."),
         row("time", Table(&time::KEYS), "", Required, "How long, in which steps."),
         row("numerics", Table(&numerics::KEYS), "", Optional, "How the equations are solved."),
@@ -130,10 +136,11 @@ impl Settings {
         }
         let adapt = adapt_item.as_ref().map(Adapt::read).transpose()?;
         let context = Context { dimension: mesh.dimension(), constants };
-        let membranes = membrane::read(scene.get("membrane"), &context)?;
+        let mut membranes = membrane::read(scene.get("membrane"), &context)?;
+        membranes.extend(drop::read(scene.get("drop"), &membranes, &context)?);
         let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
         let level_sets = level_set::read(scene.get("level_set"), &taken, &context)?;
-        let fluid = |i: &Item| Fluid::read(i, membranes.len(), &context);
+        let fluid = |i: &Item| Fluid::read(i, &membranes, &context);
         let fluid = scene.required("fluid", "write [fluid] with viscosity = 0.01", fluid)?;
         if fluid.is_prescribed() {
             check_passive(&scene, level_sets.is_empty())?;
@@ -149,6 +156,7 @@ impl Settings {
         }
         let sheared = membranes.iter().any(|m| m.surface.is_some());
         let numerics = Numerics::read(scene.get("numerics"))?;
+        check_elements(&scene, &numerics, &membranes, mesh.dimension(), adapt.is_some())?;
         if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
             return Err(item
                 .key_error("a mesh that changes cannot carry the chain of maps of composed transport")
@@ -175,6 +183,42 @@ impl Settings {
     pub fn interfaces(&self) -> impl Iterator<Item = (&str, f64)> {
         let passive = self.level_sets.iter().map(|s| (s.name.as_str(), 1.0));
         self.membranes.iter().map(|m| (m.name.as_str(), m.stretch)).chain(passive)
+    }
+
+    /// The fluid inside structure number `k`, if it differs from that outside.
+    pub fn inside(&self, k: usize) -> Option<sim::Fluid> {
+        let outside = self.outside();
+        let (density, viscosity) = match self.membranes[k].drop {
+            Some(Drop { density, viscosity }) if density.is_some() || viscosity.is_some() => (density, viscosity),
+            _ => (Some(self.fluid.density.inside), Some(self.fluid.viscosity.inside)),
+        };
+        let inside = sim::Fluid {
+            density: density.unwrap_or(outside.density),
+            viscosity: viscosity.unwrap_or(outside.viscosity),
+        };
+        (inside != outside).then_some(inside)
+    }
+
+    /// The fluid outside of all structures.
+    pub fn outside(&self) -> sim::Fluid {
+        sim::Fluid { density: self.fluid.density.outside, viscosity: self.fluid.viscosity.outside }
+    }
+
+    /// All fluids, that outside first.
+    pub fn fluids(&self) -> impl Iterator<Item = sim::Fluid> {
+        std::iter::once(self.outside()).chain((0..self.membranes.len()).filter_map(|k| self.inside(k)))
+    }
+
+    /// Whether some fluid has mass; without it the Stokes equations are solved.
+    pub fn has_inertia(&self) -> bool {
+        self.fluids().any(|f| f.density > 0.0)
+    }
+
+    /// Where structure number `k` is written in the scene.
+    pub fn structure_keys(&self, k: usize) -> [String; 2] {
+        let membranes = self.membranes.iter().filter(|m| m.drop.is_none()).count();
+        let (list, number) = if k < membranes { ("membrane", k) } else { ("drop", k - membranes) };
+        [list.to_string(), number.to_string()]
     }
 
     /// What an interface encloses and what it has of its own, as their columns are called.
@@ -207,6 +251,47 @@ impl Settings {
     }
 }
 
+/// Refuses schemes and elements that are not made for the scene.
+fn check_elements(
+    scene: &item::Table<'_>,
+    numerics: &Numerics,
+    membranes: &[Membrane],
+    dimension: usize,
+    adapts: bool,
+) -> Result<()> {
+    let Some(table) = scene.get("numerics").map(|i| i.open_table()).transpose()? else { return Ok(()) };
+    if let (Some(item), Some(scheme)) = (table.get("surface_tension"), numerics.surface_tension) {
+        let stiff = |m: &&Membrane| m.surface.is_some() || !matches!(m.area, AreaLaw::Tension { .. });
+        if let Some(m) = membranes.iter().find(stiff) {
+            return Err(item
+                .key_error(format!(
+                    "the schemes of `surface_tension` are for constant tension, and membrane `{}` has another law",
+                    m.name
+                ))
+                .remedy("give `coupling` in its place"));
+        }
+        if let (true, Some(m)) = (scheme.continuum, membranes.iter().find(|m| m.is_sharp())) {
+            return Err(item
+                .key_error(format!(
+                    "the continuum surface force is spread over a band, and `{}` has a sharp force",
+                    m.name
+                ))
+                .remedy("take force = \"smeared\" there, or another scheme"));
+        }
+    }
+    match table.get("pressure").filter(|_| numerics.pressure == Element::P1P0) {
+        Some(item) if dimension == 3 => Err(item
+            .key_error(
+                "in space P2 velocities cannot balance a pressure with a constant of each cell: the pair is not stable",
+            )
+            .remedy("take pressure = \"P1\"")),
+        Some(item) if adapts => Err(item
+            .key_error("a pressure with jumps is not brought to a new mesh")
+            .remedy("take pressure = \"P1\", or leave mesh.adapt out")),
+        _ => Ok(()),
+    }
+}
+
 /// Steps that follow the error need a flow, whose error they follow, and a mesh that stays: on another mesh the differences between
 /// velocities of earlier times are those of the transfer.
 fn check_tolerance(scene: &item::Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>) -> Result<()> {
@@ -227,9 +312,9 @@ fn check_tolerance(scene: &item::Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>
 
 /// A prescribed velocity carries level sets and nothing else.
 fn check_passive(scene: &item::Table<'_>, without_level_set: bool) -> Result<()> {
-    if let Some(item) = scene.get("membrane") {
+    if let Some(item) = scene.get("membrane").or(scene.get("drop")) {
         return Err(item
-            .key_error("a membrane acts on the flow, but the velocity is prescribed")
+            .key_error(format!("a {} acts on the flow, but the velocity is prescribed", item.key))
             .remedy("carry its shape as a [[level_set]], or give a viscosity in place of prescribed_velocity"));
     }
     if let Some(item) = scene.get("exact").map(|e| e.open_table()).transpose()?.and_then(|e| e.get("pressure")) {

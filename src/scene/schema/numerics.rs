@@ -4,6 +4,7 @@ use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::elastic::Band;
+use crate::fem::Element;
 use crate::scene::item::Item;
 use crate::sim::{Coupling, Solving, Way};
 use crate::transport::Method;
@@ -23,6 +24,10 @@ pub struct Numerics {
     pub remap: Option<f64>,
     /// How the force of a membrane enters a step.
     pub coupling: Coupling,
+    /// The published scheme of surface tension, where the scene names one; [`coupling`](Self::coupling) is then its coupling.
+    pub surface_tension: Option<TensionScheme>,
+    /// The elements of the pressure.
+    pub pressure: Element,
     /// Whether velocity carries itself.
     pub convection: Option<bool>,
     /// Relative residual of iterations with an old factor; 0 factors every matrix.
@@ -33,6 +38,24 @@ pub struct Numerics {
     pub quadrature: Option<usize>,
 }
 
+/// A published scheme of surface tension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TensionScheme {
+    /// Whether the force is the continuum force `-lambda H n delta`, with the curvature, and not a stress.
+    pub continuum: bool,
+    /// How it enters a step.
+    pub coupling: Coupling,
+}
+
+const TENSIONS: [(&str, TensionScheme); 4] = [
+    ("brackbill1992", TensionScheme { continuum: true, coupling: Coupling::Explicit }),
+    ("lafaurie1994", TensionScheme { continuum: false, coupling: Coupling::Explicit }),
+    ("baensch2001", TensionScheme { continuum: false, coupling: Coupling::Implicit }),
+    ("cottet2016", TensionScheme { continuum: false, coupling: Coupling::SemiImplicit }),
+];
+const TENSION_WORDS: [&str; TENSIONS.len()] = words(&TENSIONS);
+const PRESSURES: [(&str, Element); 2] = [("P1", Element::P1), ("P1+P0", Element::P1P0)];
+const PRESSURE_WORDS: [&str; PRESSURES.len()] = words(&PRESSURES);
 const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
 const TRANSPORTS: [(&str, Method); 3] =
     [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
@@ -98,6 +121,24 @@ pub(super) static KEYS: Keys = Keys {
             diffusion (the book's semi-implicit scheme, for constant tension and `time.order = 1`), or linearised in the new velocity.",
         ),
         row(
+            "surface_tension",
+            Choice(&TENSION_WORDS),
+            "",
+            Derived("the stress of \"lafaurie1994\", entering a step as `coupling` says"),
+            "For scenes of constant tension, the published scheme that force and coupling are taken from: the continuum surface force (1.32) \
+             of Brackbill, Kothe and Zemach 1992, which takes the curvature from second derivatives; the stress in divergence form of \
+             Lafaurie et al. 1994, explicit; the same implicit in the velocity after Baensch 2001, as \"implicit\" coupling; the semi-implicit \
+             scheme (1.60)-(1.62) of Cottet and Maitre 2016. In place of `coupling`.",
+        ),
+        row(
+            "pressure",
+            Choice(&PRESSURE_WORDS),
+            "",
+            Default("\"P1\""),
+            "Elements of the pressure: continuous and linear, or with a constant of each cell added, which can jump and conserves the volume \
+             of each cell; in the plane alone.",
+        ),
+        row(
             "convection",
             Value("true or false"),
             "",
@@ -147,6 +188,8 @@ impl Numerics {
             transport: Method::Nodal,
             remap: None,
             coupling: Coupling::Implicit,
+            surface_tension: None,
+            pressure: Element::P1,
             convection: None,
             solve_tolerance: SOLVE_TOLERANCE,
             solving: Solving::default(),
@@ -161,6 +204,16 @@ impl Numerics {
         numerics.transport = table.optional("transport", |i| i.choice(&TRANSPORTS))?.unwrap_or(numerics.transport);
         numerics.remap = table.optional("remap", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.coupling = table.optional("coupling", |i| i.choice(&COUPLINGS))?.unwrap_or(numerics.coupling);
+        numerics.surface_tension = table.optional("surface_tension", |i| i.choice(&TENSIONS))?;
+        if let Some(scheme) = numerics.surface_tension {
+            if let Some(item) = table.get("coupling") {
+                return Err(item
+                    .key_error("`surface_tension` says how the force enters a step, and so does `coupling`")
+                    .remedy("keep one of the two"));
+            }
+            numerics.coupling = scheme.coupling;
+        }
+        numerics.pressure = table.optional("pressure", |i| i.choice(&PRESSURES))?.unwrap_or(numerics.pressure);
         numerics.convection = table.optional("convection", |i| i.unless_auto(Item::boolean))?.flatten();
         numerics.solve_tolerance = table.optional("solve_tolerance", solve_tolerance)?.unwrap_or(SOLVE_TOLERANCE);
         numerics.solving.way = table.optional("solver", |i| i.choice(&WAYS))?.flatten();
@@ -177,7 +230,11 @@ impl Numerics {
         out.entry("grad_div", or_auto(self.grad_div, number));
         out.entry("transport", name(self.transport, &TRANSPORTS));
         out.entry("remap", or_auto(self.remap, number));
-        out.entry("coupling", name(self.coupling, &COUPLINGS));
+        match self.surface_tension {
+            Some(scheme) => out.entry("surface_tension", name(scheme, &TENSIONS)),
+            None => out.entry("coupling", name(self.coupling, &COUPLINGS)),
+        }
+        out.entry("pressure", name(self.pressure, &PRESSURES));
         out.entry("convection", or_auto(self.convection, |c| c.to_string()));
         out.entry("solve_tolerance", number(self.solve_tolerance));
         out.entry("solver", name(self.solving.way, &WAYS));

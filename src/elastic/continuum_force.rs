@@ -1,0 +1,62 @@
+//! Surface tension as a force per volume.
+
+use super::band_cells::{Band, BandCells, BandWidth};
+use crate::fem::{At, Basis, Cells, VectorForm};
+use crate::flow::term::MomentumTerm;
+use crate::levelset::mean_curvature;
+use nalgebra::{SMatrix, SVector};
+
+/// Surface tension on the zero level of `phi` as a continuum surface force (Brackbill, Kothe and Zemach 1992; book, (1.32)).
+///
+/// `F(v) = - int lambda H w grad phi . v`, with `w |grad phi|` the surface delta of the band, `H = div n` the curvature (1.9), positive on a
+/// sphere, and `n` outward. (1.32) is printed with the other sign and with the density as a factor: the jump of the normal stress is
+/// `lambda H` whatever the densities.
+///
+/// The curvature is taken at the points of the mesh from recovered second derivatives of `phi`, [`mean_curvature`], and is linear in between.
+///
+/// Limits: explicit in time, below (1.54). The force is not the derivative of an energy on the mesh, and where two interfaces come near each other
+/// their curvatures are mixed by the recovery.
+#[derive(Clone, Debug)]
+pub struct ContinuumForce<const D: usize> {
+    /// `lambda`, force per length.
+    tension: f64,
+    width: BandWidth,
+    band: BandCells<SVector<f64, D>>,
+}
+
+impl<const D: usize> ContinuumForce<D> {
+    /// The force of this surface tension over a renormalised band of half-width `thickness`.
+    pub fn new(tension: f64, thickness: f64) -> ContinuumForce<D> {
+        ContinuumForce { tension, width: BandWidth::new(thickness), band: BandCells::default() }
+    }
+    /// The same force over another band; `slope` is that of the level set at the start.
+    pub fn with_band(self, band: Band, slope: f64) -> ContinuumForce<D> {
+        ContinuumForce { width: self.width.with_band(band, slope), ..self }
+    }
+    /// Takes stock of the band of `phi`, a function of the space of `basis`, which must have the rule of the flow.
+    pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64]) {
+        let (space, tension, width) = (basis.space(), self.tension, self.width);
+        let curvature = mean_curvature(space, phi, |c| width.is_near(basis, phi, c));
+        self.band.prepare(&width, basis, phi, SVector::zeros(), |c, q, b| {
+            let l = &basis.rule().points[q];
+            let vertices = space.mesh().cell(c);
+            let h: f64 = vertices.iter().zip(l).map(|(&v, l)| curvature[v as usize] * l).sum();
+            b.n * (-tension * h * b.w * b.r)
+        });
+    }
+}
+
+impl<const D: usize> MomentumTerm<D> for ContinuumForce<D> {
+    fn cells(&self) -> Cells<'_> {
+        Cells::Some(self.band.cells())
+    }
+    fn force(&self, at: &At<D>) -> VectorForm<D> {
+        (self.band.get(at).copied().unwrap_or(SVector::zeros()), SMatrix::zeros())
+    }
+    fn is_implicit(&self) -> bool {
+        false
+    }
+    fn stiffness(&self, _: &At<D>, _: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        SMatrix::zeros()
+    }
+}
