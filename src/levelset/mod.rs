@@ -9,6 +9,7 @@ mod block;
 mod bounds;
 mod chord;
 mod contour;
+mod curvature;
 mod cut;
 mod distance;
 mod ellipse;
@@ -33,6 +34,7 @@ pub use band::{BandEdges, band_edges, check_band, density, heaviside, surface_we
 pub use block::{RoundedBlock, Torus};
 pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
+pub use curvature::{Curvature, normal_gradient, vertices_near};
 pub use cut::surface;
 pub use ellipse::Ellipse;
 pub use ellipsoid::Ellipsoid;
