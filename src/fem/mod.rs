@@ -30,7 +30,7 @@ pub use numbering::Numbering;
 pub use periodic::{Translation, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
-pub use recovery::{Derivatives, Recovery, hessians};
+pub use recovery::{Derivatives, Recovered, Recovery, hessians};
 pub use space::{OnCell, Space, Value};
 pub use surface::{SurfaceForm, SurfacePoint, add_surface_matrix, add_surface_vector, surface_solve};
 pub use transfer::{Interpolation, Projection};

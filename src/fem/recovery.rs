@@ -3,7 +3,7 @@
 use super::element::Element;
 use super::space::Space;
 use crate::base::parallel;
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{Mesh, NONE, Point};
 use nalgebra::{SMatrix, SVector};
 
 /// Terms of a cubic polynomial in the plane and in space.
@@ -97,6 +97,36 @@ impl<const D: usize> Recovery<D> {
             }
         });
         out
+    }
+}
+
+/// The derivatives of a function, recovered at some vertices of its mesh, that can be had in the cells whose vertices are all among them.
+#[derive(Clone, Debug)]
+pub struct Recovered<const D: usize> {
+    /// Position of a vertex in `known`; [`NONE`] for the others.
+    slot: Vec<u32>,
+    known: Vec<Derivatives<D>>,
+}
+
+impl<const D: usize> Recovered<D> {
+    /// The derivatives of the function `field` of `space` at `vertices`; `recovery` is that of its mesh.
+    pub fn new(recovery: &Recovery<D>, space: &Space<D>, field: &[f64], vertices: &[u32]) -> Recovered<D> {
+        let mut slot = vec![NONE; space.mesh().points().len()];
+        vertices.iter().zip(0..).for_each(|(&v, k)| slot[v as usize] = k);
+        Recovered { slot, known: recovery.at_points(space, field, vertices) }
+    }
+    /// The derivatives at a vertex; zero at one that was not asked for.
+    pub fn at_vertex(&self, v: u32) -> Derivatives<D> {
+        self.known.get(self.slot[v as usize] as usize).copied().unwrap_or(Derivatives::zero())
+    }
+    /// The derivatives in cell `c` at barycentric coordinates `l`: the cubics of its vertices, each taken there, in the mean with the weights `l`.
+    /// Continuous over the sides of cells.
+    pub fn in_cell(&self, mesh: &Mesh<D>, c: usize, l: &[f64; 4]) -> Derivatives<D> {
+        let cell = mesh.cell(c);
+        let point = |k: usize| mesh.points()[cell[k] as usize];
+        let x = (0..=D).fold(Point::<D>::zeros(), |x, k| x + point(k) * l[k]);
+        let add = |sum: Derivatives<D>, k: usize| sum.plus(&self.at_vertex(cell[k]).moved(&(x - point(k))), l[k]);
+        (0..=D).fold(Derivatives::zero(), add)
     }
 }
 
