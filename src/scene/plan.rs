@@ -339,7 +339,9 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         if !has_backward_map(scene) {
             lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
         }
-        lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
+        if !scene.output.curvature {
+            lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
+        }
         lines.push("redistancing: the slope of the level set is the stretch of the membrane");
         if sim.settings().transport == Method::Nodal {
             lines.push("the mass matrix of the level set: nodal transport does not project");

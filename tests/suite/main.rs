@@ -16,6 +16,7 @@ mod failures;
 mod flow;
 mod flow_in_space;
 mod fluid;
+mod geometry;
 mod krylov;
 mod layers;
 mod meshes;
