@@ -2,7 +2,7 @@
 
 use crate::base::parallel;
 use crate::fem::{At, Basis, OnCell};
-use crate::levelset::{Bounds, surface_weight};
+use crate::levelset::{Bounds, Kernel, Norm};
 use crate::mesh::NONE;
 use nalgebra::SVector;
 
@@ -43,28 +43,37 @@ pub(super) struct BandWidth {
     pub thickness: f64,
     /// The slope that the band is measured with; `None` for the local one.
     pub slope: Option<f64>,
+    /// The cut-off function.
+    pub kernel: Kernel,
+    /// The norm of the local slope.
+    pub norm: Norm,
 }
 
 impl BandWidth {
     /// A renormalised band.
     pub fn new(thickness: f64) -> BandWidth {
-        BandWidth { thickness, slope: None }
+        BandWidth { thickness, slope: None, kernel: Kernel::default(), norm: Norm::default() }
     }
     /// A band of another kind; `slope` is that of the level set at the start.
     pub fn with_band(self, band: Band, slope: f64) -> BandWidth {
         BandWidth { slope: (band == Band::Carried).then_some(slope), ..self }
     }
+    /// A band with another cut-off function, and another norm for the local slope.
+    pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> BandWidth {
+        BandWidth { kernel, norm, ..self }
+    }
     /// Whether the band may have a point in cell `c`.
     pub fn is_near<const D: usize>(&self, basis: &Basis<D>, phi: &[f64], c: usize) -> bool {
         let bounds = Bounds::of_cell(basis.space(), phi, c);
-        bounds.meet(self.slope.unwrap_or(bounds.slope) * self.thickness)
+        bounds.meet(self.slope.unwrap_or(bounds.slope * self.norm.largest(D)) * self.thickness)
     }
     /// What there is at point `q` of cell `c`, where the level set is `own`.
     pub fn point<const D: usize>(&self, basis: &Basis<D>, c: usize, q: usize, own: &OnCell<f64, D>) -> BandPoint<D> {
         let inverse = &basis.space().mesh().map(c).inverse;
         let g = inverse.tr_mul(&own.reference_gradient(basis.reference_gradients(q)));
         let r = g.norm();
-        let w = surface_weight(own.combined(basis.values(q)), self.slope.unwrap_or(r), self.thickness);
+        let slope = self.slope.unwrap_or_else(|| self.norm.of(&g));
+        let w = self.kernel.weight(own.combined(basis.values(q)), slope, self.thickness);
         let n = if r > 0.0 { g / r } else { SVector::zeros() };
         BandPoint { n, r, w }
     }

@@ -1,10 +1,12 @@
 //! Surface tension as a force per volume.
 
 use super::band_cells::{Band, BandCells, BandWidth};
-use crate::fem::{At, Basis, Cells, VectorForm};
+use crate::fem::{At, Basis, Cells, Recovery, VectorForm};
 use crate::flow::term::MomentumTerm;
-use crate::levelset::mean_curvature;
+use crate::levelset::{Curvature, Kernel, Norm};
+use crate::mesh::Mesh;
 use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
 
 /// Surface tension on the zero level of `phi` as a continuum surface force (Brackbill, Kothe and Zemach 1992; book, (1.32)).
 ///
@@ -12,35 +14,49 @@ use nalgebra::{SMatrix, SVector};
 /// sphere, and `n` outward. (1.32) is printed with the other sign and with the density as a factor: the jump of the normal stress is
 /// `lambda H` whatever the densities.
 ///
-/// The curvature is taken at the points of the mesh from recovered second derivatives of `phi`, [`mean_curvature`], and is linear in between.
+/// The curvature is taken at the points of the mesh from recovered second derivatives of `phi` ([`Curvature`]), and is linear in between.
 ///
 /// Limits: explicit in time, below (1.54). The force is not the derivative of an energy on the mesh, and where two interfaces come near each other
-/// their curvatures are mixed by the recovery.
+/// the recovery mixes their curvatures.
 #[derive(Clone, Debug)]
 pub struct ContinuumForce<const D: usize> {
     /// `lambda`, force per length.
     tension: f64,
     width: BandWidth,
     band: BandCells<SVector<f64, D>>,
+    /// With the mesh that it was made for.
+    recovery: Option<(Arc<Mesh<D>>, Recovery<D>)>,
 }
 
 impl<const D: usize> ContinuumForce<D> {
     /// The force of this surface tension over a renormalised band of half-width `thickness`.
     pub fn new(tension: f64, thickness: f64) -> ContinuumForce<D> {
-        ContinuumForce { tension, width: BandWidth::new(thickness), band: BandCells::default() }
+        ContinuumForce { tension, width: BandWidth::new(thickness), band: BandCells::default(), recovery: None }
     }
     /// The same force over another band; `slope` is that of the level set at the start.
     pub fn with_band(self, band: Band, slope: f64) -> ContinuumForce<D> {
         ContinuumForce { width: self.width.with_band(band, slope), ..self }
     }
+    /// The same force over a band with another cut-off function and norm.
+    pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> ContinuumForce<D> {
+        ContinuumForce { width: self.width.with_kernel(kernel, norm), ..self }
+    }
     /// Takes stock of the band of `phi`, a function of the space of `basis`, which must have the rule of the flow.
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64]) {
         let (space, tension, width) = (basis.space(), self.tension, self.width);
-        let curvature = mean_curvature(space, phi, |c| width.is_near(basis, phi, c));
+        let mesh = space.mesh();
+        let recovery = match self.recovery.take() {
+            Some((of, recovery)) if Arc::ptr_eq(&of, mesh) => recovery,
+            _ => Recovery::new(mesh),
+        };
+        let near = (0..mesh.cell_count()).filter(|&c| width.is_near(basis, phi, c));
+        let mut vertices: Vec<u32> = near.flat_map(|c| mesh.cell(c)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let curvature = Curvature::new(&recovery, space, phi, &vertices);
+        self.recovery = Some((Arc::clone(mesh), recovery));
         self.band.prepare(&width, basis, phi, SVector::zeros(), |c, q, b| {
-            let l = &basis.rule().points[q];
-            let vertices = space.mesh().cell(c);
-            let h: f64 = vertices.iter().zip(l).map(|(&v, l)| curvature[v as usize] * l).sum();
+            let h = curvature.mean_at(mesh, c, &basis.rule().points[q]);
             b.n * (-tension * h * b.w * b.r)
         });
     }

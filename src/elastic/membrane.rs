@@ -4,6 +4,7 @@ use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::MomentumTerm;
+use crate::levelset::{Kernel, Norm};
 use nalgebra::{SMatrix, SVector};
 
 /// An elastic membrane on the zero level of `phi`, smeared over a band.
@@ -28,6 +29,10 @@ impl<const D: usize> Membrane<D> {
     /// The same membrane over another band; `slope` is that of the level set at the start.
     pub fn with_band(self, band: Band, slope: f64) -> Membrane<D> {
         Membrane { width: self.width.with_band(band, slope), ..self }
+    }
+    /// The same membrane over a band with another cut-off function; `norm` is that of the local slope of a renormalised one.
+    pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> Membrane<D> {
+        Membrane { width: self.width.with_kernel(kernel, norm), ..self }
     }
     /// The law.
     pub fn law(&self) -> AreaLaw {

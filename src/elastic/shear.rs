@@ -6,6 +6,7 @@ use super::surface_law::{SurfaceLaw, Tangent};
 use super::surface_strain::SurfaceStrain;
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::MomentumTerm;
+use crate::levelset::{Kernel, Norm};
 use crate::mesh::Point;
 use nalgebra::{Matrix2, SMatrix, SVector};
 use std::sync::Arc;
@@ -84,6 +85,10 @@ impl<const D: usize> ShearMembrane<D> {
     /// The same membrane over another band; `slope` is that of the level set at the start.
     pub fn with_band(self, band: Band, slope: f64) -> ShearMembrane<D> {
         ShearMembrane { width: self.width.with_band(band, slope), ..self }
+    }
+    /// The same membrane over a band with another cut-off function; `norm` is that of the local slope of a renormalised one.
+    pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> ShearMembrane<D> {
+        ShearMembrane { width: self.width.with_kernel(kernel, norm), ..self }
     }
     /// `Y` at time 0; `None` for the identity.
     pub fn map(&self) -> Option<&RestMap<D>> {

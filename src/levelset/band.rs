@@ -2,6 +2,7 @@
 
 use crate::base::{Error, Result, Warning};
 use crate::fem::Space;
+use nalgebra::SVector;
 use std::f64::consts::PI;
 
 /// The cut-off function `zeta(s) = (1 + cos(pi s)) / 2` for `|s| < 1`, 0 elsewhere (book, section 3.6). Its integral is 1.
@@ -15,6 +16,43 @@ pub fn heaviside(s: f64) -> f64 {
     (0.5 * (1.0 + s + (PI * s).sin() / PI)).clamp(0.0, 1.0)
 }
 
+/// The cut-off function that spreads an interface over its band: even, of integral 1, zero beyond 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kernel {
+    /// [`zeta`], `(1 + cos(pi s))/2`.
+    #[default]
+    Cosine,
+    /// `1 - |s|`. With the l1 width, and a half-width that is a whole number of steps, its sums over a square lattice meet the moment conditions of
+    /// Engquist, Tornberg and Tsai (2005) to second order.
+    Hat,
+}
+
+impl Kernel {
+    /// The value at `s`.
+    pub fn value(self, s: f64) -> f64 {
+        match self {
+            Kernel::Cosine => zeta(s),
+            Kernel::Hat => (1.0 - s.abs()).max(0.0),
+        }
+    }
+    /// The integral from -1 to `s`.
+    pub fn heaviside(self, s: f64) -> f64 {
+        match self {
+            Kernel::Cosine => heaviside(s),
+            Kernel::Hat => {
+                let tail = 0.5 * (1.0 - s.abs()).max(0.0).powi(2);
+                if s < 0.0 { tail } else { 1.0 - tail }
+            }
+        }
+    }
+    /// The weight `zeta(phi/(r eps))/(r eps)`, zero where the band `|phi| < r eps` is closed; see [`surface_weight`].
+    pub fn weight(self, phi: f64, r: f64, eps: f64) -> f64 {
+        let width = r * eps;
+        // False for width = 0 and for NaN.
+        if phi.abs() < width { self.value(phi / width) / width } else { 0.0 }
+    }
+}
+
 /// The renormalised weight `w = zeta(phi / (r eps)) / (r eps)` of the membrane stress (3.16), with `r = |grad phi|`.
 ///
 /// `phi / r` is a distance to first order whatever the stretch (the renormalisation of (1.32)-(1.35)), so
@@ -24,9 +62,35 @@ pub fn heaviside(s: f64) -> f64 {
 /// `|phi| < r eps` closes and the weight is 0; it is never NaN. It grows without bound only where `phi` and its gradient
 /// vanish together, that is where two interfaces merge.
 pub fn surface_weight(phi: f64, r: f64, eps: f64) -> f64 {
-    let width = r * eps;
-    // False for width = 0 and for NaN.
-    if phi.abs() < width { zeta(phi / width) / width } else { 0.0 }
+    Kernel::Cosine.weight(phi, r, eps)
+}
+
+/// What a renormalised band measures the slope of its level set with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Norm {
+    /// `|grad phi|`: the band has the half-width `eps` in space.
+    #[default]
+    L2,
+    /// The sum of the moduli of the components (Engquist, Tornberg and Tsai 2005; book, section 1.5.2): the band has the half-width `eps` along the
+    /// axes, and `eps sqrt(D)` across an interface along a diagonal.
+    L1,
+}
+
+impl Norm {
+    /// The norm of a gradient.
+    pub fn of<const D: usize>(self, gradient: &SVector<f64, D>) -> f64 {
+        match self {
+            Norm::L2 => gradient.norm(),
+            Norm::L1 => gradient.iter().map(|g| g.abs()).sum(),
+        }
+    }
+    /// The largest norm of a gradient in `d` dimensions whose length is 1.
+    pub fn largest(self, d: usize) -> f64 {
+        match self {
+            Norm::L2 => 1.0,
+            Norm::L1 => (d as f64).sqrt(),
+        }
+    }
 }
 
 /// Regularised density (3.19): `inside + H(phi/eps) (outside - inside) + zeta(phi/eps) surface_mass / eps`.

@@ -4,6 +4,7 @@ use super::Scene;
 use super::dimension::{Dimension, In, point};
 use super::drops;
 use super::errors;
+use super::geometry::{self, CURVE_COLUMNS};
 use super::model::Model;
 use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
@@ -87,11 +88,13 @@ where
             }
             let own: &[&str] = if m.drop.is_some() { In::<D>::DROP } else { &[] };
             names.extend(self.strain().chain(own.iter().copied()).map(|c| format!("{}.{c}", m.name)));
+            names.extend(geometry::columns::<D>(self.scene).iter().map(|c| format!("{}.{c}", m.name)));
         }
         for s in &self.scene.level_sets {
             let markers: &[&str] = if s.markers > 0 { &MARKERS } else { &[] };
             names.extend(In::<D>::MEASURES.iter().map(|c| format!("{}.{c}", s.name)));
             names.extend(self.strain().chain(markers.iter().copied()).map(|c| format!("{}.{c}", s.name)));
+            names.extend(geometry::columns::<D>(self.scene).iter().map(|c| format!("{}.{c}", s.name)));
         }
         let common: &[&str] = if self.scene.fluid.is_prescribed() { &PASSIVE } else { &COMMON };
         names.extend(common.iter().map(ToString::to_string));
@@ -112,6 +115,9 @@ where
             names.extend(columns.iter().map(|c| format!("{}_{c}", f.name)));
         }
         names.extend(self.scene.output.fluxes.iter().map(|f| f.name.clone()));
+        for curve in &self.scene.output.curves {
+            names.extend(CURVE_COLUMNS.iter().map(|c| format!("{}_{c}", curve.name)));
+        }
         names.extend(errors::columns(&self.scene.exact));
         if self.scene.time.tolerance.is_some() {
             names.push("step".into());
@@ -129,9 +135,12 @@ where
             let measured = In::<D>::measure(sim, k, &m.chords, &m.rings)?;
             let own = m.drop.is_some().then(|| drops::row(sim, k, [measured[0], measured[1]])).transpose()?;
             row.extend(measured.into_iter().chain(own.into_iter().flatten()));
+            row.extend(geometry::row(self.scene, model, k)?);
         }
         for k in 0..self.scene.level_sets.len() {
-            row.extend(In::<D>::measure(sim, self.scene.membranes.len() + k, &[], &[])?);
+            let k = self.scene.membranes.len() + k;
+            row.extend(In::<D>::measure(sim, k, &[], &[])?);
+            row.extend(geometry::row(self.scene, model, k)?);
         }
         if sim.is_prescribed() {
             row.extend([sim.largest_speed(), sim.divergence(), sim.courant()]);
@@ -178,6 +187,9 @@ where
         }
         for f in &self.scene.output.fluxes {
             row.push(flux(space, &state.flow, &f.boundary)?);
+        }
+        for curve in &self.scene.output.curves {
+            row.extend(In::<D>::curve(self.scene, sim, curve)?);
         }
         row.extend(errors::row(&self.scene.exact, sim));
         if self.scene.time.tolerance.is_some() {

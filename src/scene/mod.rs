@@ -8,6 +8,7 @@ mod document;
 mod drops;
 mod errors;
 pub mod expression;
+mod geometry;
 mod item;
 mod model;
 pub(crate) mod nearest;

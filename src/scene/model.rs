@@ -20,7 +20,7 @@ use nalgebra::SVector;
 use std::sync::Arc;
 
 /// Widths of the band in edges of the mesh when the scene does not say.
-const BAND: f64 = 2.5;
+pub(super) const BAND: f64 = 2.5;
 /// Weight of the grad-div term over `rho U L` when the scene does not say: of a flow with a membrane, which the divergence
 /// would feed with energy, and of a flow alone, where more of it costs accuracy (driven cavity on 32 x 32, error of u_min:
 /// 6e-3 with a weight of 5, 2e-4 with 0.1).
@@ -293,6 +293,7 @@ where
         thickness: Option<f64>,
     ) -> Result<Vec<Structure<D>>> {
         let mut structures = Vec::new();
+        let (kernel, norm) = (self.scene.numerics.kernel, self.scene.numerics.width);
         let walls = wall_nodes(self.space, &self.pairs);
         self.warn_of_overlaps(&distances, thickness.unwrap_or(0.0));
         for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
@@ -307,7 +308,7 @@ where
             let check = check.and_then(|warning| {
                 let adapted = |w: Warning| if adapts { Warning::new(w.what, remedy) } else { w };
                 self.warnings.extend(warning.map(adapted));
-                let reach = if banded { eps } else { 0.0 };
+                let reach = if banded { eps * norm.largest(D) } else { 0.0 };
                 let margin = walls.iter().map(|&n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min);
                 if margin > reach {
                     return Ok(());
@@ -328,7 +329,9 @@ where
             structures.push(Structure {
                 name: self.scene.membranes[k].name.clone(),
                 phi,
-                membrane: Membrane::new(m.area, eps).with_band(band_of(self.scene, m), m.stretch),
+                membrane: Membrane::new(m.area, eps)
+                    .with_band(band_of(self.scene, m), m.stretch)
+                    .with_kernel(kernel, norm),
                 sharp: self.sharp(k, m),
                 continuum: self.continuum(m, eps),
                 shear: m.surface.map(|law| self.sheared(m, law, eps)),
@@ -352,7 +355,9 @@ where
     fn continuum(&self, membrane: &schema::Membrane, eps: f64) -> Option<ContinuumForce<D>> {
         let scheme = self.scene.numerics.surface_tension.filter(|s| s.continuum);
         let band = band_of(self.scene, membrane);
-        scheme.map(|_| ContinuumForce::new(membrane.area.modulus(), eps).with_band(band, membrane.stretch))
+        let (kernel, norm) = (self.scene.numerics.kernel, self.scene.numerics.width);
+        let force = ContinuumForce::new(membrane.area.modulus(), eps).with_band(band, membrane.stretch);
+        scheme.map(|_| force.with_kernel(kernel, norm))
     }
 
     /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.

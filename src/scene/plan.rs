@@ -350,7 +350,7 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         if !has_backward_map(scene) {
             lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
         }
-        if !scene.numerics.surface_tension.is_some_and(|s| s.continuum) {
+        if !scene.output.curvature && !scene.numerics.surface_tension.is_some_and(|s| s.continuum) {
             lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
         }
         lines.push("redistancing: the slope of the level set is the stretch of the membrane");

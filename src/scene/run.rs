@@ -244,7 +244,7 @@ where
             self.record.note_row(self.scene, &self.diagnostics.columns(), &row);
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
-            self.folder.write_fields(&self.model.simulation, step)?;
+            self.folder.write_fields(self.scene, &self.model.simulation, step)?;
             self.record.fields.push((step, now));
             self.folder.write_collection(&self.record)?;
         }
@@ -283,7 +283,7 @@ where
 
     fn keep_last_state(&mut self) -> Result<()> {
         let step = self.model.simulation.state().steps as usize;
-        self.folder.write_fields(&self.model.simulation, step)?;
+        self.folder.write_fields(self.scene, &self.model.simulation, step)?;
         if self.record.fields.last().is_none_or(|last| last.0 != step) {
             self.record.fields.push((step, self.model.simulation.time()));
             self.folder.write_collection(&self.record)?;

@@ -22,6 +22,7 @@ where
     pub(super) fn sheared(&self, m: &Membrane, law: SurfaceLaw, eps: f64) -> ShearMembrane<D> {
         let membrane = ShearMembrane::new(law, eps, m.stretch)
             .with_band(band_of(self.scene, m), m.stretch)
+            .with_kernel(self.scene.numerics.kernel, self.scene.numerics.width)
             .with_area_from(m.area_from);
         if m.map.is_empty() { membrane } else { membrane.with_map(rest_map(&m.map)) }
     }

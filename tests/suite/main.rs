@@ -16,6 +16,7 @@ mod failures;
 mod flow;
 mod flow_in_space;
 mod fluid;
+mod geometry;
 mod jumps;
 mod krylov;
 mod layers;

@@ -5,11 +5,12 @@ mod solid;
 
 use super::Scene;
 use super::adapt::Lengths;
+use super::geometry::CURVE_COLUMNS;
 use super::model::Model;
-use super::schema::{self, Chord, Ring};
+use super::schema::{self, Chord, Curve, Ring};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
-use crate::levelset::Shape;
+use crate::levelset::{Delta, Shape};
 use crate::mesh::{Mesh, Point};
 use crate::sim::{InitialFunction, Simulation, Transfer};
 
@@ -42,6 +43,20 @@ pub trait Dimension<const D: usize> {
     /// # Errors
     /// A value that is not finite.
     fn surface(space: &Space<D>, phi: &[f64]) -> Result<Vec<SurfacePoint<D>>>;
+
+    /// Length or area of an interface by a delta function, and what it encloses, where a Heaviside function belongs to it.
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    fn delta(space: &Space<D>, phi: &[f64], delta: &Delta) -> Result<(f64, Option<f64>)>;
+
+    /// The row of a curve between interfaces.
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    fn curve(_scene: &Scene, _sim: &Simulation<D>, _curve: &Curve) -> Result<[f64; CURVE_COLUMNS.len()]> {
+        Err(Error::internal("a curve between interfaces of the plane"))
+    }
 
     /// The columns of the strain of an interface, where backward characteristics are carried.
     const STRAIN: &'static [&'static str];

@@ -6,7 +6,7 @@ use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
-    self, Circle, Contour, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
+    self, Circle, Contour, Delta, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
@@ -64,6 +64,10 @@ impl Dimension<2> for In<2> {
 
     fn surface(space: &Space<2>, phi: &[f64]) -> Result<Vec<SurfacePoint<2>>> {
         levelset::surface(space, phi)
+    }
+
+    fn delta(space: &Space<2>, phi: &[f64], delta: &Delta) -> Result<(f64, Option<f64>)> {
+        Ok((delta.measure(space, phi)?, delta.inside(space, phi)?))
     }
 
     fn measure(sim: &Simulation<2>, k: usize, chords: &[Chord], _: &[Ring]) -> Result<Vec<f64>> {

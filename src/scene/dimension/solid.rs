@@ -5,11 +5,12 @@ use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
-    self, Circle, Ellipsoid, Isosurface, LevelSolid, RoundedBlock, Shape as Distance, SolidUnion, Torus,
+    self, Circle, Delta, Ellipsoid, Isosurface, LevelSolid, RoundedBlock, Shape as Distance, SolidUnion, Torus,
 };
 use crate::mesh::{Mesh, Point, gmsh};
 use crate::scene::Scene;
-use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
+use crate::scene::geometry::{CURVE_COLUMNS, curve_row};
+use crate::scene::schema::{Chord, Curve, MeshSource, Ring, Shape};
 use crate::sim::Simulation;
 use std::f64::consts::PI;
 
@@ -68,6 +69,14 @@ impl Dimension<3> for In<3> {
 
     fn surface(space: &Space<3>, phi: &[f64]) -> Result<Vec<SurfacePoint<3>>> {
         levelset::surface_in_space(space, phi)
+    }
+
+    fn delta(space: &Space<3>, phi: &[f64], delta: &Delta) -> Result<(f64, Option<f64>)> {
+        Ok((delta.measure(space, phi)?, delta.inside(space, phi)?))
+    }
+
+    fn curve(scene: &Scene, sim: &Simulation<3>, curve: &Curve) -> Result<[f64; CURVE_COLUMNS.len()]> {
+        curve_row(scene, sim, curve)
     }
 
     fn measure(sim: &Simulation<3>, k: usize, chords: &[Chord], rings: &[Ring]) -> Result<Vec<f64>> {

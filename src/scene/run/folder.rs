@@ -6,7 +6,7 @@ use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
 use crate::flow::nodal_pressure;
 use crate::mesh::{Mesh, Point};
 use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Scene, geometry};
 use crate::sim::{Simulation, State};
 use nalgebra::SVector;
 use serde_json::json;
@@ -117,7 +117,7 @@ impl Folder {
     }
 
     /// Writes velocity, pressure and level sets of the current state.
-    pub(super) fn write_fields<const D: usize>(&self, sim: &Simulation<D>, step: usize) -> Result<()> {
+    pub(super) fn write_fields<const D: usize>(&self, scene: &Scene, sim: &Simulation<D>, step: usize) -> Result<()> {
         let state = sim.state();
         let names: Vec<String> = names(sim).map(|name| format!("{name}.level_set")).collect();
         let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
@@ -129,8 +129,11 @@ impl Folder {
         for (name, phi) in names.iter().zip(&level_sets) {
             fields.push((name, FieldData::Scalar(phi)));
         }
-        let strained = strained(sim);
-        for (name, data) in &strained {
+        let mut made = strained(sim);
+        if scene.output.curvature {
+            made.extend(curvatures(sim));
+        }
+        for (name, data) in &made {
             fields.push((name, data.as_field()));
         }
         write_vtu(&self.0.join(field_file(step)), sim.space(), sim.time(), &fields)
@@ -255,6 +258,15 @@ fn strained<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
     }
     fields.push(("displacement".into(), Made::Vector(sim.state().displacement.clone())));
     fields
+}
+
+/// The curvatures of each interface.
+fn curvatures<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
+    let of = |(k, name): (usize, &String)| {
+        let fields = geometry::fields(sim, k).into_iter();
+        fields.map(|(end, values)| (format!("{name}.{end}"), Made::Scalar(values))).collect::<Vec<_>>()
+    };
+    names(sim).enumerate().flat_map(of).collect()
 }
 
 /// Two edges of the finest cell.

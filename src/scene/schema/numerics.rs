@@ -5,6 +5,7 @@ use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::elastic::Band;
 use crate::fem::Element;
+use crate::levelset::{Kernel, Norm};
 use crate::scene::item::Item;
 use crate::sim::{Coupling, Solving, Way};
 use crate::transport::Method;
@@ -16,6 +17,10 @@ pub struct Numerics {
     pub thickness: Option<f64>,
     /// Over which values of its level set a membrane is spread; `None` lets its law decide.
     pub band: Option<Band>,
+    /// The cut-off function of bands.
+    pub kernel: Kernel,
+    /// What a renormalised band measures slopes with.
+    pub width: Norm,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: Option<f64>,
     /// How level sets are carried.
@@ -57,6 +62,8 @@ const TENSION_WORDS: [&str; TENSIONS.len()] = words(&TENSIONS);
 const PRESSURES: [(&str, Element); 2] = [("P1", Element::P1), ("P1+P0", Element::P1P0)];
 const PRESSURE_WORDS: [&str; PRESSURES.len()] = words(&PRESSURES);
 const BANDS: [(&str, Band); 2] = [("renormalised", Band::Renormalised), ("carried", Band::Carried)];
+const KERNELS: [(&str, Kernel); 2] = [("cosine", Kernel::Cosine), ("hat", Kernel::Hat)];
+const NORMS: [(&str, Norm); 2] = [("l2", Norm::L2), ("l1", Norm::L1)];
 const TRANSPORTS: [(&str, Method); 3] =
     [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
 const COUPLINGS: [(&str, Coupling); 3] =
@@ -64,6 +71,8 @@ const COUPLINGS: [(&str, Coupling); 3] =
 const WAYS: [(&str, Option<Way>); 4] =
     [("auto", None), ("direct", Some(Way::Direct)), ("single", Some(Way::Single)), ("schur", Some(Way::Schur))];
 const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
+const KERNEL_WORDS: [&str; KERNELS.len()] = words(&KERNELS);
+const NORM_WORDS: [&str; NORMS.len()] = words(&NORMS);
 const TRANSPORT_WORDS: [&str; TRANSPORTS.len()] = words(&TRANSPORTS);
 const COUPLING_WORDS: [&str; COUPLINGS.len()] = words(&COUPLINGS);
 const WAY_WORDS: [&str; WAYS.len()] = words(&WAYS);
@@ -89,6 +98,21 @@ pub(super) static KEYS: Keys = Keys {
             Auto,
             "Over which values of its level set a membrane is spread: of the same width \
             whatever the stretch, or carried with the fluid. \"auto\" carries it for constant tension.",
+        ),
+        row(
+            "kernel",
+            Choice(&KERNEL_WORDS),
+            "",
+            Default("\"cosine\""),
+            "The cut-off function that spreads the force of a membrane over its band: (1 + cos(pi s))/2 or 1 - |s|. Density and viscosity keep the first.",
+        ),
+        row(
+            "width",
+            Choice(&NORM_WORDS),
+            "",
+            Default("\"l2\""),
+            "What a renormalised band measures the slope of its level set with: the length of the gradient, or the sum of the moduli of its \
+             components, which makes the band up to sqrt(2) times as wide, in space sqrt(3), where the interface is not along an axis.",
         ),
         row(
             "grad_div",
@@ -184,6 +208,8 @@ impl Numerics {
         let mut numerics = Numerics {
             thickness: None,
             band: None,
+            kernel: Kernel::default(),
+            width: Norm::default(),
             grad_div: None,
             transport: Method::Nodal,
             remap: None,
@@ -200,6 +226,8 @@ impl Numerics {
         let degree = |i: &Item| i.count(1, MOST_DEGREE);
         numerics.thickness = table.optional("thickness", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.band = table.optional("band", |i| i.unless_auto(|i| i.choice(&BANDS)))?.flatten();
+        numerics.kernel = table.optional("kernel", |i| i.choice(&KERNELS))?.unwrap_or_default();
+        numerics.width = table.optional("width", |i| i.choice(&NORMS))?.unwrap_or_default();
         numerics.grad_div = table.optional("grad_div", |i| i.unless_auto(Item::non_negative))?.flatten();
         numerics.transport = table.optional("transport", |i| i.choice(&TRANSPORTS))?.unwrap_or(numerics.transport);
         numerics.remap = table.optional("remap", |i| i.unless_auto(Item::positive))?.flatten();
@@ -227,6 +255,8 @@ impl Numerics {
         out.header("[numerics]");
         out.entry("thickness", or_auto(self.thickness, number));
         out.entry("band", or_auto(self.band, |b| name(b, &BANDS).to_string()));
+        out.entry("kernel", name(self.kernel, &KERNELS));
+        out.entry("width", name(self.width, &NORMS));
         out.entry("grad_div", or_auto(self.grad_div, number));
         out.entry("transport", name(self.transport, &TRANSPORTS));
         out.entry("remap", or_auto(self.remap, number));

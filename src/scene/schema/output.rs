@@ -1,10 +1,11 @@
 //! `[output]`: what is written, and when.
 
+use super::geometry::{CURVE, Curve, DELTA_LIST, DeltaName, curve, deltas};
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::membrane::named;
 use super::picture::Picture;
 use super::time::Time;
-use super::write::{Writer, key, name, number, text, vector};
+use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::Result;
 use crate::scene::item::{Context, Item, Table};
 
@@ -34,6 +35,12 @@ pub struct Output {
     pub fluxes: Vec<Flux>,
     /// Whether the backward characteristics are carried even where no structure needs them.
     pub backward_map: bool,
+    /// Delta functions that interfaces are measured with, beside the cut one.
+    pub deltas: Vec<DeltaName>,
+    /// Whether the curvatures of interfaces are measured and written.
+    pub curvature: bool,
+    /// Curves between interfaces, in the series.
+    pub curves: Vec<Curve>,
     /// How pictures look.
     pub picture: Picture,
 }
@@ -175,6 +182,22 @@ pub(super) static KEYS: Keys = Keys {
             "Whether the backward characteristics Y are carried even where no membrane resists shear: columns `determinant_error` and, in \
              space, area and shear of every interface; the field `displacement`, Y(x) - x.",
         ),
+        row(
+            "deltas",
+            Value(DELTA_LIST),
+            "",
+            Default("[]"),
+            "Delta functions that every interface is measured with beside the cut one: columns such as `NAME.perimeter_smereka1` and, where a Heaviside function \
+             belongs to it, `NAME.area_towers`; in space `surface` and `volume`. \"smeared\" is that of the force of a membrane.",
+        ),
+        row(
+            "curvature",
+            Value("true or false"),
+            "",
+            Default("false"),
+            "Whether the mean and, in space, the Gauss curvature of every interface are measured: columns `NAME.curvature_min`, `_max`, `_mean`, fields `NAME.curvature`.",
+        ),
+        row("curves", Named(&CURVE), "", Optional, "Curves in which two interfaces meet, in space, in `series.csv`."),
         row("picture", Table(&super::picture::KEYS), "", Optional, "How pictures look."),
     ],
 };
@@ -265,6 +288,9 @@ impl Output {
             forces: source.named("forces", |name, i| source.force(name, i))?,
             fluxes: source.named("fluxes", flux)?,
             backward_map: asked,
+            deltas: source.optional("deltas", deltas)?.unwrap_or_default(),
+            curvature: source.optional("curvature", Item::boolean)?.unwrap_or(false),
+            curves: source.named("curves", |name, i| curve(name, i, interfaces, context))?,
             picture: source.optional("picture", |i| source.picture(i))?.unwrap_or(source.default_picture()),
         };
         source.check_names()?;
@@ -280,7 +306,13 @@ impl Output {
         out.entry("film", self.film);
         out.entry("checkpoint", interval(self.checkpoint));
         out.entry("backward_map", self.backward_map);
+        out.entry("deltas", list(self.deltas.iter().map(|d| text(d.word()))));
+        out.entry("curvature", self.curvature);
         out.entry("picture", self.picture.write(dimension));
+        for c in &self.curves {
+            let of = list(c.of.iter().map(|n| text(n)));
+            out.entry(&format!("curves.{}", key(&c.name)), format_args!("{{ of = {of} }}"));
+        }
         for p in &self.probes {
             let (at, of) = (vector(&p.at), name(p.of, &QUANTITIES));
             out.entry(&format!("probes.{}", key(&p.name)), format_args!("{{ at = {at}, of = {of} }}"));
@@ -414,13 +446,13 @@ impl<'a> Source<'a> {
     /// Columns of the series begin with the name of what they measure: no two may share it.
     fn check_names(&self) -> Result<()> {
         let mut taken: Vec<&str> = self.interfaces.to_vec();
-        for key in ["probes", "forces", "fluxes"] {
+        for key in ["probes", "forces", "fluxes", "curves"] {
             let Some(item) = self.table.as_ref().and_then(|t| t.get(key)) else { continue };
             for (name, item) in item.open_table()?.items() {
                 if taken.contains(&name) {
                     return Err(item
                         .key_error(format!("the name `{name}` is taken by another output or an interface"))
-                        .remedy("give every membrane, level set, probe, force and flux a name of its own"));
+                        .remedy("give every membrane, level set, probe, force, flux and curve a name of its own"));
                 }
                 taken.push(name);
             }

@@ -1,0 +1,158 @@
+//! Delta functions: ways to integrate over the interface of a level set, and over what it encloses (section 1.5 of the book).
+
+mod lattice;
+mod smeared;
+mod smereka;
+mod towers;
+
+pub use smeared::{Smeared, Width};
+
+use super::contour::Contour;
+use super::isosurface::Isosurface;
+use super::sign::cut_cells;
+use crate::base::Result;
+use crate::fem::{At, Space};
+
+/// A way to make points and weights of a level set, the discrete delta function: `int_{phi = 0} f ~ sum weight f(point)`.
+///
+/// All work on triangles and tetrahedra and take any `phi` with a gradient at the interface, distance or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Delta {
+    /// Spread over a band, by quadrature: (1.24), renormalised or carried.
+    Smeared(Smeared),
+    /// Smereka's first delta at the nodes (J. Comput. Phys. 211 (2006) 77-90): the Laplacian of a function whose normal derivative jumps by 1.
+    Smereka1,
+    /// Smereka's second: the jump of the second derivatives, from the curvature, counts too.
+    Smereka2,
+    /// Towers' (section 1.5.4) at the nodes: `(Lap I - H Lap phi)/|grad phi|` with `I = max(phi, 0)`, `H = grad I . grad phi/|grad phi|^2`.
+    Towers,
+    /// The zero set of the P2 function itself, by curved segments or triangles.
+    Cut,
+}
+
+/// The zero set of P2 functions in one number of dimensions, for [`Delta::Cut`].
+pub trait CutInterface<const D: usize> {
+    /// Points and weights on the zero set.
+    ///
+    /// # Errors
+    /// A value of `phi` that is not finite.
+    fn cut_points(&self, phi: &[f64]) -> Result<Vec<At<D>>>;
+    /// Area or volume of the set `phi < 0`.
+    ///
+    /// # Errors
+    /// A value of `phi` that is not finite.
+    fn cut_inside(&self, phi: &[f64]) -> Result<f64>;
+}
+
+impl CutInterface<2> for Space<2> {
+    fn cut_points(&self, phi: &[f64]) -> Result<Vec<At<2>>> {
+        let points = Contour::new(self, phi)?.quadrature(self, phi).into_iter().enumerate();
+        let at = |(q, p): (usize, super::ContourPoint)| At {
+            cell: p.cell as usize,
+            q,
+            barycentric: p.barycentric,
+            x: p.point,
+            weight: p.weight,
+        };
+        Ok(points.map(at).collect())
+    }
+    fn cut_inside(&self, phi: &[f64]) -> Result<f64> {
+        let contour = Contour::new(self, phi)?;
+        if contour.is_empty() { Ok(uncut(self, phi)) } else { Ok(contour.measures()?.area) }
+    }
+}
+
+impl CutInterface<3> for Space<3> {
+    fn cut_points(&self, phi: &[f64]) -> Result<Vec<At<3>>> {
+        Ok(Isosurface::new(self, phi)?.quadrature(self, phi).into_iter().map(|p| p.at).collect())
+    }
+    fn cut_inside(&self, phi: &[f64]) -> Result<f64> {
+        let surface = Isosurface::new(self, phi)?;
+        if surface.is_empty() { Ok(uncut(self, phi)) } else { Ok(surface.measures()?.volume) }
+    }
+}
+
+/// What lies inside where there is no interface: nothing or all.
+fn uncut<const D: usize>(space: &Space<D>, phi: &[f64]) -> f64 {
+    if phi.first().is_some_and(|v| *v < 0.0) { space.mesh().volume() } else { 0.0 }
+}
+
+impl Delta {
+    /// Points and weights of the level set `phi`, a function of the P2 `space`, numbered by `at.q`. Points at nodes name one of the cells of the
+    /// node; there is one a node.
+    ///
+    /// # Errors
+    /// A space that is not P2, a value of `phi` that is not finite.
+    pub fn points<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Vec<At<D>>>
+    where
+        Space<D>: CutInterface<D>,
+    {
+        match self {
+            Delta::Smeared(smeared) => smeared.points(space, phi),
+            Delta::Smereka1 => smereka::points(space, phi, false),
+            Delta::Smereka2 => smereka::points(space, phi, true),
+            Delta::Towers => towers::points(space, phi),
+            Delta::Cut => space.cut_points(phi),
+        }
+    }
+    /// The integral of `f` over the interface.
+    ///
+    /// # Errors
+    /// Those of [`Delta::points`].
+    pub fn integrate<const D: usize>(&self, space: &Space<D>, phi: &[f64], f: impl Fn(&At<D>) -> f64) -> Result<f64>
+    where
+        Space<D>: CutInterface<D>,
+    {
+        Ok(self.points(space, phi)?.iter().map(|at| at.weight * f(at)).sum())
+    }
+    /// Length (in the plane) or area (in space) of the interface.
+    ///
+    /// # Errors
+    /// Those of [`Delta::points`].
+    pub fn measure<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<f64>
+    where
+        Space<D>: CutInterface<D>,
+    {
+        self.integrate(space, phi, |_| 1.0)
+    }
+    /// Whether there is a Heaviside function that belongs to this delta; Smereka's have none.
+    pub fn has_inside(&self) -> bool {
+        !matches!(self, Delta::Smereka1 | Delta::Smereka2)
+    }
+    /// Area or volume of the set `phi < 0` by the Heaviside function that belongs to this delta; none where there is none.
+    ///
+    /// # Errors
+    /// Those of [`Delta::points`].
+    pub fn inside<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Option<f64>>
+    where
+        Space<D>: CutInterface<D>,
+    {
+        Ok(match self {
+            Delta::Smeared(smeared) => Some(smeared.inside(space, phi)?),
+            Delta::Smereka1 | Delta::Smereka2 => None,
+            Delta::Towers => Some(towers::inside(space, phi)?),
+            Delta::Cut => Some(space.cut_inside(phi)?),
+        })
+    }
+}
+
+/// The points at the nodes with these weights: those that are not zero, in the order of the nodes, each in the first of its `cells`.
+fn at_nodes<const D: usize>(space: &Space<D>, cells: impl Iterator<Item = usize>, weights: &[f64]) -> Vec<At<D>> {
+    let mut points = Vec::new();
+    let mut seen = vec![false; weights.len()];
+    for cell in cells {
+        for (a, &n) in space.cell_nodes(cell).iter().enumerate() {
+            let node = n as usize;
+            if !std::mem::replace(&mut seen[node], true) && weights[node] != 0.0 {
+                let barycentric = space.element().node(a, D);
+                points.push((n, At { cell, q: 0, barycentric, x: space.nodes()[node], weight: weights[node] }));
+            }
+        }
+    }
+    points.sort_unstable_by_key(|(n, _)| *n);
+    let numbered = points.into_iter().enumerate();
+    numbered.map(|(q, (_, at))| At { q, ..at }).collect()
+}
+
+#[cfg(test)]
+mod tests;
