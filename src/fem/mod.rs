@@ -28,7 +28,7 @@ pub use element::{EDGES, Element, MAX_LOCAL};
 pub use hessian::hessians;
 pub use norms::{Errors, scalar_errors, vector_errors};
 pub use numbering::Numbering;
-pub use periodic::{Translation, periodic_pairs};
+pub use periodic::{Translation, image_shifts, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use space::{OnCell, Space, Value};

@@ -13,6 +13,7 @@ mod energy;
 mod explicit_limit;
 mod failures;
 mod freefem;
+mod redistance;
 mod relaxation;
 mod semi_implicit;
 mod sharp;

@@ -9,7 +9,7 @@ use super::model::Model;
 use super::schema::{self, Chord, Ring};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
-use crate::levelset::Shape;
+use crate::levelset::{Cutter, Shape};
 use crate::mesh::{Mesh, Point};
 use crate::sim::{InitialFunction, Simulation, Transfer};
 
@@ -22,6 +22,8 @@ pub trait Dimension<const D: usize> {
     const MEASURES: &'static [&'static str];
     /// What cells are called, more than one of them.
     const CELLS: &'static str;
+    /// How interfaces are cut where they are redistanced.
+    const CUTTER: Cutter<D>;
 
     /// The mesh of the scene before it is adapted, and what is to be said of it.
     ///

@@ -6,7 +6,7 @@ use super::{Dimension, In, coordinates, other_dimension, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
-    self, Circle, Contour, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
+    self, Circle, Contour, Cutter, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
@@ -20,6 +20,7 @@ impl Dimension<2> for In<2> {
     const MEASURES: &'static [&'static str] =
         &["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
     const CELLS: &'static str = "triangles";
+    const CUTTER: Cutter<2> = Cutter::PLANE;
     const STRAIN: &'static [&'static str] = &[];
 
     fn mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {
