@@ -18,18 +18,21 @@ pub enum Phase {
     Force,
     /// Level sets, with the feet that they need.
     Transport,
+    /// Level sets that become distances again.
+    Redistance,
     /// Energies, powers and reactions.
     Diagnostics,
 }
 
 /// All phases with their names, in the order of a step.
-pub const PHASES: [(Phase, &str); 7] = [
+pub const PHASES: [(Phase, &str); 8] = [
     (Phase::Assembly, "assembly"),
     (Phase::Factor, "factor"),
     (Phase::Solve, "solve"),
     (Phase::Feet, "feet"),
     (Phase::Force, "force"),
     (Phase::Transport, "transport"),
+    (Phase::Redistance, "redistance"),
     (Phase::Diagnostics, "diagnostics"),
 ];
 

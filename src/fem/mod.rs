@@ -27,7 +27,7 @@ pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};
 pub use norms::{Errors, scalar_errors, vector_errors};
 pub use numbering::Numbering;
-pub use periodic::{Translation, periodic_pairs};
+pub use periodic::{Translation, image_shifts, periodic_pairs};
 pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use recovery::{Derivatives, Recovered, Recovery, hessians};

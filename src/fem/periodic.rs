@@ -69,6 +69,18 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
     Ok(pairs)
 }
 
+/// The shifts to all images that periodic sides make, the zero shift first.
+pub fn image_shifts<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
+    let mut shifts = vec![Point::<D>::zeros()];
+    for pair in pairs {
+        let near = |s: &Point<D>| (s - pair.shift).norm() < 1e-6 * pair.shift.norm();
+        if !shifts.iter().any(near) {
+            shifts = shifts.iter().flat_map(|s| [*s, s + pair.shift, s - pair.shift]).collect();
+        }
+    }
+    shifts
+}
+
 /// For every node the first of the nodes it is identified with, its master.
 pub(super) fn identify<const D: usize>(space: &Space<D>, translations: &[Translation<D>]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..space.len() as u32).collect();

@@ -9,7 +9,7 @@ use nalgebra::SVector;
 use std::ops::Range;
 
 /// The four triangles of the P2 lattice of a triangle, positively oriented, by local nodes.
-const LATTICE: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
+pub(super) const LATTICE: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 
 /// A piece of the contour inside one cell: the parabola through three points of the P2 zero set.
 ///

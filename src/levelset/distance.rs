@@ -10,13 +10,20 @@ const LEAF: usize = 8;
 /// `k` has the boxes `2 k + 1` and `2 k + 2`.
 #[derive(Clone, Debug)]
 pub(super) struct Tree<const D: usize> {
-    parts: Vec<[Point<D>; D]>,
+    parts: Vec<Part<D>>,
     boxes: Vec<(Point<D>, Point<D>)>,
 }
 
+/// A part by its corners, with the number that it was given by.
+type Part<const D: usize> = ([Point<D>; D], u32);
+
+/// The difference to the nearest part so far: its square, itself, and the number of the part.
+type Best<const D: usize> = (f64, SVector<f64, D>, u32);
+
 impl<const D: usize> Tree<D> {
     /// The tree over `parts`, of which there must be at least one for a finite distance.
-    pub(super) fn new(mut parts: Vec<[Point<D>; D]>) -> Tree<D> {
+    pub(super) fn new(parts: Vec<[Point<D>; D]>) -> Tree<D> {
+        let mut parts: Vec<Part<D>> = parts.into_iter().zip(0..).collect();
         let levels = parts.len().div_ceil(LEAF).next_power_of_two();
         let mut boxes = vec![(Point::<D>::zeros(), Point::<D>::zeros()); 2 * levels - 1];
         build(&mut parts, &mut boxes, 0);
@@ -32,17 +39,21 @@ impl<const D: usize> Tree<D> {
     }
     /// `x` less the nearest point.
     pub(super) fn difference(&self, x: &Point<D>) -> SVector<f64, D> {
-        let mut best = (f64::INFINITY, Point::<D>::repeat(f64::INFINITY));
-        self.search(x, 0, &self.parts, &mut best);
-        best.1
+        self.nearest(x).1
     }
-    fn search(&self, x: &Point<D>, node: usize, part: &[[Point<D>; D]], best: &mut (f64, SVector<f64, D>)) {
+    /// The number of the nearest part in the list that the tree was made of, and `x` less its nearest point.
+    pub(super) fn nearest(&self, x: &Point<D>) -> (usize, SVector<f64, D>) {
+        let mut best = (f64::INFINITY, Point::<D>::repeat(f64::INFINITY), 0);
+        self.search(x, 0, &self.parts, &mut best);
+        (best.2 as usize, best.1)
+    }
+    fn search(&self, x: &Point<D>, node: usize, part: &[Part<D>], best: &mut Best<D>) {
         if part.len() <= LEAF {
-            for simplex in part {
+            for (simplex, number) in part {
                 let difference = difference(x, simplex);
                 let square = difference.norm_squared();
                 if square < best.0 {
-                    *best = (square, difference);
+                    *best = (square, difference, *number);
                 }
             }
             return;
@@ -60,17 +71,17 @@ impl<const D: usize> Tree<D> {
     }
 }
 
-fn build<const D: usize>(part: &mut [[Point<D>; D]], boxes: &mut [(Point<D>, Point<D>)], node: usize) {
+fn build<const D: usize>(part: &mut [Part<D>], boxes: &mut [(Point<D>, Point<D>)], node: usize) {
     let Some(first) = part.first() else { return };
-    let corners = part.iter().flatten();
-    let (low, high) = corners.fold((first[0], first[0]), |(low, high), a| (low.inf(a), high.sup(a)));
+    let corners = part.iter().flat_map(|p| &p.0);
+    let (low, high) = corners.fold((first.0[0], first.0[0]), |(low, high), a| (low.inf(a), high.sup(a)));
     boxes[node] = (low, high);
     if part.len() <= LEAF {
         return;
     }
     let axis = (high - low).imax();
     let half = part.len() / 2;
-    let sum = |s: &[Point<D>; D]| s.iter().map(|a| a[axis]).sum::<f64>();
+    let sum = |s: &Part<D>| s.0.iter().map(|a| a[axis]).sum::<f64>();
     part.select_nth_unstable_by(half, |a, b| sum(a).total_cmp(&sum(b)));
     let (left, right) = part.split_at_mut(half);
     build(left, boxes, 2 * node + 1);

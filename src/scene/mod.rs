@@ -16,6 +16,7 @@ mod overrides;
 mod pacing;
 mod passive;
 mod plan;
+mod redistance;
 pub mod reference;
 mod refined;
 pub mod render;

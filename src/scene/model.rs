@@ -8,6 +8,7 @@ use super::expression::Expression;
 use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, nearest_image, prescribed};
 use super::plan::is_stepped;
+use super::redistance::redistance;
 use super::schema::{self, Condition, MeshSource};
 use super::sheared::{check_map, check_rest_map};
 use crate::base::{Error, Kind, Result, Warning};
@@ -126,6 +127,7 @@ where
             .map_err(|e| if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e })?
             .with_passive(level_sets)?;
         simulation.compose(functions.clone(), scene.numerics.remap);
+        redistance(scene, &mut simulation);
         if scene.output.backward_map {
             simulation.carry_backward_map();
         }

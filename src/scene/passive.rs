@@ -4,9 +4,10 @@ use super::Scene;
 use super::adapt::Lengths;
 use super::dimension::{Dimension, In};
 use super::model::{Draft, Model, vector, wall_nodes};
+use super::redistance::redistance;
 use super::schema::Condition;
 use crate::base::{Error, Result, Warning};
-use crate::fem::{Conditions, Translation};
+use crate::fem::{Conditions, Translation, image_shifts};
 use crate::levelset::{check_inside, signed_distance};
 use crate::mesh::{self, Mesh, Point};
 use crate::sim::{InitialFunction, LevelSet, Simulation};
@@ -41,7 +42,7 @@ where
             (low[axis], high[axis]) = (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
         }
         check_inside((low, high), domain, 0.0).map_err(place)?;
-        let shifts = images(&self.pairs);
+        let shifts = image_shifts(&self.pairs);
         let nodal = self.with_images(signed_distance(self.space, shape.as_ref()), shape.as_ref(), &shifts);
         let nearest = move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));
         Ok(Placed { nodal, function: Arc::new(nearest) })
@@ -87,18 +88,6 @@ pub(super) fn nearest_image(distances: impl Iterator<Item = f64>) -> f64 {
     if greatest < 0.0 { greatest } else { least }
 }
 
-/// The shifts to all images that periodic sides make, the zero shift first.
-fn images<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
-    let mut shifts = vec![Point::<D>::zeros()];
-    for pair in pairs {
-        let near = |s: &Point<D>| (s - pair.shift).norm() < 1e-6 * pair.shift.norm();
-        if !shifts.iter().any(near) {
-            shifts = shifts.iter().flat_map(|s| [*s, s + pair.shift, s - pair.shift]).collect();
-        }
-    }
-    shifts
-}
-
 /// Builds the model of a scene with a prescribed velocity.
 ///
 /// # Errors
@@ -122,6 +111,7 @@ where
     let velocity = Arc::new(vector(velocity));
     let mut simulation = Simulation::prescribed(draft.mesh, settings, velocity, level_sets)?;
     simulation.compose(Vec::new(), scene.numerics.remap);
+    redistance(scene, &mut simulation);
     if scene.output.backward_map {
         simulation.carry_backward_map();
     }

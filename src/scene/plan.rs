@@ -5,6 +5,7 @@ use super::adapt::Lengths;
 use super::diagnostics::has_backward_map;
 use super::dimension::{Dimension, In};
 use super::model::{Model, band_of};
+use super::redistance::in_words;
 use super::schema::{Adapt, Condition, Contrast, Membrane, MeshSource};
 use crate::base::Result;
 use crate::elastic::{AreaFrom, AreaLaw, Band, Force, ShearLaw, SurfaceLaw};
@@ -268,13 +269,15 @@ fn transport<const D: usize>(model: &Model<D>, scene: &Scene) -> String {
 fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
     if model.simulation.is_prescribed() {
-        return vec![
+        let mut lines = vec![
             format!(
                 "step {}, characteristics by the Runge-Kutta rule of order 4 through the prescribed velocity",
                 s.dt
             ),
             transport(model, scene),
         ];
+        lines.extend(in_words(scene));
+        return lines;
     }
     let derived = |given: bool| if given { "" } else { " (derived)" };
     let mut lines = vec![match (model.simulation.is_stokes(), s.convection) {
@@ -328,6 +331,7 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
             Coupling::Implicit => "membrane force implicit in the velocity".into(),
         });
     }
+    lines.extend(in_words(scene));
     lines.push(format!("quadrature of degree {}", s.quadrature));
     lines
 }
@@ -337,7 +341,9 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let mut lines = Vec::new();
     if sim.is_prescribed() {
         lines.push("flow, pressure, boundary conditions and every matrix of them: the velocity is prescribed");
-        lines.push("redistancing: the slope of the level set is the stretch of the interface");
+        if scene.numerics.redistance.is_none() {
+            lines.push("redistancing: the slope of the level set is the stretch of the interface");
+        }
         lines.extend(third_dimension(D));
         return lines.into_iter().map(String::from).collect();
     }
@@ -353,7 +359,9 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         if !scene.output.curvature && !scene.numerics.surface_tension.is_some_and(|s| s.continuum) {
             lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
         }
-        lines.push("redistancing: the slope of the level set is the stretch of the membrane");
+        if scene.numerics.redistance.is_none() {
+            lines.push("redistancing: the slope of the level set is the stretch of the membrane");
+        }
         if sim.settings().transport == Method::Nodal {
             lines.push("the mass matrix of the level set: nodal transport does not project");
         }

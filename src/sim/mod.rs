@@ -9,6 +9,7 @@ mod lagged;
 mod markers;
 mod materials;
 mod passive;
+mod redistance;
 mod remesh;
 mod setup;
 mod step;

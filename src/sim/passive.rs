@@ -56,6 +56,7 @@ impl<const D: usize> Simulation<D> {
             carrier,
             predictors: Vec::new(),
             pacing: None,
+            redistancing: None,
             fine: None,
             structures: Vec::new(),
             passive: Vec::new(),
@@ -166,6 +167,7 @@ impl<const D: usize> Simulation<D> {
         let carried = self.carry(&wind, &mut ahead, &mut displacement);
         (self.work.ahead, self.work.ahead_displacement) = (ahead, displacement);
         carried?;
+        self.redistance(self.state.steps + 1)?;
         self.phases.end(Phase::Transport);
         for list in &mut self.state.markers {
             crate::base::parallel::fill(list, 1, |_, part| {

@@ -99,6 +99,7 @@ impl Simulation<2> {
         };
         sim.state = State { flow, phi, stretch, displacement, earlier_u, pace, factored: None, ..old.clone() };
         sim.pacing.clone_from(&self.pacing);
+        sim.redistancing = self.redistancing;
         if let (Some(flow), true) = (&mut sim.flow, sim.pacing.is_some()) {
             flow.expect_changes();
         }

@@ -10,6 +10,7 @@ use crate::elastic::{Predictor, SharpMembrane};
 use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation, VelocityFunction, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
+use crate::levelset::Redistancing;
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, Wind};
 use nalgebra::SVector;
@@ -28,6 +29,8 @@ pub struct Simulation<const D: usize> {
     /// One a structure with the semi-implicit coupling, else none.
     pub(super) predictors: Vec<Predictor<D>>,
     pub(super) pacing: Option<Pacing>,
+    /// How level sets are redistanced, and after how many steps each time.
+    pub(super) redistancing: Option<(u64, Redistancing<D>)>,
     pub(super) fine: Option<Basis<D>>,
     pub(super) structures: Vec<Structure<D>>,
     pub(super) passive: Vec<LevelSet<D>>,
@@ -120,6 +123,7 @@ impl<const D: usize> Simulation<D> {
             carrier,
             predictors,
             pacing: None,
+            redistancing: None,
             fine,
             structures,
             passive: Vec::new(),
@@ -269,6 +273,7 @@ impl<const D: usize> Simulation<D> {
                 self.state.stretch = self.stretched(mean, &before, &self.state.phi.clone())?;
             }
             self.follow_markers([current, &next.u], mean);
+            self.redistance(self.state.steps + 1)?;
         }
         self.phases.end(Phase::Transport);
         std::mem::swap(&mut self.state.flow, next);

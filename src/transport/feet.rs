@@ -246,7 +246,7 @@ impl<const D: usize> Tracer<D> {
         self.locator.get_or_init(|| Locator::new(mesh)).locate(mesh, x)
     }
     /// The nearest of the images that periodic sides make of a displacement that is shorter than half a period.
-    pub(super) fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
+    pub fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
         // One pair of sides after the other; a corner needs one of each.
         for _ in 0..D {
             let images = self.shifts.iter().map(|shift| step - shift);

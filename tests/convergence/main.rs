@@ -14,6 +14,7 @@ mod explicit_limit;
 mod failures;
 mod freefem;
 mod geometry;
+mod redistance;
 mod relaxation;
 mod semi_implicit;
 mod sharp;

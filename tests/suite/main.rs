@@ -24,6 +24,7 @@ mod meshes;
 mod passive;
 mod precision;
 mod program;
+mod redistance;
 mod render;
 mod reproducible;
 mod run_folder;

@@ -10,7 +10,7 @@ use super::model::Model;
 use super::schema::{self, Chord, Curve, Ring};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
-use crate::levelset::{Delta, Shape};
+use crate::levelset::{Cutter, Delta, Shape};
 use crate::mesh::{Mesh, Point};
 use crate::sim::{InitialFunction, Simulation, Transfer};
 
@@ -25,6 +25,8 @@ pub trait Dimension<const D: usize> {
     const DROP: &'static [&'static str];
     /// What cells are called, more than one of them.
     const CELLS: &'static str;
+    /// How interfaces are cut where they are redistanced.
+    const CUTTER: Cutter<D>;
 
     /// The mesh of the scene before it is adapted, and what is to be said of it.
     ///

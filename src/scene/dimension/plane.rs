@@ -6,7 +6,7 @@ use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
-    self, Circle, Contour, Delta, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
+    self, Circle, Contour, Cutter, Delta, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
@@ -21,6 +21,7 @@ impl Dimension<2> for In<2> {
         &["area", "perimeter", "centre_x", "centre_y", "axis_1", "axis_2", "angle", "extent_x", "extent_y"];
     const CELLS: &'static str = "triangles";
     const DROP: &'static [&'static str] = &["circularity", "velocity_x", "velocity_y"];
+    const CUTTER: Cutter<2> = Cutter::PLANE;
     const STRAIN: &'static [&'static str] = &[];
 
     fn mesh(scene: &Scene) -> Result<(Mesh<2>, Vec<Warning>)> {

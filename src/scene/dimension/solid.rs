@@ -5,7 +5,7 @@ use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
-    self, Circle, Delta, Ellipsoid, Isosurface, LevelSolid, RoundedBlock, Shape as Distance, SolidUnion, Torus,
+    self, Circle, Cutter, Delta, Ellipsoid, Isosurface, LevelSolid, RoundedBlock, Shape as Distance, SolidUnion, Torus,
 };
 use crate::mesh::{Mesh, Point, gmsh};
 use crate::scene::Scene;
@@ -24,6 +24,7 @@ impl Dimension<3> for In<3> {
     ];
     const CELLS: &'static str = "tetrahedra";
     const DROP: &'static [&'static str] = &["sphericity", "velocity_x", "velocity_y", "velocity_z"];
+    const CUTTER: Cutter<3> = Cutter::SPACE;
     const STRAIN: &'static [&'static str] =
         &["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];
 

@@ -14,6 +14,7 @@ mod numerics;
 mod output;
 mod picture;
 mod polygon;
+mod redistance;
 mod shape;
 mod time;
 mod write;
@@ -31,6 +32,7 @@ pub use mesh::MeshSource;
 pub use numerics::{Numerics, TensionScheme};
 pub use output::{Flux, Force, Output, Probe, Profile, Quantity};
 pub use picture::{Cut, Picture};
+pub use redistance::Redistance;
 pub use shape::Shape;
 pub use time::Time;
 
@@ -163,6 +165,10 @@ impl Settings {
             return Err(item
                 .key_error("a mesh that changes cannot carry the chain of maps of composed transport")
                 .remedy("take numerics.transport = \"nodal\" or \"projected\", or leave mesh.adapt out"));
+        }
+        let table = scene.get("numerics").map(|i| i.open_table()).transpose()?;
+        if let Some(item) = table.and_then(|t| t.get("redistance")) {
+            redistance::check(&item, &membranes, !level_sets.is_empty(), numerics.transport)?;
         }
         Ok(Settings {
             title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),

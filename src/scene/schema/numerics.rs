@@ -1,6 +1,7 @@
 //! `[numerics]`: how the equations are solved.
 
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
+use super::redistance::{self, Redistance};
 use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::elastic::Band;
@@ -41,6 +42,8 @@ pub struct Numerics {
     pub solving: Solving,
     /// Degree of polynomials that quadrature integrates exactly.
     pub quadrature: Option<usize>,
+    /// How and when level sets become distances again; `None` for never.
+    pub redistance: Option<Redistance>,
 }
 
 /// A published scheme of surface tension.
@@ -200,6 +203,13 @@ pub(super) static KEYS: Keys = Keys {
             Auto,
             "Degree of the polynomials that quadrature integrates exactly.",
         ),
+        row(
+            "redistance",
+            Table(&redistance::KEYS),
+            "",
+            Optional,
+            "Makes level sets distances again. Not for elastic membranes, whose stretch is the slope of their level set.",
+        ),
     ],
 };
 
@@ -220,6 +230,7 @@ impl Numerics {
             solve_tolerance: SOLVE_TOLERANCE,
             solving: Solving::default(),
             quadrature: None,
+            redistance: None,
         };
         let Some(item) = item else { return Ok(numerics) };
         let table = item.table(&KEYS)?;
@@ -248,6 +259,7 @@ impl Numerics {
         let memory = table.optional("memory", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.solving.memory = memory.map(|gigabytes| (gigabytes * GIGABYTE) as usize);
         numerics.quadrature = table.optional("quadrature", |i| i.unless_auto(degree))?.flatten();
+        numerics.redistance = table.optional("redistance", Redistance::read)?;
         Ok(numerics)
     }
 
@@ -270,6 +282,7 @@ impl Numerics {
         out.entry("solver", name(self.solving.way, &WAYS));
         out.entry("memory", or_auto(self.solving.memory, |bytes| number(bytes as f64 / GIGABYTE)));
         out.entry("quadrature", or_auto(self.quadrature, |d| d.to_string()));
+        self.redistance.iter().for_each(|r| r.write(out));
     }
 }
 

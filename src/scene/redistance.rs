@@ -1,0 +1,36 @@
+//! Redistancing as a scene asks for it.
+
+use super::Scene;
+use super::dimension::{Dimension, In};
+use crate::levelset::{Redistance, Redistancing};
+use crate::sim::Simulation;
+
+/// Lets the level sets of a simulation become distances again, if the scene says so.
+pub(super) fn redistance<const D: usize>(scene: &Scene, simulation: &mut Simulation<D>)
+where
+    In<D>: Dimension<D>,
+{
+    if let Some(r) = scene.numerics.redistance {
+        let how = Redistancing { method: r.method, volume: r.volume, cutter: In::<D>::CUTTER };
+        simulation.redistance_every(r.every, how);
+    }
+}
+
+/// What is done, for the plan.
+pub(super) fn in_words(scene: &Scene) -> Option<String> {
+    let r = scene.numerics.redistance?;
+    let method = match r.method {
+        Redistance::HamiltonJacobi { iterations } => {
+            format!(
+                "{iterations} pseudo-time steps of (1.35), straight up to about {iterations} half edges from the interface"
+            )
+        }
+        Redistance::FastMarching => "fast marching, of first order away from the interface".into(),
+        Redistance::Exact => "the distance of each node from the zero set of the P2 function".into(),
+    };
+    let every = if r.every == 1 { "every step".into() } else { format!("every {} steps", r.every) };
+    let volume = if r.volume { "; a constant keeps what the interface encloses" } else { "" };
+    Some(format!(
+        "level sets redistanced after {every}: {method}{volume}; this displaces the interface a little each time"
+    ))
+}
