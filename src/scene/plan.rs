@@ -324,6 +324,7 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
                 "surface tension as a continuum force (1.32), explicit, with the curvature from recovered second derivatives".into()
             }
             Coupling::Explicit => "membrane force explicit".into(),
+            Coupling::FullyExplicit => "membrane force explicit, and the interface carried by the old velocity (remark 1.12)".into(),
             Coupling::SemiImplicit => format!(
                 "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored {}",
                 if is_stiff(scene) || !model.simulation.flow().is_some_and(|flow| flow.density().is_constant()) { "in each step" } else { "once" }
@@ -403,6 +404,9 @@ fn steps<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         Coupling::Explicit if ratio > 1.0 => {
             lines
                 .push("the explicit coupling will be unstable: take a smaller step, or coupling = \"implicit\"".into());
+        }
+        Coupling::FullyExplicit => {
+            lines.push("the fully explicit coupling is unstable without viscosity, with any step: remark 1.12".into());
         }
         Coupling::Explicit => {}
         Coupling::SemiImplicit if is_stiff(scene) => {

@@ -19,6 +19,8 @@ use std::sync::Arc;
 pub enum Coupling {
     /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
     Explicit,
+    /// The same with the interface carried by the old velocity too (remark 1.12): without viscosity unstable with any step. To show that.
+    FullyExplicit,
     /// The force of an interface that is predicted by an implicit diffusion: the book's semi-implicit scheme (3.62)-(3.64).
     SemiImplicit,
     /// Linearised in the velocity of the new time level.
@@ -92,6 +94,11 @@ impl<const D: usize> Settings<D> {
     /// # Errors
     /// The semi-implicit scheme, which is of order 1 and whose predictor divides by the density, at order 2 or without inertia.
     pub fn check_coupling(&self, structures: &[Structure<D>]) -> Result<()> {
+        if self.coupling == Coupling::FullyExplicit && self.order != 1 {
+            return Err(Error::scene("the fully explicit scheme of remark 1.12 is of order 1 in time")
+                .value(format!("order {}", self.order))
+                .remedy("take time.order = 1, or coupling = \"explicit\""));
+        }
         if self.coupling != Coupling::SemiImplicit || structures.is_empty() {
             return Ok(());
         }

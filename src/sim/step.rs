@@ -264,6 +264,8 @@ impl<const D: usize> Simulation<D> {
         if structures || !self.passive.is_empty() || self.has_backward_map() {
             if second {
                 combine(0.5, current, 0.5, &next.u, mean)
+            } else if self.settings.coupling == Coupling::FullyExplicit {
+                mean.clone_from(current)
             } else {
                 mean.clone_from(&next.u)
             }

@@ -47,7 +47,11 @@ impl<const D: usize> Simulation<D> {
 
     /// The largest step that the explicit coupling bears now: (1.54) with the greatest tension and the shortest edge of the bands.
     fn explicit_limit(&mut self) -> f64 {
-        let Some(flow) = self.flow.as_ref().filter(|_| self.settings.coupling == Coupling::Explicit) else {
+        let Some(flow) = self
+            .flow
+            .as_ref()
+            .filter(|_| matches!(self.settings.coupling, Coupling::Explicit | Coupling::FullyExplicit))
+        else {
             return f64::INFINITY;
         };
         let viscosity = self.least_viscosity();

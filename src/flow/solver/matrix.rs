@@ -33,10 +33,8 @@ impl<const D: usize> FlowSolver<D> {
         self.phases.end(Phase::Assembly);
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         if self.factor.is_none() {
-            let multipliers = Multipliers {
-                first: self.numbering.first_pressure(),
-                first_late: self.numbering.first_constant(),
-            };
+            let multipliers =
+                Multipliers { first: self.numbering.first_pressure(), first_late: self.numbering.first_constant() };
             let saddle = || self.saddle(weight);
             let factor = LaggedFactor::choose(base, multipliers, self.solving, self.tolerance, saddle)?;
             self.factor = Some(factor);

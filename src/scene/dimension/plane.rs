@@ -6,7 +6,8 @@ use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{
-    self, Circle, Contour, Cutter, Delta, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance, Union,
+    self, Circle, Contour, Cutter, Delta, Ellipse, Interface, LevelFunction, Polygon, RoundedBox, Shape as Distance,
+    Union,
 };
 use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::schema::{Chord, MeshSource, Ring, Shape};

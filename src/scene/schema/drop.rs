@@ -42,8 +42,8 @@ pub(super) static KEYS: Keys = Keys {
             "force",
             Choice(&FORCE_WORDS),
             "",
-            Default("\"smeared\""),
-            "Where surface tension acts: over a band of half-width `numerics.thickness`, or on the interface itself, cut out of the cells.",
+            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the semi-implicit coupling is given"),
+            "Where surface tension acts: on the interface itself, cut out of the cells, or over a band of half-width `numerics.thickness`.",
         ),
         row("chords", Named(&CHORD), "", Optional, "Lines along which the contour is measured."),
         row(
@@ -56,12 +56,18 @@ pub(super) static KEYS: Keys = Keys {
     ],
 };
 
-/// All drops, in the order of the scene. `membranes` are those read before, whose names are taken.
-pub(super) fn read(item: Option<Item>, membranes: &[Membrane], context: &Context) -> Result<Vec<Membrane>> {
+/// All drops, in the order of the scene. `membranes` are those read before, whose names are taken; `banded` says whether surface tension is that of a
+/// scheme which spreads it over a band.
+pub(super) fn read(
+    item: Option<Item>,
+    membranes: &[Membrane],
+    banded: bool,
+    context: &Context,
+) -> Result<Vec<Membrane>> {
     let Some(item) = item else { return Ok(Vec::new()) };
     let mut drops: Vec<Membrane> = Vec::new();
     for item in item.list()? {
-        let drop = read_one(&item, context)?;
+        let drop = read_one(&item, banded, context)?;
         if membranes.iter().chain(&drops).any(|m| m.name == drop.name) {
             let named = item.open_table()?.get("name").unwrap_or(item);
             return Err(named
@@ -73,7 +79,7 @@ pub(super) fn read(item: Option<Item>, membranes: &[Membrane], context: &Context
     Ok(drops)
 }
 
-fn read_one(item: &Item, context: &Context) -> Result<Membrane> {
+fn read_one(item: &Item, banded: bool, context: &Context) -> Result<Membrane> {
     let table = item.table(&KEYS)?;
     let shape = "give one: shape.circle = { centre = [0.5, 0.5], radius = 0.25 }";
     let tension = table.optional("tension", Item::non_negative)?.unwrap_or(0.0);
@@ -87,7 +93,11 @@ fn read_one(item: &Item, context: &Context) -> Result<Membrane> {
         map: Vec::new(),
         area_from: AreaFrom::Slope,
         mapped: false,
-        force: table.optional("force", |i| i.choice(&FORCES))?.unwrap_or(Force::Smeared),
+        force: table.optional("force", |i| i.choice(&FORCES))?.unwrap_or(if banded {
+            Force::Smeared
+        } else {
+            Force::Sharp
+        }),
         mass: 0.0,
         drop: Some(Drop {
             density: table.optional("density", Item::non_negative)?,

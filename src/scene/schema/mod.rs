@@ -41,7 +41,7 @@ use super::item::{self, Context, Item};
 use crate::base::Result;
 use crate::elastic::AreaLaw;
 use crate::fem::Element;
-use crate::sim;
+use crate::sim::{self, Coupling};
 use crate::transport::Method;
 use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
@@ -141,7 +141,9 @@ impl Settings {
         let adapt = adapt_item.as_ref().map(Adapt::read).transpose()?;
         let context = Context { dimension: mesh.dimension(), constants };
         let mut membranes = membrane::read(scene.get("membrane"), &context)?;
-        membranes.extend(drop::read(scene.get("drop"), &membranes, &context)?);
+        let numerics = Numerics::read(scene.get("numerics"))?;
+        let banded = numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;
+        membranes.extend(drop::read(scene.get("drop"), &membranes, banded, &context)?);
         let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
         let level_sets = level_set::read(scene.get("level_set"), &taken, &context)?;
         let fluid = |i: &Item| Fluid::read(i, &membranes, &context);
@@ -159,7 +161,6 @@ impl Settings {
             adapt.check_use(item, !interfaces.is_empty(), fluid.is_prescribed())?;
         }
         let sheared = membranes.iter().any(|m| m.surface.is_some());
-        let numerics = Numerics::read(scene.get("numerics"))?;
         check_elements(&scene, &numerics, &membranes, mesh.dimension(), adapt.is_some())?;
         if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
             return Err(item

@@ -69,8 +69,12 @@ const KERNELS: [(&str, Kernel); 2] = [("cosine", Kernel::Cosine), ("hat", Kernel
 const NORMS: [(&str, Norm); 2] = [("l2", Norm::L2), ("l1", Norm::L1)];
 const TRANSPORTS: [(&str, Method); 3] =
     [("nodal", Method::Nodal), ("projected", Method::Projected), ("composed", Method::Composed)];
-const COUPLINGS: [(&str, Coupling); 3] =
-    [("explicit", Coupling::Explicit), ("semi-implicit", Coupling::SemiImplicit), ("implicit", Coupling::Implicit)];
+const COUPLINGS: [(&str, Coupling); 4] = [
+    ("fully-explicit", Coupling::FullyExplicit),
+    ("explicit", Coupling::Explicit),
+    ("semi-implicit", Coupling::SemiImplicit),
+    ("implicit", Coupling::Implicit),
+];
 const WAYS: [(&str, Option<Way>); 4] =
     [("auto", None), ("direct", Some(Way::Direct)), ("single", Some(Way::Single)), ("schur", Some(Way::Schur))];
 const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
@@ -145,7 +149,8 @@ pub(super) static KEYS: Keys = Keys {
             "",
             Default("\"implicit\""),
             "How the force of a membrane enters a step: at the old interface, at one that is predicted by implicit \
-            diffusion (the book's semi-implicit scheme, for constant tension and `time.order = 1`), or linearised in the new velocity.",
+            diffusion (the book's semi-implicit scheme, for constant tension and `time.order = 1`), or linearised in the new velocity. \
+            \"fully-explicit\" carries the interface with the old velocity as well (remark 1.12): unstable without viscosity, there to show it.",
         ),
         row(
             "surface_tension",

@@ -111,7 +111,11 @@ impl Limits {
         let (unit, factors) = limit.formula.map_or((scene.time.step, RANGE_OF_STEP), |f| (f, RANGE));
         let range = range(self.least, self.most, unit, factors);
         // What the formula does not bind may well be stable at the largest step.
-        let guess = if scene.numerics.coupling == Coupling::Explicit { unit } else { range[1] };
+        let guess = if matches!(scene.numerics.coupling, Coupling::Explicit | Coupling::FullyExplicit) {
+            unit
+        } else {
+            range[1]
+        };
         let (mut refused, mut best) = (None, (0.0, Verdict::default()));
         limit.bracket = largest_stable_step(guess, range, self.accuracy, |dt| {
             if refused.is_some() {
