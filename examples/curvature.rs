@@ -1,6 +1,6 @@
 //! Curvatures of surfaces (annex 7.1 of the book) and of curves between two level sets (section 1.3), with their errors and orders.
 //!
-//!     cargo run --release --example curvature -- FOLDER
+//!     cargo run --release --example curvature -- --out FOLDER
 //!
 //! writes `curvature.csv` and `curves.csv` there, and the same as Markdown.
 
@@ -175,7 +175,7 @@ fn markdown(csv: &str) -> String {
 }
 
 fn main() -> Result<()> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());
+    let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
     let write = |name: &str, text: &str| {
         let path = Path::new(&folder).join(name);
         let failed =

@@ -1,7 +1,7 @@
 //! Table 1.1 of the book, the length of an ellipse by delta functions, with more rows: every delta function of `levelset::Delta`, signed
 //! distance and not, square and crooked meshes; and the smeared one over its width, cut-off function and norm.
 //!
-//!     cargo run --release --example delta -- FOLDER
+//!     cargo run --release --example delta -- --out FOLDER
 //!
 //! writes `delta.csv`, `width.csv`, the same as Markdown, and a chart there: the means of the absolute relative errors over random orientations and
 //! centres.
@@ -233,7 +233,7 @@ fn widths() -> Result<[String; 2]> {
 }
 
 fn main() -> Result<()> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());
+    let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
     let write = |name: &str, text: &str| {
         let path = Path::new(&folder).join(name);
         let failed =
