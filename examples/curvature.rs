@@ -1,8 +1,8 @@
 //! Curvatures of surfaces (annex 7.1 of the book) and of curves between two level sets (section 1.3), with their errors and orders.
 //!
-//!     cargo run --release --example curvature -- FOLDER
+//!     cargo run --release --example curvature -- --out FOLDER
 //!
-//! writes `curvature.csv` and `curves.csv` there.
+//! writes `curvature.csv` and `curves.csv` there, and the same as Markdown.
 
 #![allow(clippy::print_stdout, reason = "an example says what it does")]
 
@@ -154,8 +154,28 @@ fn curves(out: &mut String) -> Result<()> {
     curve(out, ("viviani", &shifted), viviani, &exact, &|x| x[0] < 0.8)
 }
 
+/// A table as Markdown, each error with its order in brackets.
+fn markdown(csv: &str) -> String {
+    let mut out = String::new();
+    for (i, line) in csv.lines().enumerate() {
+        let mut cells: Vec<String> = Vec::new();
+        for (name, cell) in csv.lines().next().unwrap_or_default().split(',').zip(line.split(',')) {
+            match (name == "order", i, cells.last_mut()) {
+                (false, ..) => cells.push(cell.to_string()),
+                (true, 1.., Some(last)) if cell != "NaN" => last.push_str(&format!(" ({cell})")),
+                _ => {}
+            }
+        }
+        let _ = writeln!(out, "| {} |", cells.join(" | "));
+        if i == 0 {
+            let _ = writeln!(out, "|{}", "---|".repeat(cells.len()));
+        }
+    }
+    out
+}
+
 fn main() -> Result<()> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());
+    let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
     let write = |name: &str, text: &str| {
         let path = Path::new(&folder).join(name);
         let failed =
@@ -169,7 +189,9 @@ fn main() -> Result<()> {
     let mut table = format!("surface,phi,{}", columns("H", "G"));
     surfaces(&mut table)?;
     write("curvature.csv", &table)?;
+    write("curvature.md", &markdown(&table))?;
     let mut table = format!("curve,{}", columns("curvature", "torsion"));
     curves(&mut table)?;
-    write("curves.csv", &table)
+    write("curves.csv", &table)?;
+    write("curves.md", &markdown(&table))
 }

@@ -1,9 +1,10 @@
 //! Table 1.1 of the book, the length of an ellipse by delta functions, with more rows: every delta function of `levelset::Delta`, signed
 //! distance and not, square and crooked meshes; and the smeared one over its width, cut-off function and norm.
 //!
-//!     cargo run --release --example delta -- FOLDER
+//!     cargo run --release --example delta -- --out FOLDER
 //!
-//! writes `delta.csv` and `width.csv` there: the mean of the absolute relative errors over random orientations and centres.
+//! writes `delta.csv`, `width.csv`, the same as Markdown, and a chart there: the means of the absolute relative errors over random orientations and
+//! centres.
 
 #![allow(clippy::print_stdout, reason = "an example says what it does")]
 
@@ -11,6 +12,7 @@ use immersa::base::{Error, Result, parallel};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Delta, Ellipse, Kernel, Norm, Smeared, Width, signed_distance};
 use immersa::mesh::{Diagonals, Mesh, Point, rectangle};
+use immersa::output::{Chart, Curve, Stroke};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -24,6 +26,15 @@ const PLACES: usize = 50;
 const STEPS: [f64; 6] = [0.2, 0.1, 0.05, 0.025, 0.0125, 0.00625];
 /// The half-width of the smeared delta functions of the first table, over that distance.
 const WIDTH: f64 = 1.5;
+/// Degree of the quadrature of smeared delta functions.
+const DEGREE: usize = 12;
+/// The columns of Table 1.1: Smereka's first, renormalisation, Smereka's second.
+const PUBLISHED: [[f64; 6]; 3] = [
+    [9.38e-3, 2.23e-3, 8.12e-4, 2.71e-4, 7.58e-5, 3.04e-5],
+    [1.5e-1, 5e-3, 1.3e-3, 3e-4, 8e-5, 2e-5],
+    [2.68e-3, 5.49e-4, 1.32e-4, 2.90e-5, 7.79e-6, 1.84e-6],
+];
+const NAMES: [&str; 5] = ["Smereka 1", "renormalised", "Smereka 2", "Towers", "cut"];
 
 /// Numbers in [0, 1) that are the same in every run (Knuth's MMIX generator).
 struct Random(u64);
@@ -104,67 +115,142 @@ fn errors(space: &Space<2>, function: Function, places: usize, deltas: &[Delta])
 }
 
 fn smeared(kernel: Kernel, norm: Norm, thickness: f64) -> Delta {
-    Delta::Smeared(Smeared { kernel, width: Width::Renormalised(norm), thickness, degree: 6 })
+    Delta::Smeared(Smeared { kernel, width: Width::Renormalised(norm), thickness, degree: DEGREE })
 }
 
-/// The rows of the first table for one kind of mesh.
-fn compare(crooked: bool, out: &mut String) -> Result<()> {
-    let names = ["smereka1", "renormalised", "smereka2", "towers", "cut"];
-    for (function, name) in [(Function::Distance, "distance"), (Function::Quadratic, "quadratic")] {
-        let mut last = [f64::NAN; 5];
+/// Errors of the five delta functions at all steps, on one kind of mesh with one kind of function.
+struct Case {
+    mesh: &'static str,
+    phi: &'static str,
+    errors: Vec<Vec<f64>>,
+}
+
+impl Case {
+    fn new(crooked: bool, function: Function) -> Result<Case> {
+        let mut found = Vec::new();
         for step in STEPS {
             let space = Space::new(&mesh(step, crooked)?, Element::P2);
             let renormalised = smeared(Kernel::Cosine, Norm::L2, WIDTH * step);
             let deltas = [Delta::Smereka1, renormalised, Delta::Smereka2, Delta::Towers, Delta::Cut];
-            let errors = errors(&space, function, PLACES, &deltas)?;
-            for (k, error) in errors.into_iter().enumerate() {
-                let (mesh, order) = (if crooked { "crooked" } else { "squares" }, (last[k] / error).log2());
-                let _ = writeln!(out, "{mesh},{name},{},{step},{error:.3e},{order:.2}", names[k]);
-                println!("{mesh} {name} {} {step}: {error:.3e} {order:.2}", names[k]);
-                last[k] = error;
+            found.push(errors(&space, function, PLACES, &deltas)?);
+            println!("crooked: {crooked}, {step}: {:.2e}", found[found.len() - 1][0]);
+        }
+        let phi = if matches!(function, Function::Distance) { "distance" } else { "quadratic" };
+        Ok(Case { mesh: if crooked { "crooked" } else { "squares" }, phi, errors: found })
+    }
+    /// The order of delta function `k` from the step before `i`.
+    fn order(&self, k: usize, i: usize) -> f64 {
+        i.checked_sub(1).map_or(f64::NAN, |j| (self.errors[j][k] / self.errors[i][k]).log2())
+    }
+    /// Error and order, as a table shows them.
+    fn cell(&self, k: usize, i: usize) -> String {
+        let order = self.order(k, i);
+        let order = if order.is_nan() { String::new() } else { format!(" ({order:.1})") };
+        format!("{:.1e}{order}", self.errors[i][k])
+    }
+    fn write_csv(&self, out: &mut String) {
+        for (k, name) in NAMES.iter().enumerate() {
+            for (i, step) in STEPS.iter().enumerate() {
+                let (error, order) = (self.errors[i][k], self.order(k, i));
+                let _ = writeln!(out, "{},{},{name},{step},{error:.3e},{order:.2}", self.mesh, self.phi);
             }
         }
     }
-    Ok(())
+    /// All delta functions, one a column.
+    fn markdown(&self) -> String {
+        let mut out = format!("| h | {} |\n|---|{}\n", NAMES.join(" | "), "---|".repeat(NAMES.len()));
+        for (i, step) in STEPS.iter().enumerate() {
+            let cells: Vec<String> = (0..NAMES.len()).map(|k| self.cell(k, i)).collect();
+            let _ = writeln!(out, "| {step} | {} |", cells.join(" | "));
+        }
+        out
+    }
 }
 
-/// The smeared delta over its width, cut-off function and norm.
-fn widths(out: &mut String) -> Result<()> {
+/// Table 1.1 beside ours: the renormalised delta of the quadratic function, Smereka's of the distance.
+fn published(distance: &Case, quadratic: &Case) -> String {
+    let mut out = String::from("| h |");
+    NAMES[..3].iter().for_each(|name| out.push_str(&format!(" {name}: book | ours |")));
+    out.push_str("\n|---|---|---|---|---|---|---|\n");
+    for (i, step) in STEPS.iter().enumerate() {
+        let _ = write!(out, "| {step} |");
+        for (k, case) in [distance, quadratic, distance].into_iter().enumerate() {
+            let _ = write!(out, " {:.1e} | {} |", PUBLISHED[k][i], case.cell(k, i));
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// The errors over the step; with the quadratic function, where the delta functions differ most.
+fn chart(case: &Case) -> String {
+    let curves = |k: usize| case.errors.iter().map(|e| e[k]).collect::<Vec<f64>>();
+    let ours: Vec<Vec<f64>> = (0..NAMES.len()).map(curves).collect();
+    let mut all: Vec<Curve> = Vec::new();
+    for (k, y) in ours.iter().enumerate() {
+        all.push(Curve { name: NAMES[k], x: &STEPS, y, stroke: Stroke::Marked, colour: Some(k) });
+    }
+    for (k, y) in PUBLISHED.iter().enumerate() {
+        all.push(Curve { name: "", x: &STEPS, y, stroke: Stroke::Dashed, colour: Some(k) });
+    }
+    let chart = Chart {
+        x_label: "distance of the nodes h",
+        y_label: "relative error of the length",
+        log_x: true,
+        log_y: true,
+        curves: all,
+        ..Chart::default()
+    };
+    chart.svg()
+}
+
+/// The smeared delta over its width, cut-off function and norm: as CSV and, of the finest step, as Markdown.
+fn widths() -> Result<[String; 2]> {
+    let mut csv = String::from("eps over h,kernel,norm,h,distance,quadratic\n");
+    let mut markdown = String::new();
     for step in [0.05, 0.025, 0.0125] {
         let space = Space::new(&mesh(step, false)?, Element::P2);
-        let mut deltas = Vec::new();
-        let mut names = Vec::new();
+        markdown = String::from("| eps/h | cosine, l2 | cosine, l1 | hat, l2 | hat, l1 |\n|---|---|---|---|---|\n");
         for width in [1.0, 1.5, 2.0, 3.0, 4.0, 6.0] {
+            let (mut deltas, mut names) = (Vec::new(), Vec::new());
             for (kernel, a) in [(Kernel::Cosine, "cosine"), (Kernel::Hat, "hat")] {
                 for (norm, b) in [(Norm::L2, "l2"), (Norm::L1, "l1")] {
                     deltas.push(smeared(kernel, norm, width * step));
-                    names.push(format!("{a},{b},{width}"));
+                    names.push(format!("{width},{a},{b}"));
                 }
             }
-        }
-        let both = [Function::Distance, Function::Quadratic].map(|f| errors(&space, f, PLACES, &deltas));
-        let [distance, quadratic] = both;
-        for ((name, d), q) in names.iter().zip(distance?).zip(quadratic?) {
-            let _ = writeln!(out, "{name},{step},{d:.3e},{q:.3e}");
-            println!("{name} {step}: {d:.3e} {q:.3e}");
+            let distance = errors(&space, Function::Distance, PLACES, &deltas)?;
+            let quadratic = errors(&space, Function::Quadratic, PLACES, &deltas)?;
+            let _ = write!(markdown, "| {width} |");
+            for ((name, d), q) in names.iter().zip(distance).zip(quadratic) {
+                let _ = writeln!(csv, "{name},{step},{d:.3e},{q:.3e}");
+                let _ = write!(markdown, " {d:.1e}, {q:.1e} |");
+            }
+            markdown.push('\n');
         }
     }
-    Ok(())
+    Ok([csv, markdown])
 }
 
 fn main() -> Result<()> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());
+    let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
     let write = |name: &str, text: &str| {
         let path = Path::new(&folder).join(name);
         let failed =
             |e: std::io::Error| Error::input("a table cannot be written").at(path.display().to_string()).value(e);
         std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, text)).map_err(failed)
     };
-    let mut table = String::from("mesh,phi,delta,h,error,order\n");
-    compare(false, &mut table)?;
-    compare(true, &mut table)?;
-    write("delta.csv", &table)?;
-    let mut table = String::from("kernel,norm,eps over h,h,distance,quadratic\n");
-    widths(&mut table)?;
-    write("width.csv", &table)
+    let squares = [Case::new(false, Function::Distance)?, Case::new(false, Function::Quadratic)?];
+    let crooked = [Case::new(true, Function::Distance)?, Case::new(true, Function::Quadratic)?];
+    let mut csv = String::from("mesh,phi,delta,h,error,order\n");
+    squares.iter().chain(&crooked).for_each(|case| case.write_csv(&mut csv));
+    write("delta.csv", &csv)?;
+    write("published.md", &published(&squares[0], &squares[1]))?;
+    write("squares-distance.md", &squares[0].markdown())?;
+    write("squares-quadratic.md", &squares[1].markdown())?;
+    write("crooked-distance.md", &crooked[0].markdown())?;
+    write("delta.svg", &chart(&squares[1]))?;
+    let [csv, markdown] = widths()?;
+    write("width.csv", &csv)?;
+    write("width.md", &markdown)
 }

@@ -371,4 +371,36 @@ mod tests {
         }
         assert_eq!(hessians(&space, &phi)[5], found[5].hessian);
     }
+
+    #[test]
+    fn gradients_are_of_order_three_and_cubics_are_exact_inside_of_cells_too() {
+        let f = |x: &Point<2>| (3.0 * x[0]).sin() * x[1].exp();
+        let gradient = |x: &Point<2>| Point::<2>::new(3.0 * (3.0 * x[0]).cos(), (3.0 * x[0]).sin()) * x[1].exp();
+        let errors = [10, 20, 40].map(|n| {
+            let mesh = irregular(n);
+            let space = Space::new(&mesh, Element::P2);
+            let points: Vec<u32> = (0..mesh.points().len() as u32).collect();
+            let found = Recovery::new(&mesh).at_points(&space, &space.interpolate(f), &points);
+            let error = |(d, x): (&Derivatives<2>, &Point<2>)| (d.gradient - gradient(x)).norm();
+            found.iter().zip(mesh.points()).map(error).fold(0.0, f64::max)
+        });
+        assert!((errors[0] / errors[2]).log2() / 2.0 > 2.4 && errors[2] < 2e-3, "{errors:?}");
+        let cubic = |x: &Point<2>| x[0].powi(3) - 2.0 * x[0] * x[1] * x[1] + x[1];
+        let mesh = irregular(5);
+        let space = Space::new(&mesh, Element::P2);
+        let points: Vec<u32> = (0..mesh.points().len() as u32).collect();
+        let known = Recovered::new(&Recovery::new(&mesh), &space, &space.interpolate(cubic), &points);
+        for c in 0..mesh.cell_count() {
+            let l = [0.2, 0.3, 0.5, 0.0];
+            let x =
+                mesh.cell(c).iter().zip(l).fold(Point::<2>::zeros(), |x, (&v, l)| x + mesh.points()[v as usize] * l);
+            let d = known.in_cell(&mesh, c, &l);
+            let exact = Point::<2>::new(3.0 * x[0] * x[0] - 2.0 * x[1] * x[1], 1.0 - 4.0 * x[0] * x[1]);
+            assert!((d.gradient - exact).norm() < 1e-9 && (d.hessian[(0, 1)] + 4.0 * x[1]).abs() < 1e-8);
+        }
+        assert_eq!(
+            Recovered::new(&Recovery::new(&mesh), &space, &vec![1.0; space.len()], &[]).at_vertex(3),
+            Derivatives::zero()
+        );
+    }
 }

@@ -183,7 +183,8 @@ fn onto_curve(space: &Space<3>, phi: [&[f64]; 2], cell: usize, start: Placed, re
         x += step;
         l[0] -= moved.sum();
         (0..3).for_each(|k| l[k + 1] += moved[k]);
-        if !((x - start.0).norm() <= reach) {
+        let moved = (x - start.0).norm();
+        if moved > reach || moved.is_nan() {
             return start;
         }
         if step.norm() <= REACHED * reach {

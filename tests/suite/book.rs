@@ -132,6 +132,8 @@ fn the_page_about_the_series_has_every_column() {
         probes.PROBE = { at = [0, 0], of = "pressure" }
         forces.FORCE = { boundary = "left", about = [0, 0] }
         fluxes.FLUX = { boundary = "left" }
+        deltas = ["smeared", "smereka1", "smereka2", "towers"]
+        curvature = true
     "#;
     let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
     let model = Model::<2>::new(&scene).unwrap();
