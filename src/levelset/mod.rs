@@ -22,6 +22,7 @@ mod measures;
 mod patch;
 mod polygon;
 mod quadratic;
+mod segmentation;
 mod shape;
 mod sign;
 mod solid;
@@ -43,6 +44,9 @@ pub use level_solid::LevelSolid;
 pub use measures::{ContourPoint, Measures};
 pub use patch::Triangle;
 pub use polygon::Polygon;
+pub use segmentation::{
+    Rebuild, Segmentation, SegmentationFit, SegmentationWeights, distance_to_contour, parts_inside,
+};
 pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
 pub use solid::SolidMeasures;
 pub use solid_union::SolidUnion;

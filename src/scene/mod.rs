@@ -7,6 +7,7 @@ mod dimension;
 mod document;
 mod errors;
 pub mod expression;
+mod image;
 mod item;
 mod model;
 pub(crate) mod nearest;

@@ -10,6 +10,7 @@ mod markers;
 mod materials;
 mod passive;
 mod remesh;
+mod segment;
 mod setup;
 mod step;
 mod stepper;

@@ -120,7 +120,10 @@ impl Folder {
         let state = sim.state();
         let names: Vec<String> = names(sim).map(|name| format!("{name}.level_set")).collect();
         let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
-        let mut fields = vec![("velocity", FieldData::Vector(&state.flow.u))];
+        let mut fields = vec![match sim.image() {
+            Some(image) => ("image", FieldData::Scalar(image)),
+            None => ("velocity", FieldData::Vector(&state.flow.u)),
+        }];
         if !sim.is_prescribed() {
             fields.push(("pressure", FieldData::Scalar(&state.flow.p)));
         }
