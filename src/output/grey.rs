@@ -47,7 +47,7 @@ impl GreyImage {
     /// # Errors
     /// Those of [`read`](Self::read), as far as the first bytes tell.
     pub fn size(path: &Path) -> Result<[usize; 2]> {
-        let bytes = read(path)?;
+        let bytes = bytes_of(path)?;
         let mut decoder = decoder(&bytes, path)?;
         let info = decoder.read_header_info().map_err(|e| damaged(path, &e))?;
         checked_size(path, [info.width, info.height])
@@ -60,7 +60,7 @@ impl GreyImage {
     /// Of kind [`Input`](crate::base::Kind::Input): the file cannot be read, is in another format or damaged, is too large, or is
     /// transparent somewhere.
     pub fn read(path: &Path) -> Result<GreyImage> {
-        let bytes = read(path)?;
+        let bytes = bytes_of(path)?;
         let mut decoder = decoder(&bytes, path)?;
         decoder.set_transformations(Transformations::EXPAND);
         let mut reader = decoder.read_info().map_err(|e| damaged(path, &e))?;
@@ -139,6 +139,15 @@ impl GreyImage {
         written.map_err(|e| Error::internal("cannot encode an image").value(e))?;
         Ok(bytes)
     }
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    read(path).map_err(|e| {
+        Error::input(format!("the image cannot be read: {}", e.wrong_value()))
+            .at(path.display().to_string())
+            .value(path.display())
+            .remedy("correct its name; it is looked for relative to the folder of the scene")
+    })
 }
 
 /// A decoder of a file that begins like a PNG.
@@ -226,7 +235,7 @@ mod tests {
             let e = GreyImage::read(&path).unwrap_err();
             assert!(e.to_string().contains(part) && e.kind() == Kind::Input && !e.advice().is_empty(), "{part}: {e}");
         };
-        told("cannot read a file");
+        told("the image cannot be read");
         fs::write(&path, b"\xff\xd8\xff\xe0 and so on").unwrap();
         told("it looks like JPEG");
         fs::write(&path, b"hello").unwrap();

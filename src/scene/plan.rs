@@ -283,7 +283,10 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         let given = if scene.numerics.thickness.is_some() { "" } else { " (derived)" };
         return vec![
             format!("step {}, implicit in the length; one scalar matrix, factored in each step", s.dt),
-            format!("band half-width {eps:.4}{given}; a signed distance again every {} steps", image.rebuild),
+            match image.rebuild {
+                1 => format!("band half-width {eps:.4}{given}; a signed distance again after every step"),
+                n => format!("band half-width {eps:.4}{given}; a signed distance again after every {n} steps"),
+            },
         ];
     }
     if model.simulation.is_prescribed() {

@@ -157,7 +157,7 @@ fn what_means_nothing_beside_an_image_is_refused() {
         ("output.fluxes.f={ boundary = 'left' }", "`output.fluxes` means nothing"),
         ("output.probes.p={ at = [1, 1], of = 'speed' }", "nothing flows"),
         ("output.picture={ field = 'speed' }", "ask for level_set"),
-        ("image.file=other.png", "cannot read a file"),
+        ("image.file=other.png", "the image cannot be read"),
         ("image.file=scene.toml", "not a PNG file"),
         ("image.mask=scene.toml", "not a PNG file"),
         ("image.file=''", "the name of the image is empty"),
@@ -221,7 +221,7 @@ fn a_run_leaves_contours_and_images_and_is_drawn_again_without_them() {
     // Without the image the run can still be drawn.
     fs::remove_file(folder.join("discs.png")).unwrap();
     immersa(folder, &["render", "run"]).expect(0, &[]);
-    immersa(folder, &["explain", "run/scene.toml"]).expect(3, &["cannot read a file", "discs.png"]);
+    immersa(folder, &["explain", "run/scene.toml"]).expect(3, &["the image cannot be read", "discs.png"]);
 }
 
 #[test]

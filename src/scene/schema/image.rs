@@ -105,7 +105,8 @@ impl Image {
 
     /// The mesh of a scene that gives none: a rectangle over the image with squares of two pixels, so that P2 nodes are where pixels meet.
     pub(super) fn mesh(&self, item: &Item) -> Result<MeshSource> {
-        let size = GreyImage::size(&self.path).map_err(|e| item.blame(e))?;
+        let file = item.open_table()?.get("file");
+        let size = GreyImage::size(&self.path).map_err(|e| file.as_ref().unwrap_or(item).blame(e))?;
         if size[0] * size[1] > MOST_PIXELS {
             return Err(item
                 .key_error(format!("an image of {} x {} pixels would make too large a mesh", size[0], size[1]))
