@@ -53,8 +53,8 @@ pub(super) static KEYS: Keys = Keys {
             "field",
             Choice(&FIELD_WORDS),
             "",
-            Default("\"speed\""),
-            "The field whose values are the colours. Where an image is segmented it is that `image` in grey (the default) or the level set. In space, where backward characteristics are carried, also the area change Z1 and the shear \
+            Derived("speed; image where one is segmented; the level set where one is carried by a given velocity"),
+            "The field whose values are the colours. Where an image is segmented it is that `image` in grey, or the level set. In space, where backward characteristics are carried, also the area change Z1 and the shear \
              Z2 of the one interface, or a checkerboard that its material carries.",
         ),
         row(
