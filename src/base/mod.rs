@@ -5,9 +5,11 @@ pub mod bytes;
 mod error;
 mod hash;
 pub mod parallel;
+mod partition;
 mod phases;
 
 pub use bandwidth::copy_bandwidth;
 pub use error::{Error, Kind, Result, Snippet, Warning};
 pub use hash::fnv1a;
+pub use partition::Partition;
 pub use phases::{PHASES, Phase, Phases};

@@ -2,7 +2,7 @@
 
 use super::condition::{Condition, Conditions};
 use super::space::Space;
-use crate::base::{Error, Result};
+use crate::base::{Error, Partition, Result};
 use crate::mesh::{Mesh, Point};
 use nalgebra::SVector;
 use std::collections::HashMap;
@@ -83,14 +83,7 @@ pub fn image_shifts<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
 
 /// For every node the first of the nodes it is identified with, its master.
 pub(super) fn identify<const D: usize>(space: &Space<D>, translations: &[Translation<D>]) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..space.len() as u32).collect();
-    fn root(parent: &mut [u32], mut n: u32) -> u32 {
-        while parent[n as usize] != n {
-            parent[n as usize] = parent[parent[n as usize] as usize];
-            n = parent[n as usize];
-        }
-        n
-    }
+    let mut same = Partition::new(space.len());
     let mesh = space.mesh();
     for t in translations {
         let (mine, theirs) = (&mesh.facets()[t.facet as usize], &mesh.facets()[t.partner as usize]);
@@ -98,10 +91,9 @@ pub(super) fn identify<const D: usize>(space: &Space<D>, translations: &[Transla
             let target = space.nodes()[a as usize] + t.shift;
             let distance = |n: &u32| (space.nodes()[*n as usize] - target).norm();
             if let Some(b) = space.facet_nodes(theirs).min_by(|x, y| distance(x).total_cmp(&distance(y))) {
-                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-                parent[a.max(b) as usize] = a.min(b);
+                same.join(a, b);
             }
         }
     }
-    (0..space.len() as u32).map(|n| root(&mut parent, n)).collect()
+    (0..space.len() as u32).map(|n| same.first(n)).collect()
 }

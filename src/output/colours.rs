@@ -46,10 +46,14 @@ const STEPS: usize = 512;
 
 impl Colours {
     pub fn new(scale: Scale) -> Colours {
+        Colours::with(scale, false)
+    }
+    /// Greys from black to white where `grey`, else colours.
+    pub fn with(scale: Scale, grey: bool) -> Colours {
         let Scale { low, high } = if scale.low <= scale.high { scale } else { Scale { low: 0.0, high: 1.0 } };
         let largest = low.abs().max(high.abs());
         // A few negative values of a field that is positive by nature do not make it a signed one.
-        let signed = low < 0.0 && high > 0.0 && low.abs().min(high) > 0.05 * largest;
+        let signed = !grey && low < 0.0 && high > 0.0 && low.abs().min(high) > 0.05 * largest;
         let (low, high) = match (signed, largest) {
             (true, _) => (-largest, largest),
             (_, 0.0) => (0.0, 1.0),
@@ -59,6 +63,9 @@ impl Colours {
         };
         let colour = |k: usize| {
             let s = k as f64 / (STEPS - 1) as f64;
+            if grey {
+                return [(255.0 * s).round() as u8; 3];
+            }
             let map = if signed { colorous::RED_BLUE } else { colorous::VIRIDIS };
             let c = map.eval_continuous(if signed { 1.0 - s } else { s });
             [c.r, c.g, c.b]

@@ -20,6 +20,8 @@ pub struct Picture<'a> {
     pub field: FieldData<'a, 2>,
     /// The range of the colours; [`Scale::of`] the field, or one for all frames of a film.
     pub scale: Scale,
+    /// Whether the colours are greys; level sets are then drawn in a colour.
+    pub grey: bool,
     /// Title, with the unit if there is one.
     pub title: &'a str,
     /// Time, shown at the upper right.
@@ -54,6 +56,8 @@ const SMALLEST: f64 = 130.0;
 const SPACING: f64 = 30.0;
 
 const LINE: Ink = Ink::solid([12, 12, 16]);
+/// On greys.
+const LINE_ON_GREY: Ink = Ink::solid([224, 58, 22]);
 
 impl<'a> Picture<'a> {
     /// A picture of `field` alone, in the scale that fits it, at most 760 by 680 pixels.
@@ -63,6 +67,7 @@ impl<'a> Picture<'a> {
             space,
             field,
             scale,
+            grey: false,
             title,
             time: None,
             interfaces: Vec::new(),
@@ -78,7 +83,7 @@ impl<'a> Picture<'a> {
     pub fn draw(&self) -> Result<Image> {
         let frame = Frame::of(self);
         let mut image = Image::white(frame.image[0], frame.image[1]);
-        let colours = Colours::new(self.scale);
+        let colours = Colours::with(self.scale, self.grey);
         self.colour(&frame, &colours, &mut image)?;
         if self.mesh {
             image.stroke(&self.edges(&frame, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
@@ -149,7 +154,8 @@ impl<'a> Picture<'a> {
             let value = self.space.value(phi, c, l).abs();
             (value / self.space.gradient(phi, c, l).norm() * frame.scale) as f32
         });
-        for (width, ink) in [(4.6, Ink { rgb: [255; 3], opacity: 0.7 }), (2.2, LINE)] {
+        let line = if self.grey { LINE_ON_GREY } else { LINE };
+        for (width, ink) in [(4.6, Ink { rgb: [255; 3], opacity: 0.7 }), (2.2, line)] {
             for (i, d) in distance.iter().enumerate().filter(|(_, d)| **d < 0.5 * width + 0.5) {
                 let (x, y) = (i % lattice.columns, i / lattice.columns);
                 image.blend(frame.corner[0] + x, frame.corner[1] + y, ink, (0.5 * width + 0.5 - d).min(1.0));

@@ -5,6 +5,7 @@ use super::dimension::{Dimension, In, point};
 use super::drops;
 use super::errors;
 use super::geometry::{self, CURVE_COLUMNS};
+use super::image::Answer;
 use super::model::Model;
 use super::schema::{Profile, Quantity};
 use crate::base::{Error, Result};
@@ -28,6 +29,10 @@ const COMMON: [&str; 9] = [
 
 /// The columns that a run with a prescribed velocity has.
 const PASSIVE: [&str; 3] = ["velocity_max", "divergence", "cfl"];
+/// The columns that a run has which segments an image: energies, mean levels inside and outside, connected parts of the inside.
+const SEGMENTED: [&str; 6] = ["energy", "energy_fidelity", "energy_length", "c1", "c2", "components"];
+/// The columns that a known answer adds.
+const ANSWERED: [&str; 2] = ["area_error", "misclassified"];
 /// The columns that composed transport adds.
 const COMPOSED: [&str; 2] = ["submaps", "map_error"];
 /// The columns that a mesh which follows adds.
@@ -40,6 +45,7 @@ pub struct Diagnostics<'a, const D: usize = 2> {
     scene: &'a Scene,
     probes: Vec<Location>,
     profiles: Vec<Vec<(Point<D>, Location)>>,
+    answer: Option<Answer>,
 }
 
 impl<'a, const D: usize> Diagnostics<'a, D>
@@ -72,7 +78,7 @@ where
         for (table, name, boundary) in named_boundaries(scene) {
             mesh.boundary(boundary).map_err(|e| scene.blame(&["output", table, name, "boundary"], e))?;
         }
-        Ok(Diagnostics { scene, probes, profiles })
+        Ok(Diagnostics { scene, probes, profiles, answer: Answer::of(scene)? })
     }
 
     /// The names of the columns, without `time`.
@@ -96,8 +102,15 @@ where
             names.extend(self.strain().chain(markers.iter().copied()).map(|c| format!("{}.{c}", s.name)));
             names.extend(geometry::columns::<D>(self.scene).iter().map(|c| format!("{}.{c}", s.name)));
         }
-        let common: &[&str] = if self.scene.fluid.is_prescribed() { &PASSIVE } else { &COMMON };
+        let common: &[&str] = match (&self.scene.image, self.scene.fluid.is_prescribed()) {
+            (Some(_), _) => &SEGMENTED,
+            (None, true) => &PASSIVE,
+            (None, false) => &COMMON,
+        };
         names.extend(common.iter().map(ToString::to_string));
+        if self.answer.is_some() {
+            names.extend(ANSWERED.iter().map(ToString::to_string));
+        }
         if self.has_map() {
             names.extend(COMPOSED.iter().map(ToString::to_string));
         }
@@ -142,7 +155,11 @@ where
             row.extend(In::<D>::measure(sim, k, &[], &[])?);
             row.extend(geometry::row(self.scene, model, k)?);
         }
-        if sim.is_prescribed() {
+        if let Some((fit, parts)) = sim.segmented()? {
+            let [c1, c2] = fit.levels;
+            row.extend([fit.fidelity + fit.length, fit.fidelity, fit.length, c1, c2, parts as f64]);
+            row.extend(self.answer.iter().flat_map(|answer| In::<D>::compare(answer, sim)));
+        } else if sim.is_prescribed() {
             row.extend([sim.largest_speed(), sim.divergence(), sim.courant()]);
         } else {
             let e = state.energies;
@@ -276,6 +293,6 @@ fn values<const D: usize>(sim: &Simulation<D>, at: &Location, of: Quantity) -> V
         Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),
         Quantity::Stretch => phi(&|f| space.gradient(f, cell, &at.barycentric).norm()),
         // Asked for in pictures alone.
-        Quantity::AreaChange | Quantity::Shear | Quantity::Checkerboard => vec![f64::NAN],
+        Quantity::AreaChange | Quantity::Shear | Quantity::Image | Quantity::Checkerboard => vec![f64::NAN],
     }
 }

@@ -57,6 +57,16 @@ impl<'a> Item<'a> {
         self.document.error(self.key_place, &self.key, what).value(value)
     }
 
+    /// Says of an error that it is about this value.
+    pub fn blame(&self, error: Error) -> Error {
+        let placed = self.error("");
+        let error = error.at(placed.place());
+        match placed.source_snippet() {
+            Some(snippet) => error.snippet(snippet.clone()),
+            None => error,
+        }
+    }
+
     fn wrong_kind(&self, expected: &str) -> Error {
         self.error(format!("`{}` is {}, but must be {expected}", self.key, self.node.value.kind()))
     }

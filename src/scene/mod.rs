@@ -9,6 +9,7 @@ mod drops;
 mod errors;
 pub mod expression;
 mod geometry;
+mod image;
 mod item;
 mod model;
 pub(crate) mod nearest;

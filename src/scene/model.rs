@@ -5,6 +5,7 @@ use super::adapt::Lengths;
 use super::checks::{check_motion_is_fixed, unreached_profiles};
 use super::dimension::{Dimension, In, coordinates};
 use super::expression::Expression;
+use super::image::segmenting;
 use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, nearest_image, prescribed};
 use super::plan::is_stepped;
@@ -105,6 +106,9 @@ where
         check_map(scene, !pairs.is_empty())?;
         check_slice(scene, mesh.bounding_box())?;
         let mut model = Draft { scene, mesh: &mesh, space: &space, pairs, warnings };
+        if let Some(image) = &scene.image {
+            return segmenting(scene, image, model, conditions, quality);
+        }
         if scene.fluid.is_prescribed() {
             return prescribed(scene, model, conditions, quality, lengths);
         }

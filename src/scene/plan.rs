@@ -6,7 +6,7 @@ use super::diagnostics::has_backward_map;
 use super::dimension::{Dimension, In};
 use super::model::{Model, band_of};
 use super::redistance::in_words;
-use super::schema::{Adapt, Condition, Contrast, Membrane, MeshSource};
+use super::schema::{Adapt, Condition, Contrast, Image, Membrane, MeshSource};
 use crate::base::Result;
 use crate::elastic::{AreaFrom, AreaLaw, Band, Force, ShearLaw, SurfaceLaw};
 use crate::fem::Element;
@@ -100,6 +100,9 @@ fn follows(adapt: &Adapt, lengths: &Lengths) -> String {
 
 fn solved<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let sim = &model.simulation;
+    if let Some(image) = &scene.image {
+        return segmentation(model, scene, image);
+    }
     if let Some(velocity) = &scene.fluid.prescribed_velocity {
         return passive(scene, velocity);
     }
@@ -236,6 +239,23 @@ fn passive(scene: &Scene, velocity: &[super::Expression]) -> Vec<String> {
     lines
 }
 
+/// What is done to an image.
+fn segmentation<const D: usize>(model: &Model<D>, scene: &Scene, image: &Image) -> Vec<String> {
+    let names = scene.interfaces().map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let (alpha, beta, eps) = (image.fidelity, image.length, model.thickness.unwrap_or(f64::NAN));
+    vec![
+        format!(
+            "no flow: the level set {names} segments the image {}, side of a pixel {}",
+            image.path.display(),
+            image.pixel
+        ),
+        format!(
+            "it descends along {alpha} E1 + {beta} E2, misfit and length, by (1.29) with c1 and c2 the mean levels inside and outside"
+        ),
+        format!("its zero line moves by {eps} in a step at most, and finds only objects that it comes by"),
+    ]
+}
+
 fn level_sets(scene: &Scene) -> impl Iterator<Item = String> + '_ {
     scene.level_sets.iter().map(|s| {
         let markers = if s.markers > 0 { format!("; {} markers follow it", s.markers) } else { String::new() };
@@ -268,6 +288,16 @@ fn transport<const D: usize>(model: &Model<D>, scene: &Scene) -> String {
 
 fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let s = model.simulation.settings();
+    if let (Some(image), Some(eps)) = (&scene.image, model.thickness) {
+        let given = if scene.numerics.thickness.is_some() { "" } else { " (derived)" };
+        return vec![
+            format!("step {}, implicit in the length; one scalar matrix, factored in each step", s.dt),
+            match image.rebuild {
+                1 => format!("band half-width {eps:.4}{given}; a signed distance again after every step"),
+                n => format!("band half-width {eps:.4}{given}; a signed distance again after every {n} steps"),
+            },
+        ];
+    }
     if model.simulation.is_prescribed() {
         let mut lines = vec![
             format!(
@@ -340,6 +370,11 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
 fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
     let sim = &model.simulation;
     let mut lines = Vec::new();
+    if sim.image().is_some() {
+        lines.push("flow, pressure and boundary conditions: an image is segmented, and nothing flows");
+        lines.extend(third_dimension(D));
+        return lines.into_iter().map(String::from).collect();
+    }
     if sim.is_prescribed() {
         lines.push("flow, pressure, boundary conditions and every matrix of them: the velocity is prescribed");
         if scene.numerics.redistance.is_none() {

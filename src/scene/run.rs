@@ -270,7 +270,10 @@ where
     /// Writes the summary, whatever came of the run, and keeps the last good state.
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
-        let result = result.and_then(|()| self.save());
+        let result = result.and_then(|()| {
+            In::<D>::write_segmentation(self.scene, &self.model.simulation, self.folder.path())?;
+            self.save()
+        });
         self.record.note_costs(&mut self.model.simulation);
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();

@@ -11,6 +11,7 @@ mod materials;
 mod passive;
 mod redistance;
 mod remesh;
+mod segment;
 mod setup;
 mod step;
 mod stepper;

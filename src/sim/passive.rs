@@ -52,6 +52,7 @@ impl<const D: usize> Simulation<D> {
             space,
             flow: None,
             given: Some(velocity),
+            descent: None,
             translations,
             carrier,
             predictors: Vec::new(),
@@ -177,12 +178,14 @@ impl<const D: usize> Simulation<D> {
         self.state.flow.u = next;
         self.state.steps += 1;
         self.state.time = self.state.steps as f64 * dt;
-        Ok(StepReport {
-            solve: SolveReport { residual: 0.0, refinements: 0, iterations: 0 },
-            refactored: false,
-            given_up: false,
-        })
+        Ok(nothing_solved())
     }
+}
+
+/// The report of a step that solves no flow.
+pub(super) fn nothing_solved() -> StepReport {
+    let solve = SolveReport { residual: 0.0, refinements: 0, iterations: 0 };
+    StepReport { solve, refactored: false, given_up: false }
 }
 
 impl Simulation<2> {

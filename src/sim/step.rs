@@ -4,6 +4,7 @@ use super::budget::{Budget, Energies};
 use super::carrier::Carrier;
 use super::clock::Pacing;
 use super::markers;
+use super::segment::Descent;
 use super::setup::{Configuration, Coupling, LevelSet, Settings, State, Structure};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::elastic::{Predictor, SharpMembrane};
@@ -11,6 +12,7 @@ use crate::fem::{At, Basis, Cells, Element, Projector, Rule, Space, Translation,
 use crate::flow::term::MomentumTerm;
 use crate::flow::{FlowSolver, FlowState, History, Load, Step, StepReport, kinetic_outflow};
 use crate::levelset::Redistancing;
+use crate::levelset::Segmentation;
 use crate::mesh::{Mesh, Point};
 use crate::transport::{Feet, Method, Tracer, Wind};
 use nalgebra::SVector;
@@ -24,6 +26,8 @@ pub struct Simulation<const D: usize> {
     pub(super) flow: Option<FlowSolver<D>>,
     /// The velocity, when it is prescribed.
     pub(super) given: Option<VelocityFunction<D>>,
+    /// The segmentation of an image, in a simulation without a flow.
+    pub(super) descent: Option<Descent<D>>,
     pub(super) translations: Vec<Translation<D>>,
     pub(super) carrier: Carrier<D>,
     /// One a structure with the semi-implicit coupling, else none.
@@ -119,6 +123,7 @@ impl<const D: usize> Simulation<D> {
             space,
             flow: None,
             given: None,
+            descent: None,
             translations,
             carrier,
             predictors,
@@ -171,7 +176,9 @@ impl<const D: usize> Simulation<D> {
 
     /// A step of the length that is set.
     pub(super) fn single_step(&mut self) -> Result<StepReport> {
-        let Some(mut flow) = self.flow.take() else { return self.drift() };
+        let Some(mut flow) = self.flow.take() else {
+            return if self.descent.is_some() { self.descend() } else { self.drift() };
+        };
         let mut work = std::mem::take(&mut self.work);
         let result = self.flow_step(&mut flow, &mut work);
         (self.flow, self.work) = (Some(flow), work);
@@ -557,7 +564,8 @@ impl<const D: usize> Simulation<D> {
     pub fn factor_bytes(&self) -> usize {
         let flow = self.flow.as_ref().map_or(0, FlowSolver::factor_bytes);
         let predictors = self.predictors.iter().map(Predictor::bytes).sum::<usize>();
-        flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes) + predictors
+        let segmentation = self.segmentation().map_or(0, Segmentation::bytes);
+        flow + self.carrier.projector.as_ref().map_or(0, Projector::bytes) + predictors + segmentation
     }
 }
 

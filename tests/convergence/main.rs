@@ -9,6 +9,7 @@ mod membrane;
 mod tools;
 
 mod body;
+mod contours;
 mod energy;
 mod explicit_limit;
 mod failures;

@@ -108,6 +108,12 @@ fn the_page_about_the_scene_is_the_reference() {
     );
 }
 
+/// The columns of the series of a scene.
+fn columns(scene: &Scene) -> Vec<String> {
+    let model = Model::<2>::new(scene).unwrap();
+    Diagnostics::new(scene, &model).unwrap().columns()
+}
+
 #[test]
 fn the_page_about_the_series_has_every_column() {
     let page = fs::read_to_string(source().join("reference/series.md")).unwrap();
@@ -136,8 +142,9 @@ fn the_page_about_the_series_has_every_column() {
         curvature = true
     "#;
     let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
-    let model = Model::<2>::new(&scene).unwrap();
-    for column in Diagnostics::new(&scene, &model).unwrap().columns() {
+    let image =
+        Scene::load(&source().join("examples/active-contours/scene.toml"), &["level_set.0.name=LEVEL_SET".into()]);
+    for column in [scene, image.unwrap()].iter().flat_map(columns) {
         // A level set has the columns of a membrane.
         let like = column.replace("LEVEL_SET", "MEMBRANE");
         assert!([&column, &like].iter().any(|c| page.contains(&format!("`{c}`"))), "{column} is not on the page");

@@ -30,6 +30,7 @@ mod reproducible;
 mod run_folder;
 mod runs;
 mod scenes;
+mod segmentation;
 mod shear;
 mod solvers;
 mod space;

@@ -6,6 +6,7 @@ mod solid;
 use super::Scene;
 use super::adapt::Lengths;
 use super::geometry::CURVE_COLUMNS;
+use super::image::Answer;
 use super::model::Model;
 use super::schema::{self, Chord, Curve, Ring};
 use crate::base::{Error, Result, Warning};
@@ -13,6 +14,7 @@ use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{Cutter, Delta, Shape};
 use crate::mesh::{Mesh, Point};
 use crate::sim::{InitialFunction, Simulation, Transfer};
+use std::path::Path;
 
 /// Stands for `D` dimensions, of which [`Dimension`] says what is particular.
 pub struct In<const D: usize>;
@@ -78,6 +80,27 @@ pub trait Dimension<const D: usize> {
         Err(Error::scene("markers follow a curve, and the interface is a surface")
             .value(count)
             .remedy("leave them out"))
+    }
+
+    /// A level set made a signed distance again, for the segmentation of an image.
+    ///
+    /// # Errors
+    /// There is no interface.
+    fn rebuilt(_space: &Space<D>, _phi: &[f64]) -> Result<Vec<f64>> {
+        Err(Error::internal("an image is plane"))
+    }
+
+    /// How the level set differs from the known answer of a segmentation: relative error of the area, and pixels on the wrong side.
+    fn compare(_answer: &Answer, _sim: &Simulation<D>) -> [f64; 2] {
+        [f64::NAN; 2]
+    }
+
+    /// Writes what the segmentation of an image has come to.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    fn write_segmentation(_scene: &Scene, _sim: &Simulation<D>, _folder: &Path) -> Result<()> {
+        Ok(())
     }
 
     /// The mesh of a scene that follows its interfaces, at the start: from the mesh as given.

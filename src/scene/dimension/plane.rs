@@ -1,6 +1,7 @@
 //! Scenes of the plane.
 
 use super::super::adapt;
+use super::super::image::{Answer, write_segmentation};
 use super::super::refined::refined;
 use super::{Dimension, In, coordinates, other_dimension, parted, point};
 use crate::base::{Error, Result, Warning};
@@ -13,6 +14,7 @@ use crate::mesh::{self, Mesh, Point, gmsh};
 use crate::scene::schema::{Chord, MeshSource, Ring, Shape};
 use crate::scene::{Model, Scene};
 use crate::sim::{InitialFunction, Simulation, Transfer};
+use std::path::Path;
 
 /// Number of [`MEASURES`](Dimension::MEASURES).
 const COUNT: usize = 9;
@@ -88,6 +90,18 @@ impl Dimension<2> for In<2> {
 
     fn markers(space: &Space<2>, phi: &[f64], distance: &InitialFunction<2>, count: usize) -> Result<Vec<Point<2>>> {
         markers(&Contour::new(space, phi)?, distance, count)
+    }
+
+    fn rebuilt(space: &Space<2>, phi: &[f64]) -> Result<Vec<f64>> {
+        levelset::distance_to_contour(space, phi)
+    }
+
+    fn compare(answer: &Answer, sim: &Simulation<2>) -> [f64; 2] {
+        answer.compare(sim)
+    }
+
+    fn write_segmentation(scene: &Scene, sim: &Simulation<2>, folder: &Path) -> Result<()> {
+        write_segmentation(scene, sim, folder)
     }
 
     fn adapted_start(scene: &Scene, given: Mesh<2>, lengths: &adapt::Lengths) -> Result<Mesh<2>> {

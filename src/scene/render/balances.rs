@@ -1,6 +1,7 @@
 //! Tables of the page: what ought to be zero, the columns of the series, where the time went.
 
 use super::folder::RunFolder;
+use super::segmentation;
 use crate::base::{PHASES, Phase};
 use crate::output::{Listing, rounded};
 
@@ -30,7 +31,13 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         run.summary.balance.largest_rise.map(per_cent),
         "0 or less when nothing drives the flow",
     );
-    for (name, _) in run.scene.interfaces() {
+    row(
+        "rise of the energy from row to row, over the first".into(),
+        None,
+        segmentation::largest_rise(run).map(per_cent),
+        "0 or less",
+    );
+    for (name, _) in run.scene.interfaces().filter(|_| run.scene.image.is_none()) {
         let enclosed = run.words().enclosed;
         let area = run.column_of(name, enclosed);
         let changes: Option<Vec<f64>> = area.map(|a| a.iter().map(|v| v / a[0] - 1.0).collect());

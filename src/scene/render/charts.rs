@@ -1,6 +1,7 @@
 //! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
 
 use super::folder::RunFolder;
+use super::segmentation;
 use crate::output::{Chart, Curve, Stroke, Table, rounded};
 use crate::scene::schema::{Membrane, Probe, Profile, Quantity};
 
@@ -14,21 +15,26 @@ pub(super) struct Drawn {
 }
 
 /// The curves of a chart in the making.
-struct Sheet<'a> {
-    x_label: &'static str,
-    x: &'a [f64],
-    curves: Vec<(String, Vec<f64>, Stroke)>,
+pub(super) struct Sheet<'a> {
+    pub x_label: &'static str,
+    pub x: &'a [f64],
+    pub curves: Vec<(String, Vec<f64>, Stroke)>,
 }
 
 impl<'a> Sheet<'a> {
     fn add(&mut self, name: impl Into<String>, y: Option<Vec<f64>>, stroke: Stroke) {
         self.curves.extend(y.map(|y| (name.into(), y, stroke)));
     }
-    fn line(&mut self, name: impl Into<String>, y: Option<&[f64]>) {
+    pub fn line(&mut self, name: impl Into<String>, y: Option<&[f64]>) {
         self.add(name, y.map(<[f64]>::to_vec), Stroke::Line);
     }
     /// The chart, if there is anything to draw on it.
-    fn draw(self, name: impl Into<String>, [title, y_label]: [&str; 2], caption: impl Into<String>) -> Option<Drawn> {
+    pub fn draw(
+        self,
+        name: impl Into<String>,
+        [title, y_label]: [&str; 2],
+        caption: impl Into<String>,
+    ) -> Option<Drawn> {
         if self.curves.is_empty() {
             return None;
         }
@@ -42,6 +48,9 @@ impl<'a> Sheet<'a> {
 /// All charts that the folder has values for, in the order of the page.
 pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     let mut charts = Vec::new();
+    if run.scene.image.is_some() {
+        return segmentation::draw(run);
+    }
     if let Some(time) = run.column("time") {
         let sheet = || Sheet { x_label: "time", x: time, curves: Vec::new() };
         for m in &run.scene.membranes {
@@ -339,6 +348,7 @@ fn quantity_name(of: Quantity) -> &'static str {
         Quantity::Stretch => "stretch",
         Quantity::AreaChange => "area change",
         Quantity::Shear => "shear",
+        Quantity::Image => "image",
         Quantity::Checkerboard => "material",
     }
 }

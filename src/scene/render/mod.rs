@@ -7,6 +7,7 @@ mod charts;
 mod folder;
 mod page;
 mod pictures;
+mod segmentation;
 mod summary;
 #[cfg(test)]
 mod tests;

@@ -96,10 +96,22 @@ fn headline(run: &RunFolder) -> Vec<Number> {
             numbers.push(number(&format!("Semi-axes{of}"), side_by_side(&axes), note));
         }
         if let Some(area) = last(enclosed) {
-            let note =
-                area_change(run, name).map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
+            let note = area_change(run, name)
+                .filter(|_| run.scene.image.is_none())
+                .map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
             numbers.push(number(&format!("{} inside{of}", capitalised(enclosed)), rounded(area, 5), note));
         }
+    }
+    if let Some(parts) = run.last("components") {
+        let levels = run.last("c1").zip(run.last("c2"));
+        let note = levels
+            .map_or_else(String::new, |(a, b)| format!("grey {} inside, {} outside", rounded(a, 3), rounded(b, 3)));
+        numbers.push(number("Connected parts", rounded(parts, 6), note));
+    }
+    if let Some(wrong) = run.last("misclassified") {
+        let note =
+            run.last("area_error").map_or_else(String::new, |e| format!("area of the mask: off by {}", per_cent(e)));
+        numbers.push(number("Pixels on the wrong side", rounded(wrong, 6), note));
     }
     if let Some(balance) = energy_balance(run) {
         let note = "of the energy in play came from nowhere; exact: 0";
@@ -171,6 +183,9 @@ fn grouped(n: u64) -> String {
 fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
     let pressure = if run.scene.fluid.is_prescribed() { ["", ""] } else { [", pressure", " or `pressure`"] };
     let fields = match run.scene.interfaces().next() {
+        Some((name, _)) if run.scene.image.is_some() => {
+            format!("the image and the level set `{name}.level_set` for ParaView; the contour is its zero line")
+        }
         Some((name, _)) => format!(
             "velocity{} and level sets for ParaView: File > Open, Apply, then colour by `velocity`{}. The \
              interface: Filters > Contour by `{name}.level_set` at 0. In Python: meshio.read of a .vtu",
@@ -181,9 +196,12 @@ fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
             .to_string(),
     };
     let film = gallery.files.iter().any(|f| f.extension().is_some_and(|e| e == "gif"));
+    let segmented = run.path.join("contours.csv").is_file();
     let rows = [
         ("scene.toml", true, "the scene with all defaults; `immersa run` computes it again".to_string()),
         ("series.csv", true, "one row a sample, for a spreadsheet or pandas.read_csv".to_string()),
+        ("contours.csv", segmented, "the contours, in columns and rows of the image".into()),
+        ("segmented.png, mask.png", segmented, "the image in its two levels, and the inside in white".into()),
         ("profiles/", !run.profiles.is_empty(), "values along lines, a column a time".to_string()),
         ("fields.pvd, fields/", !run.frames.is_empty(), fields),
         ("pictures/", !gallery.pictures.is_empty(), "a picture of every stored field, PNG".to_string()),

@@ -169,6 +169,7 @@ impl Painter {
     fn field<'a, const D: usize>(&self, snapshot: &'a Snapshot<D>) -> Result<Field<'a, D>> {
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
+            Quantity::Image => Field::Borrowed(FieldData::Scalar(snapshot.scalar("image")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
             Quantity::LevelSet | Quantity::Checkerboard => {
                 Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?))
@@ -222,6 +223,7 @@ impl Painter {
             space: &snapshot.space,
             field: field.data(),
             scale: self.scale,
+            grey: self.quantity == Quantity::Image,
             title: self.title(),
             time: Some(frame.time),
             interfaces: interfaces.map_err(place)?,
@@ -278,6 +280,7 @@ impl Painter {
     fn title(&self) -> &'static str {
         match self.quantity {
             Quantity::Pressure => "Pressure",
+            Quantity::Image => "Grey level",
             Quantity::Velocity | Quantity::Speed => "Speed",
             Quantity::LevelSet => "Level set φ",
             Quantity::Stretch => "Stretch |grad φ|",
@@ -299,6 +302,9 @@ impl Painter {
         caption += match (solid, self.interfaces.is_empty()) {
             (true, _) if self.slice.is_some() => ", on a plane; the black line is the interface",
             (false, true) => "",
+            (false, false) if self.quantity == Quantity::Image => {
+                "; the red line is the contour, the image the mean of the four pixels about each corner"
+            }
             (false, false) => "; the black line is the interface",
             (true, true) => ", on two planes through the middle",
             (true, false) => ", on the interface",

@@ -122,7 +122,10 @@ impl Folder {
         let names: Vec<String> = names(sim).map(|name| format!("{name}.level_set")).collect();
         let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
         let pressure = sim.flow().map_or(Vec::new(), |flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
-        let mut fields = vec![("velocity", FieldData::Vector(&state.flow.u))];
+        let mut fields = vec![match sim.image() {
+            Some(image) => ("image", FieldData::Scalar(image)),
+            None => ("velocity", FieldData::Vector(&state.flow.u)),
+        }];
         if !sim.is_prescribed() {
             fields.push(("pressure", FieldData::Scalar(&pressure)));
         }

@@ -131,7 +131,8 @@ impl Record {
         // JSON knows no NaN: what could not be measured is left out.
         self.last = columns.iter().cloned().zip(row.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
         let [enclosed, _] = scene.extents();
-        for (name, _) in scene.interfaces() {
+        // Where an image is segmented nothing keeps the area.
+        for (name, _) in scene.interfaces().filter(|_| scene.image.is_none()) {
             // An interface that is gone has no area.
             let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);
             let first = *self.area.entry(name.to_string()).or_insert(area);

@@ -106,16 +106,7 @@ impl Fluid {
                     .key_error(format!("`{key}` means nothing beside `prescribed_velocity`: no flow is solved"))
                     .remedy("keep one of the two"));
             }
-            let none = Contrast::uniform(0.0);
-            return Ok(Fluid {
-                density: none,
-                viscosity: none,
-                boussinesq: false,
-                gravity: vec![0.0; context.dimension],
-                force: zero.clone(),
-                initial_velocity: zero,
-                prescribed_velocity: Some(velocity),
-            });
+            return Ok(Fluid::prescribed(velocity));
         }
         let density = |i: &Item| read_contrast(i, structures, Item::non_negative);
         let viscosity = |i: &Item| read_contrast(i, structures, Item::positive);
@@ -128,6 +119,26 @@ impl Fluid {
             initial_velocity: table.optional("initial_velocity", |i| initial(i, context))?.unwrap_or(zero),
             prescribed_velocity: None,
         })
+    }
+
+    /// Nothing flows: the velocity is zero at all times.
+    pub(super) fn none(dimension: usize) -> Fluid {
+        let zero = vec![Expression::constant(0.0); dimension];
+        Fluid::prescribed(zero)
+    }
+
+    /// No flow is solved: the velocity is given.
+    fn prescribed(velocity: Vec<Expression>) -> Fluid {
+        let (none, zero) = (Contrast::uniform(0.0), vec![Expression::constant(0.0); velocity.len()]);
+        Fluid {
+            density: none,
+            viscosity: none,
+            boussinesq: false,
+            gravity: vec![0.0; velocity.len()],
+            force: zero.clone(),
+            initial_velocity: zero,
+            prescribed_velocity: Some(velocity),
+        }
     }
 
     /// Whether the velocity is prescribed, so that no flow is solved.

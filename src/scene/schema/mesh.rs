@@ -369,6 +369,7 @@ fn above<const N: usize>(item: &Item, min: &[f64; N]) -> Result<[f64; N]> {
         .remedy("exchange min and max, or widen the mesh"))
 }
 
-fn absolute(path: &Path) -> PathBuf {
+/// The path from the root of the file system.
+pub(super) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }

@@ -6,6 +6,7 @@ mod drop;
 mod exact;
 mod fluid;
 mod geometry;
+mod image;
 mod keys;
 mod level_set;
 mod membrane;
@@ -25,11 +26,13 @@ pub use drop::Drop;
 pub use exact::Exact;
 pub use fluid::{Contrast, Fluid};
 pub use geometry::{Curve, DeltaName};
+pub use image::Image;
 pub use keys::{Absent, Key, Keys, Kind};
 pub use level_set::LevelSet;
 pub use membrane::{Chord, Membrane, Ring};
 pub use mesh::MeshSource;
 pub use numerics::{Numerics, TensionScheme};
+use output::Motion;
 pub use output::{Flux, Force, Output, Probe, Profile, Quantity};
 pub use picture::{Cut, Picture};
 pub use redistance::Redistance;
@@ -61,8 +64,10 @@ pub struct Settings {
     pub mesh: MeshSource,
     /// How the mesh follows what happens on it, if it does.
     pub adapt: Option<Adapt>,
-    /// What flows.
+    /// What flows; nothing where there is an image.
     pub fluid: Fluid,
+    /// The image that the one level set segments, in place of a flow.
+    pub image: Option<Image>,
     /// Conditions on the boundary, in the order of the scene; empty only when the velocity is prescribed.
     pub boundaries: Vec<Boundary>,
     /// Elastic interfaces, in the order of the scene, then the drops.
@@ -93,8 +98,15 @@ pub static KEYS: Keys = Keys {
             Optional,
             "Names that expressions may use; each may use those before it.",
         ),
-        row("mesh", Table(&mesh::KEYS), "", Required, "Where the mesh comes from."),
-        row("fluid", Table(&fluid::KEYS), "", Required, "What flows, and what drives it."),
+        row(
+            "mesh",
+            Table(&mesh::KEYS),
+            "",
+            Derived("with an image squares of two pixels; else required"),
+            "Where the mesh comes from.",
+        ),
+        row("fluid", Table(&fluid::KEYS), "", OneOf, "What flows, and what drives it."),
+        row("image", Table(&image::KEYS), "", OneOf, "An image that a level set segments, in place of a flow."),
         row(
             "boundary",
             Named(&boundary::KEYS),
@@ -131,7 +143,15 @@ impl Settings {
         let scene = root.table(&KEYS)?;
         let constants = scene.optional("constants", constants)?.unwrap_or_default();
         let mesh = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
-        let mesh = scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants, dimension))?;
+        let image_item = scene.get("image");
+        let image = image_item.as_ref().map(|i| Image::read(i, folder)).transpose()?;
+        let mesh = match (&image_item, &image) {
+            (Some(item), Some(image)) if scene.get("mesh").is_none() => image.mesh(item)?,
+            _ => scene.required("mesh", mesh, |i| MeshSource::read(i, folder, &constants, dimension))?,
+        };
+        if let Some(item) = &image_item {
+            image::check(&scene, item, mesh.dimension())?;
+        }
         let adapt_item = scene.get("mesh").map(|i| i.open_table()).transpose()?.and_then(|t| t.get("adapt"));
         if let (Some(item), 3) = (&adapt_item, mesh.dimension()) {
             return Err(item
@@ -147,8 +167,11 @@ impl Settings {
         let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
         let level_sets = level_set::read(scene.get("level_set"), &taken, &context)?;
         let fluid = |i: &Item| Fluid::read(i, &membranes, &context);
-        let fluid = scene.required("fluid", "write [fluid] with viscosity = 0.01", fluid)?;
-        if fluid.is_prescribed() {
+        let fluid = match &image {
+            Some(_) => Fluid::none(context.dimension),
+            None => scene.required("fluid", "write [fluid] with viscosity = 0.01", fluid)?,
+        };
+        if image.is_none() && fluid.is_prescribed() {
             check_passive(&scene, level_sets.is_empty())?;
         }
         let interfaces: Vec<&str> = taken.into_iter().chain(level_sets.iter().map(|s| s.name.as_str())).collect();
@@ -176,12 +199,20 @@ impl Settings {
             units: scene.optional("units", text)?.unwrap_or_default(),
             boundaries: boundary::read(scene.get("boundary"), fluid.is_prescribed(), &context)?,
             numerics,
-            output: Output::read(scene.get("output"), &time, &interfaces, fluid.is_prescribed(), sheared, &context)?,
+            output: Output::read(
+                scene.get("output"),
+                &time,
+                &interfaces,
+                Motion::of(&fluid, image.is_some()),
+                sheared,
+                &context,
+            )?,
             exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
             constants: context.constants,
             mesh,
             adapt,
             fluid,
+            image,
             membranes,
             level_sets,
             time,
@@ -248,7 +279,10 @@ impl Settings {
         }
         self.mesh.write(&mut out);
         self.adapt.iter().for_each(|a| a.write(&mut out));
-        self.fluid.write(&mut out);
+        match &self.image {
+            Some(image) => image.write(&mut out),
+            None => self.fluid.write(&mut out),
+        }
         boundary::write(&self.boundaries, &mut out);
         membrane::write(&self.membranes, &mut out);
         level_set::write(&self.level_sets, &mut out);

@@ -1,5 +1,6 @@
 //! `[output]`: what is written, and when.
 
+use super::fluid::Fluid;
 use super::geometry::{CURVE, Curve, DELTA_LIST, DeltaName, curve, deltas};
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::membrane::named;
@@ -62,6 +63,8 @@ pub enum Quantity {
     AreaChange,
     /// `Z2` on the one interface; in pictures of space alone.
     Shear,
+    /// The grey levels of the image that is segmented; in pictures alone.
+    Image,
     /// A checkerboard on the one interface when it is at rest, which its material carries; in pictures of space alone.
     Checkerboard,
 }
@@ -258,13 +261,13 @@ impl Output {
         item: Option<Item>,
         time: &Time,
         interfaces: &[&str],
-        prescribed: bool,
+        motion: Motion,
         sheared: bool,
         context: &Context,
     ) -> Result<Output> {
         let table = item.as_ref().map(|i| i.table(&KEYS)).transpose()?;
         let asked = table.as_ref().map_or(Ok(None), |t| t.optional("backward_map", Item::boolean))?.unwrap_or(false);
-        let source = Source { table, time, interfaces, prescribed, has_map: asked || sheared, context };
+        let source = Source { table, time, interfaces, motion, has_map: asked || sheared, context };
         let fields = source.interval_or_none("fields", FIELD_FILES)?;
         let pictures = source.interval_or_none("pictures", PICTURES)?;
         let film = source.optional("film", |i| match (i.boolean()?, pictures) {
@@ -336,13 +339,34 @@ impl Output {
     }
 }
 
+/// What moves interfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// A flow that is solved.
+    Flow,
+    /// A velocity that is given.
+    Prescribed,
+    /// The fit to an image; nothing flows.
+    Image,
+}
+
+impl Motion {
+    pub fn of(fluid: &Fluid, image: bool) -> Motion {
+        match (image, fluid.is_prescribed()) {
+            (true, _) => Motion::Image,
+            (false, true) => Motion::Prescribed,
+            (false, false) => Motion::Flow,
+        }
+    }
+}
+
 /// The table `[output]`, if there is one, and what its values must agree with.
 pub(super) struct Source<'a> {
     table: Option<Table<'a>>,
     time: &'a Time,
     pub(super) interfaces: &'a [&'a str],
-    /// Whether the velocity is prescribed.
-    pub(super) prescribed: bool,
+    /// Whether there is a flow.
+    pub(super) motion: Motion,
     /// Whether backward characteristics are carried.
     pub(super) has_map: bool,
     pub(super) context: &'a Context,
@@ -375,7 +399,12 @@ impl<'a> Source<'a> {
     /// A quantity that the scene has.
     pub(super) fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
         let n = self.interfaces.len();
-        if quantity == Quantity::Pressure && self.prescribed {
+        if self.motion == Motion::Image && quantity != Quantity::LevelSet {
+            return Err(item
+                .error(format!("there is no `{}`: an image is segmented, and nothing flows", item.text()?))
+                .remedy("ask for level_set"));
+        }
+        if quantity == Quantity::Pressure && self.motion == Motion::Prescribed {
             return Err(item
                 .error("there is no pressure: the velocity is prescribed and no flow is solved")
                 .remedy("ask for velocity, speed, level_set or stretch"));
@@ -429,7 +458,7 @@ impl<'a> Source<'a> {
     }
 
     fn force(&self, name: String, item: &Item) -> Result<Force> {
-        if self.prescribed {
+        if self.motion != Motion::Flow {
             return Err(item
                 .key_error("there are no forces: the velocity is prescribed and no flow is solved")
                 .remedy("leave output.forces out"));

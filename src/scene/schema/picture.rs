@@ -1,7 +1,7 @@
 //! `[output.picture]`: how pictures look.
 
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::output::{Quantity, Source};
+use super::output::{Motion, Quantity, Source};
 use super::write::{name, number, vector};
 use crate::base::Result;
 use crate::scene::item::Item;
@@ -32,7 +32,8 @@ pub struct Picture {
 }
 
 /// What a picture can show.
-const FIELDS: [(&str, Quantity); 7] = [
+const FIELDS: [(&str, Quantity); 8] = [
+    ("image", Quantity::Image),
     ("pressure", Quantity::Pressure),
     ("speed", Quantity::Speed),
     ("level_set", Quantity::LevelSet),
@@ -52,8 +53,8 @@ pub(super) static KEYS: Keys = Keys {
             "field",
             Choice(&FIELD_WORDS),
             "",
-            Default("\"speed\""),
-            "The field whose values are the colours. In space, where backward characteristics are carried, also the area change Z1 and the shear \
+            Derived("speed; image where one is segmented; the level set where one is carried by a given velocity"),
+            "The field whose values are the colours. Where an image is segmented it is that `image` in grey, or the level set. In space, where backward characteristics are carried, also the area change Z1 and the shear \
              Z2 of the one interface, or a checkerboard that its material carries.",
         ),
         row(
@@ -119,10 +120,10 @@ impl Picture {
 
 impl Source<'_> {
     pub(super) fn default_picture(&self) -> Picture {
-        let field = match (self.prescribed, self.interfaces.len()) {
-            (false, _) => Picture::DEFAULT.field,
-            (true, 1) => Quantity::LevelSet,
-            (true, _) => Quantity::Speed,
+        let field = match (self.motion, self.interfaces.len()) {
+            (Motion::Image, _) => Quantity::Image,
+            (Motion::Prescribed, 1) => Quantity::LevelSet,
+            _ => Picture::DEFAULT.field,
         };
         Picture { field, ..Picture::DEFAULT }
     }
@@ -163,6 +164,12 @@ impl Source<'_> {
             return Err(item.error("a picture shows one number at each point").remedy("write field = \"speed\""));
         }
         let field = item.choice(&FIELDS)?;
+        if field == Quantity::Image {
+            return match self.motion {
+                Motion::Image => Ok(field),
+                _ => Err(item.error("the scene has no [image] that a picture could show").remedy("show the speed")),
+            };
+        }
         if !matches!(field, Quantity::AreaChange | Quantity::Shear | Quantity::Checkerboard) {
             return self.possible(item, field);
         }

@@ -95,6 +95,20 @@ end = 1
 step = 0.1
 "#;
 
+/// With an image, which is not looked at where there is a mesh.
+const IMAGE: &str = r#"
+[mesh]
+rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }
+[image]
+file = "image.png"
+length = 1
+[[level_set]]
+shape.circle = { centre = [1, 1], radius = 0.5 }
+[time]
+end = 1
+step = 0.1
+"#;
+
 #[test]
 fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let mut seen = BTreeSet::new();
@@ -106,7 +120,7 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let torus = SOLID.replace(ellipsoid, "shape.torus = { centre = [1, 1, 1], major = 0.5, minor = 0.2 }");
     let block =
         SOLID.replace(ellipsoid, "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }");
-    let bare = [BARE, &rounded, &file, &adapted, SOLID, &torus, &block].map(|text| (text, true));
+    let bare = [BARE, &rounded, &file, &adapted, SOLID, &torus, &block, IMAGE].map(|text| (text, true));
     for (text, bare) in [(MEMBRANE, false), (FULL, false)].into_iter().chain(bare) {
         let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
         described(&written, &KEYS, "", bare, &mut seen);

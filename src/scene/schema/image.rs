@@ -1,0 +1,182 @@
+//! `[image]`: an image that level sets cut into two grey levels, in place of a flow.
+
+use super::keys::{Absent::*, Keys, Kind::Value, row};
+use super::mesh::{MeshSource, absolute};
+use super::write::{Writer, number, text};
+use crate::base::Result;
+use crate::mesh::Diagonals;
+use crate::output::{GreyImage, Pixels};
+use crate::scene::item::{Item, Table};
+use std::path::{Path, PathBuf};
+
+/// An image and the energy of a contour on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// A PNG file, as an absolute path.
+    pub path: PathBuf,
+    /// The right answer as an image of the same size, where it is known.
+    pub mask: Option<PathBuf>,
+    /// Side of a pixel.
+    pub pixel: f64,
+    /// Weight of the fidelity, > 0.
+    pub fidelity: f64,
+    /// Weight of the length, >= 0.
+    pub length: f64,
+    /// Steps after which the level set is made a signed distance again.
+    pub rebuild: usize,
+}
+
+const PIXEL: f64 = 1.0;
+const FIDELITY: f64 = 1.0;
+const REBUILD: usize = 1;
+const MOST_STEPS: usize = 1_000_000;
+/// A mesh of more pixels is not made by itself: its matrix has as many unknowns as the image has pixels.
+const MOST_PIXELS: usize = 1 << 20;
+
+pub(super) static KEYS: Keys = Keys {
+    about: "An image that the one level set of the scene cuts into two grey levels, in place of a flow: it descends along `fidelity` times the \
+        misfit plus `length` times its length, and the time is that of this descent. Grey levels are from 0 (black) to 1 (white). The lower left \
+        corner of the image is the origin.",
+    keys: &[
+        row(
+            "file",
+            Value("path"),
+            "",
+            Required,
+            "A PNG file, relative to the folder of the scene: grey or colour, which is turned to grey.",
+        ),
+        row("pixel", Value("number > 0"), "m", Default("1.0"), "Side of a pixel."),
+        row(
+            "fidelity",
+            Value("number > 0"),
+            "m2/s",
+            Default("1.0"),
+            "Weight alpha of the misfit E1, the integral of the squared difference of the image and the mean level of the side. It sets the scale of time.",
+        ),
+        row(
+            "length",
+            Value("number >= 0"),
+            "m3/s",
+            Required,
+            "Weight beta of the length E2. Over `fidelity` and the squared difference of the two levels it is a radius: round spots below it shrink \
+             and vanish.",
+        ),
+        row(
+            "rebuild",
+            Value("whole number from 1 to 1000000"),
+            "steps",
+            Default("1"),
+            "After how many steps the level set is made a signed distance again.",
+        ),
+        row(
+            "mask",
+            Value("path"),
+            "",
+            Optional,
+            "The right answer as a PNG file of the same size, white inside, if it is known: the run counts the pixels that are on the wrong side.",
+        ),
+    ],
+};
+
+impl Image {
+    pub(super) fn read(item: &Item, folder: &Path) -> Result<Image> {
+        let table = item.table(&KEYS)?;
+        let path = |i: &Item| match i.text()? {
+            "" => Err(i.error("the name of the image is empty").remedy("name a PNG file: file = \"shapes.png\"")),
+            file => Ok(absolute(&folder.join(file))),
+        };
+        Ok(Image {
+            path: table.required("file", "name a PNG file: file = \"shapes.png\"", path)?,
+            mask: table.optional("mask", path)?,
+            pixel: table.optional("pixel", Item::positive)?.unwrap_or(PIXEL),
+            fidelity: table.optional("fidelity", Item::positive)?.unwrap_or(FIDELITY),
+            length: table.required("length", "give the weight of the length: length = 0.2", Item::non_negative)?,
+            rebuild: table.optional("rebuild", |i| i.count(1, MOST_STEPS))?.unwrap_or(REBUILD),
+        })
+    }
+
+    /// Where the image lies.
+    ///
+    /// # Errors
+    /// Those of [`GreyImage::size`].
+    pub fn pixels(&self) -> Result<Pixels> {
+        Ok(Pixels { size: GreyImage::size(&self.path)?, side: self.pixel })
+    }
+
+    /// The mesh of a scene that gives none: a rectangle over the image with squares of two pixels, so that P2 nodes are where pixels meet.
+    pub(super) fn mesh(&self, item: &Item) -> Result<MeshSource> {
+        let file = item.open_table()?.get("file");
+        let size = GreyImage::size(&self.path).map_err(|e| file.as_ref().unwrap_or(item).blame(e))?;
+        if size[0] * size[1] > MOST_PIXELS {
+            return Err(item
+                .key_error(format!("an image of {} x {} pixels would make too large a mesh", size[0], size[1]))
+                .remedy("make the image smaller, or give a coarser [mesh] with a rectangle over it"));
+        }
+        Ok(MeshSource::Rectangle {
+            min: [0.0; 2],
+            max: size.map(|n| n as f64 * self.pixel),
+            cells: size.map(|n| n.div_ceil(2)),
+            diagonals: Diagonals::UnionJack,
+        })
+    }
+
+    pub(super) fn write(&self, out: &mut Writer) {
+        out.header("[image]");
+        out.entry("file", text(&self.path.to_string_lossy()));
+        out.entry("pixel", number(self.pixel));
+        out.entry("fidelity", number(self.fidelity));
+        out.entry("length", number(self.length));
+        out.entry("rebuild", self.rebuild);
+        self.mask.iter().for_each(|path| out.entry("mask", text(&path.to_string_lossy())));
+    }
+}
+
+/// An image is segmented by one level set in the plane, and nothing else happens.
+pub(super) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result<()> {
+    if dimension != 2 {
+        return Err(image
+            .key_error("an image is plane, and the mesh has 3 dimensions")
+            .remedy("leave [mesh] out, or give a rectangle over the image"));
+    }
+    for (key, why) in [
+        ("fluid", "nothing flows"),
+        ("membrane", "nothing flows that a membrane could act on"),
+        ("boundary", "nothing flows through a boundary"),
+        ("exact", "there is no flow to compare"),
+    ] {
+        if let Some(item) = scene.get(key) {
+            return Err(item
+                .key_error(format!("`{key}` means nothing beside `image`: {why}"))
+                .remedy(format!("leave {key} out, or image")));
+        }
+    }
+    for (table, keys) in [
+        ("mesh", &["adapt"][..]),
+        ("time", &["tolerance"]),
+        ("output", &["forces", "fluxes", "backward_map"]),
+        ("numerics", &["transport"]),
+    ] {
+        let Some(open) = scene.get(table).map(|i| i.open_table()).transpose()? else { continue };
+        let written = keys.iter().filter_map(|key| open.get(key));
+        if let Some(item) = written.into_iter().find(|i| !i.is_false() && !i.is_word("nodal")) {
+            return Err(item
+                .key_error(format!("`{}` means nothing beside `image`, where nothing flows", item.key))
+                .remedy("leave it out"));
+        }
+    }
+    let start = "give one: [[level_set]] with shape.circle = { centre = [64, 64], radius = 40 }";
+    let Some(item) = scene.get("level_set") else {
+        return Err(image.key_error("the scene has an image and no contour to start from").remedy(start));
+    };
+    match &item.list()?[..] {
+        [one] => match one.open_table()?.get("markers").filter(|i| !i.is_zero()) {
+            Some(item) => {
+                Err(item.key_error("markers are carried by a flow, and nothing flows").remedy("leave them out"))
+            }
+            None => Ok(()),
+        },
+        all => Err(item
+            .key_error(format!("one level set segments the image, and the scene has {}", all.len()))
+            .remedy("join the shapes: [[level_set]] with shape.union = [...]")),
+    }
+}
