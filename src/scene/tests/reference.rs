@@ -106,7 +106,8 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let torus = SOLID.replace(ellipsoid, "shape.torus = { centre = [1, 1, 1], major = 0.5, minor = 0.2 }");
     let block =
         SOLID.replace(ellipsoid, "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }");
-    let bare = [BARE, &rounded, &file, &adapted, SOLID, &torus, &block].map(|text| (text, true));
+    let redistanced = format!("{BARE}[numerics.redistance]\nmethod = \"exact\"\n");
+    let bare = [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &torus, &block].map(|text| (text, true));
     for (text, bare) in [(MEMBRANE, false), (FULL, false)].into_iter().chain(bare) {
         let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
         described(&written, &KEYS, "", bare, &mut seen);
