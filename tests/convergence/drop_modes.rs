@@ -75,7 +75,8 @@ impl Drop {
             let sign = if side == 1 { 1.0 } else { -1.0 };
             let pull = radial / s * (self.tension * (n * n - 1.0) / (r * r));
             let normal = if side == 0 { -normal - pull } else { normal };
-            let [at_wall, along_wall, _] = if side == 1 { self.stream(kind, k, self.wall) } else { [C::new(0.0, 0.0); 3] };
+            let [at_wall, along_wall, _] =
+                if side == 1 { self.stream(kind, k, self.wall) } else { [C::new(0.0, 0.0); 3] };
             let column = [radial * sign, along * sign, shear * sign, normal, at_wall, along_wall];
             let scale = column.iter().map(|c| c.norm()).fold(0.0, f64::max);
             (0..6).for_each(|i| m[(i, j)] = column[i] / scale);
