@@ -93,7 +93,7 @@ const BROKEN: [Broken; 50] = [
     (
         "[output]",
         "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\narea.linear = { modulus = 1 }\n[output]",
-        &["two membranes are named `membrane`", "name of its own"],
+        &["two interfaces are named `membrane`", "name of its own"],
     ),
     ("probes.p", "probes.membrane", &["output.probes.membrane", "taken", "name of its own"]),
     ("\"pressure\"", "\"presure\"", &["output.probes.p.of", "presure", "did you mean `pressure`?"]),
