@@ -4,12 +4,15 @@
 //! prints it anew. Every order is asserted with its absolute error.
 #![allow(clippy::print_stdout, reason = "the measured figures are printed for the table of README.md")]
 
+#[path = "../suite/case.rs"]
+mod case;
 mod exact;
 mod membrane;
 mod tools;
 
 mod body;
 mod contours;
+mod drop_modes;
 mod energy;
 mod explicit_limit;
 mod failures;

@@ -62,10 +62,10 @@ impl<const D: usize> Case<'_, D> {
         let tracer = Tracer::new(&space, &[]);
         let mut phi = space.interpolate(self.function);
         let at_start = (self.measure)(&space, &phi).1;
-        // Up to half the reach of the characteristics.
+        // Up to a quarter of the reach of the characteristics, which a steep function delays.
         let band = match method {
             Redistance::HamiltonJacobi { iterations } => {
-                BAND.min(0.25 * iterations as f64 * size(space.mesh()) / (D as f64).sqrt())
+                BAND.min(0.125 * iterations as f64 * size(space.mesh()) / (D as f64).sqrt())
             }
             _ => BAND,
         };
@@ -154,7 +154,7 @@ fn assert_orders(errors: &[Errors], meshes: &[usize], what: &str, distance: (f64
 #[test]
 fn an_ellipse_becomes_a_distance() {
     let meshes = [16, 32, 64, 128];
-    let bounds = [((0.8, 2e-3), (2.0, 1e-4)), ((0.6, 2e-3), (2.8, 4e-6)), ((2.8, 4e-6), (2.8, 4e-6))];
+    let bounds = [((2.3, 4e-5), (2.3, 4e-5)), ((0.6, 2e-3), (2.8, 4e-6)), ((2.8, 4e-6), (2.8, 4e-6))];
     for ((name, method), (distance, place)) in METHODS.into_iter().zip(bounds) {
         for volume in [false, true] {
             let what = format!("Ellipse, {name}{}", if volume { " with its area" } else { "" });
@@ -187,7 +187,7 @@ fn two_discs_that_overlap_become_a_distance() {
 #[test]
 fn an_ellipsoid_becomes_a_distance() {
     let meshes = [8, 16, 32];
-    let bounds = [((1.0, 1e-2), (1.5, 4e-3)), ((0.5, 4e-3), (2.5, 4e-4)), ((2.5, 4e-4), (2.5, 4e-4))];
+    let bounds = [((2.5, 2e-3), (2.5, 2e-3)), ((0.5, 4e-3), (2.5, 4e-4)), ((2.5, 4e-4), (2.5, 4e-4))];
     for ((name, method), (distance, place)) in METHODS.into_iter().zip(bounds) {
         let what = format!("Ellipsoid, {name} with its volume");
         let errors = row(|n| ellipsoid(n, method, true, 1), &meshes, &what);
@@ -196,11 +196,11 @@ fn an_ellipsoid_becomes_a_distance() {
     }
 }
 
-/// A straight filament of half-width `r` node distances anywhere in the mesh: what the P2 function of its exact distance encloses, over what it should,
-/// on the average. The kink in the middle of a thin filament is rounded downwards between the nodes of an edge: the filament swells, and no
-/// redistancing at the nodes can help it.
+/// A straight filament of half-width `r` node distances anywhere in the mesh: what the P2 function of its exact distance encloses, over what it should, on
+/// the average. Below half a node distance it is lost; at one it swells, because the function rounds the kink in its middle: a filament that is stretched and
+/// redistanced gets no thinner than that.
 #[test]
-fn the_distance_of_a_thin_filament_encloses_too_much() {
+fn a_filament_of_two_node_distances_swells() {
     let n = 32;
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [n; 2], Diagonals::Right).unwrap());
     let space = Space::new(&mesh, Element::P2);
@@ -216,7 +216,8 @@ fn the_distance_of_a_thin_filament_encloses_too_much() {
     };
     let found: Vec<f64> = [0.25, 0.5, 1.0, 2.0, 4.0].map(swollen).to_vec();
     println!("Filament of half-width 1/4, 1/2, 1, 2, 4 node distances: area over the exact one {found:.3?}");
-    assert!(found[0] > 1.02 && (found[4] - 1.0).abs() < 0.02, "{found:?}");
+    assert!(found[0] < 0.5 && found[1] < 1.0 && found[2] > 1.04 && found[2] < 1.08, "{found:?}");
+    assert!((found[4] - 1.0).abs() < 1e-3, "{found:?}");
 }
 
 /// Area of the strip about `x . along = middle` in the unit square, by slices.

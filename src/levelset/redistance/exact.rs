@@ -20,7 +20,7 @@ const OUTSIDE: f64 = 0.02;
 ///
 /// The nearest of the straight pieces of the cut interface, found by a tree, tells the cell; there Newton's method solves
 /// `y - x + l grad phi(y) = 0`, `phi(y) = 0` for the foot `y`. A foot outside of the cell is looked for in the neighbour; where there is none
-/// in either, as at a corner, the nearest point of the pieces, lifted onto the zero set along the gradient, takes its place.
+/// in either, as at a corner or beyond a periodic side, the nearest point of the pieces, lifted onto the zero set along the gradient, takes its place.
 pub(super) struct Surface<'a, const D: usize> {
     pub space: &'a Space<D>,
     phi: &'a [f64],

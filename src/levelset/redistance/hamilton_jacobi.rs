@@ -14,8 +14,9 @@ const FLAT: f64 = 0.5;
 /// With `n = grad phi/|grad phi|` that is transport with a source, `d_tau phi + s n . grad phi = s` (the book's (1.36), in print garbled and with the
 /// other sign on the right), hence along characteristics `phi(x) <- phi(x - s n dtau) + s dtau`. Here `s = phi_0/sqrt(phi_0^2 + max(|grad phi_0|, 1)^2 dtau^2)` smooths the sign
 /// of the function at the start, so that no characteristic crosses the interface; `dtau` is the distance of two nodes about the node, and the gradient at
-/// a node the mean of those of its cells by their volumes. In the cells `cut` by the interface the steps start from `phi_0/|grad phi_0|` (1.38) where that is less:
-/// the kink that they would make in a steep function displaces the interface by a cell.
+/// a node the mean of those of its cells by their volumes. Within the reach of
+/// the characteristics, counted in layers of cells about those `cut` by the interface, the steps start from `phi_0/|grad phi_0|` (1.38) where that is less: the kink
+/// that they would make in a steep function displaces the interface by a cell.
 ///
 /// Limits: what comes from a wall instead of the interface keeps the value of the wall.
 pub(super) fn straighten<const D: usize>(
@@ -28,7 +29,6 @@ pub(super) fn straighten<const D: usize>(
 ) {
     let space = tracer.space();
     phi.iter_mut().for_each(|v| *v /= slope);
-    let start = phi.clone();
     let spacing = spacing(space, unknowns);
     let gradients = Gradients::new(space, unknowns);
     let g = gradients.of(space, phi);
@@ -37,8 +37,8 @@ pub(super) fn straighten<const D: usize>(
     let scale = |n: usize, v: f64| v.hypot(g[n].norm().max(1.0) * spacing[n]);
     let length = |(n, v): (usize, &f64)| v / scale(n, *v) * spacing[n];
     let steps: Vec<f64> = phi.iter().enumerate().map(length).collect();
-    for &n in cut.iter().flat_map(|&c| space.cell_nodes(c as usize)) {
-        phi[n as usize] = start[n as usize] / g[n as usize].norm().max(1.0);
+    for (n, _) in near(space, cut, iterations.div_ceil(2)).iter().enumerate().filter(|(_, near)| **near) {
+        phi[n] /= g[n].norm().max(1.0);
     }
     let mut next = phi.clone();
     for _ in 0..iterations {
@@ -57,6 +57,20 @@ pub(super) fn straighten<const D: usize>(
         std::mem::swap(phi, &mut next);
     }
     phi.iter_mut().for_each(|v| *v *= slope);
+}
+
+/// Whether each node belongs to a cell of `cut`, or to one of that many layers of cells about them.
+fn near<const D: usize>(space: &Space<D>, cut: &[u32], layers: usize) -> Vec<bool> {
+    let mut near = vec![false; space.len()];
+    cut.iter().flat_map(|&c| space.cell_nodes(c as usize)).for_each(|&n| near[n as usize] = true);
+    for _ in 0..layers {
+        let before = near.clone();
+        let cells = (0..space.mesh().cell_count()).map(|c| space.cell_nodes(c));
+        for nodes in cells.filter(|nodes| nodes.iter().any(|&n| before[n as usize])) {
+            nodes.iter().for_each(|&n| near[n as usize] = true);
+        }
+    }
+    near
 }
 
 /// The value at a point, but not beyond those at the nodes of its cell: what a quadratic function adds at kinks would grow.

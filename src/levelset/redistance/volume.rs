@@ -19,9 +19,9 @@ pub(super) fn restore<const D: usize>(
     space: &Space<D>,
     wanted: f64,
     slope: f64,
-    phi: &mut Vec<f64>,
+    phi: &mut [f64],
 ) -> Result<()> {
-    let mut shifted = phi.clone();
+    let mut shifted = phi.to_vec();
     let mut last: Option<(f64, f64)> = None;
     let mut best = (f64::INFINITY, 0.0);
     let mut c = 0.0;

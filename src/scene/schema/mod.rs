@@ -193,7 +193,7 @@ impl Settings {
         }
         let table = scene.get("numerics").map(|i| i.open_table()).transpose()?;
         if let Some(item) = table.and_then(|t| t.get("redistance")) {
-            redistance::check(&item, &membranes, !level_sets.is_empty(), numerics.transport)?;
+            redistance::check(&item, &membranes, !level_sets.is_empty(), numerics.transport, time.tolerance.is_some())?;
         }
         Ok(Settings {
             title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),

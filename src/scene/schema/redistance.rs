@@ -98,7 +98,7 @@ impl Redistance {
 }
 
 /// Refuses to redistance what needs the slope of its level set, or has no level set of its own.
-pub(super) fn check(item: &Item, membranes: &[Membrane], passive: bool, transport: Method) -> Result<()> {
+pub(super) fn check(item: &Item, membranes: &[Membrane], passive: bool, transport: Method, paced: bool) -> Result<()> {
     let refuse = |what: String, remedy: &str| -> Result<()> { Err::<(), Error>(item.key_error(what).remedy(remedy)) };
     let without = "leave numerics.redistance out: bands are renormalised by the slope, which needs no redistancing";
     if membranes.is_empty() && !passive {
@@ -108,6 +108,13 @@ pub(super) fn check(item: &Item, membranes: &[Membrane], passive: bool, transpor
         return refuse(
             "composed transport never changes its level sets, which are functions of the way back to time 0".into(),
             "take numerics.transport = \"nodal\" or \"projected\", or leave numerics.redistance out",
+        );
+    }
+    if paced && !membranes.is_empty() {
+        return refuse(
+            "steps that follow the error would follow the jumps that redistancing makes in the force of a membrane"
+                .into(),
+            "leave out numerics.redistance, or time.tolerance",
         );
     }
     for m in membranes {

@@ -109,6 +109,13 @@ end = 1
 step = 0.1
 "#;
 
+/// A scene with a drop in place of its membrane.
+fn with_drop(text: &str) -> String {
+    let of_membranes = ["area.tension", "area.linear", "shear.linear"];
+    let kept = text.lines().filter(|line| !of_membranes.iter().any(|key| line.starts_with(key)));
+    kept.collect::<Vec<_>>().join("\n").replace("[[membrane]]", "[[drop]]")
+}
+
 #[test]
 fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let mut seen = BTreeSet::new();
@@ -120,7 +127,10 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let torus = SOLID.replace(ellipsoid, "shape.torus = { centre = [1, 1, 1], major = 0.5, minor = 0.2 }");
     let block =
         SOLID.replace(ellipsoid, "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }");
-    let bare = [BARE, &rounded, &file, &adapted, SOLID, &torus, &block, IMAGE].map(|text| (text, true));
+    let redistanced = format!("{BARE}[numerics.redistance]\nmethod = \"exact\"\n");
+    let bare = [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &torus, &block, IMAGE];
+    let drops = [BARE, &rounded, SOLID, &torus, &block].map(with_drop);
+    let bare = bare.into_iter().chain(drops.iter().map(String::as_str)).map(|text| (text, true));
     for (text, bare) in [(MEMBRANE, false), (FULL, false)].into_iter().chain(bare) {
         let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
         described(&written, &KEYS, "", bare, &mut seen);
