@@ -365,9 +365,9 @@ fn every_measured_number_in_the_book_says_where_it_comes_from() {
             if !measured {
                 continue;
             }
-            // The number of a figure or an equation of the source book.
+            // The number of a figure, a remark or an equation of the source book.
             let end = start + word.len();
-            let equation = prose[..start].ends_with("Fig. ")
+            let equation = ["Fig. ", "remark "].iter().any(|what| prose[..start].ends_with(what))
                 || prose[..start].ends_with('(') && prose[end..].starts_with([')', ',']);
             let quoted = text[end..].trim_start_matches(" %").starts_with("<!-- ");
             assert!(equation || quoted, "{}: where does {number} come from?", page.path.display());

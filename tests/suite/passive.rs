@@ -218,15 +218,18 @@ fn vorticity_is_measured_and_shown_with_its_sign() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     // Grey levels of the ends of the colours, blue and red, of ColorBrewer's RdBu.
-    for (sign, velocity, grey) in [(-1.0, "['y - 0.5', '0.5 - x']", 0.160), (1.0, "['0.5 - y', 'x - 0.5']", 0.135)] {
+    for (out, sign, velocity, grey) in
+        [("clockwise", -1.0, "['y - 0.5', '0.5 - x']", 0.160), ("counter", 1.0, "['0.5 - y', 'x - 0.5']", 0.135)]
+    {
+        let run = path.join(out);
         fs::write(path.join("scene.toml"), TURN).unwrap();
         let set = format!("fluid.prescribed_velocity={velocity}");
-        immersa(path, &["run", "scene.toml", "--quiet", "--out", "run", "--overwrite", "--set", &set]).expect(0, &[]);
+        immersa(path, &["run", "scene.toml", "--quiet", "--out", out, "--set", &set]).expect(0, &[]);
         let is = |values: &[f64]| values.iter().all(|v| (v - 2.0 * sign).abs() < 1e-12);
-        assert!(is(Table::read(&path.join("run/series.csv")).unwrap().column("turn").unwrap()));
-        let profile = Table::read(&path.join("run/profiles/line.csv")).unwrap();
+        assert!(is(Table::read(&run.join("series.csv")).unwrap().column("turn").unwrap()));
+        let profile = Table::read(&run.join("profiles/line.csv")).unwrap();
         assert!(is(profile.column(profile.names.last().unwrap()).unwrap()));
-        let picture = GreyImage::read(&path.join("run/pictures/000001.png")).unwrap();
+        let picture = GreyImage::read(&run.join("pictures/000001.png")).unwrap();
         let middle = picture.levels()[(picture.height() / 2) * picture.width() + 70];
         assert!((middle - grey).abs() < 0.005, "{middle}");
     }
