@@ -153,7 +153,8 @@ impl<const D: usize> Segmentation<D> {
             Some(v) if *v >= 0.0 && phi.iter().all(|v| *v >= 0.0) => "inside",
             _ => return Ok(()),
         };
-        Err(gone(side).value(format!("phi = {:.3e} at the first node", phi[0])))
+        let least = phi.iter().fold(f64::INFINITY, |least, v| least.min(v.abs()));
+        Err(gone(side).value(format!("|phi| >= {least:.3e}")))
     }
 }
 
