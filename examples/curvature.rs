@@ -10,6 +10,7 @@ use immersa::base::{Error, Result};
 use immersa::fem::{Element, Recovery, Space};
 use immersa::levelset::{Curvature, Ellipsoid, Isosurface, Shape, SpaceCurve, Torus, vertices_near};
 use immersa::mesh::{Mesh, Point, box_mesh};
+use immersa::output::write_file;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -176,12 +177,8 @@ fn markdown(csv: &str) -> String {
 
 fn main() -> Result<()> {
     let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
-    let write = |name: &str, text: &str| {
-        let path = Path::new(&folder).join(name);
-        let failed =
-            |e: std::io::Error| Error::input("a table cannot be written").at(path.display().to_string()).value(e);
-        std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, text)).map_err(failed)
-    };
+    std::fs::create_dir_all(&folder).map_err(|e| Error::input("cannot make the folder").at(folder.clone()).value(e))?;
+    let write = |name: &str, text: &str| write_file(&Path::new(&folder).join(name), text.as_bytes());
     let columns = |a: &str, b: &str| {
         let of = |q: &str| format!("{q} largest,order,{q} mean,order");
         format!("h,{},{}\n", of(a), of(b))

@@ -12,7 +12,7 @@ use immersa::base::{Error, Result, parallel};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Delta, Ellipse, Kernel, Norm, Smeared, Width, signed_distance};
 use immersa::mesh::{Diagonals, Mesh, Point, rectangle};
-use immersa::output::{Chart, Curve, Stroke};
+use immersa::output::{Chart, Curve, Stroke, write_file};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -234,12 +234,8 @@ fn widths() -> Result<[String; 2]> {
 
 fn main() -> Result<()> {
     let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
-    let write = |name: &str, text: &str| {
-        let path = Path::new(&folder).join(name);
-        let failed =
-            |e: std::io::Error| Error::input("a table cannot be written").at(path.display().to_string()).value(e);
-        std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, text)).map_err(failed)
-    };
+    std::fs::create_dir_all(&folder).map_err(|e| Error::input("cannot make the folder").at(folder.clone()).value(e))?;
+    let write = |name: &str, text: &str| write_file(&Path::new(&folder).join(name), text.as_bytes());
     let squares = [Case::new(false, Function::Distance)?, Case::new(false, Function::Quadratic)?];
     let crooked = [Case::new(true, Function::Distance)?, Case::new(true, Function::Quadratic)?];
     let mut csv = String::from("mesh,phi,delta,h,error,order\n");

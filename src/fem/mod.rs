@@ -8,6 +8,7 @@ mod condition;
 mod corner;
 mod element;
 mod mass;
+mod means;
 mod norms;
 mod numbering;
 mod periodic;

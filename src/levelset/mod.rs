@@ -51,9 +51,7 @@ pub use measures::{ContourPoint, Measures};
 pub use patch::Triangle;
 pub use polygon::Polygon;
 pub use redistance::{Cutter, Redistance, Redistancing};
-pub use segmentation::{
-    Rebuild, Segmentation, SegmentationFit, SegmentationWeights, distance_to_contour, parts_inside,
-};
+pub use segmentation::{Segmentation, SegmentationFit, SegmentationWeights, parts_inside};
 pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
 pub use solid::SolidMeasures;
 pub use solid_union::SolidUnion;

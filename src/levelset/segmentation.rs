@@ -1,16 +1,10 @@
 //! Active contours: the level set that cuts an image into two grey levels (book, section 1.4.1).
 
 use super::band::{heaviside, zeta};
-use super::contour::Contour;
-use super::distance::Tree;
 use crate::base::{Error, Partition, Result};
 use crate::fem::{At, Basis, Cells, EDGES, Projector, Rule, Space, integrate};
 use crate::mesh::Point;
-use rayon::prelude::*;
 use std::sync::Arc;
-
-/// What makes a level set a signed distance again: from a function of the space, with the same zero set.
-pub type Rebuild<const D: usize> = fn(&Space<D>, &[f64]) -> Result<Vec<f64>>;
 
 /// How a [`Segmentation`] is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +54,6 @@ pub struct Segmentation<const D: usize> {
     /// At the quadrature points, cell by cell.
     grey: Vec<f64>,
     weights: SegmentationWeights,
-    rebuild: Rebuild<D>,
 }
 
 /// Smallest `zeta` that is divided by.
@@ -82,13 +75,12 @@ impl<const D: usize> Segmentation<D> {
         space: &Arc<Space<D>>,
         grey: impl Fn(&Point<D>) -> f64 + Sync,
         weights: SegmentationWeights,
-        rebuild: Rebuild<D>,
     ) -> Result<Segmentation<D>> {
         let rule = if D == 2 { quartered(&Rule::simplex(2, DEGREE)) } else { Rule::simplex(D, DEGREE + 2) };
         let basis = Basis::new(space, &Arc::new(rule));
         let points = basis.rule().len();
         let grey = (0..space.mesh().cell_count() * points).map(|k| grey(&basis.at(k / points, k % points).x)).collect();
-        Ok(Segmentation { projector: Projector::without_form(basis, &[])?, grey, weights, rebuild })
+        Ok(Segmentation { projector: Projector::without_form(basis, &[])?, grey, weights })
     }
 
     /// The weights and the half-width of the band.
@@ -118,9 +110,7 @@ impl<const D: usize> Segmentation<D> {
             return Ok([grey_inside / inside, (grey_all - grey_inside) / outside]);
         }
         let side = if inside < outside { "inside" } else { "outside" };
-        Err(Error::computation(format!("the contour is gone: nothing is left {side}"))
-            .value(format!("{:.3e} of the image inside", inside / all))
-            .remedy("take a smaller image.length, or a start that crosses the objects"))
+        Err(gone(side).value(format!("{:.3e} of the image inside", inside / all)))
     }
 
     /// The energy and the levels that make it least.
@@ -140,10 +130,10 @@ impl<const D: usize> Segmentation<D> {
         Ok(SegmentationFit { levels, fidelity: fidelity * misfit, length: length * size })
     }
 
-    /// A step of length `dt`.
+    /// A step of length `dt`, after which the level set is to be made a signed distance again.
     ///
     /// # Errors
-    /// Those of [`levels`](Self::levels); a matrix that cannot be factored.
+    /// Those of [`levels`](Self::levels); a matrix that cannot be factored; the contour is gone after the step.
     pub fn step(&mut self, dt: f64, phi: &mut [f64]) -> Result<()> {
         let [c1, c2] = self.levels(phi)?;
         let (basis, old) = (self.projector.basis().clone(), phi.to_vec());
@@ -157,17 +147,21 @@ impl<const D: usize> Segmentation<D> {
                 mass(at) * basis.value(at, &old) + dt * fidelity * ((u - c1).powi(2) - (u - c2).powi(2))
             },
             phi,
-        )
+        )?;
+        let side = match phi.first() {
+            Some(v) if *v < 0.0 && phi.iter().all(|v| *v < 0.0) => "outside",
+            Some(v) if *v >= 0.0 && phi.iter().all(|v| *v >= 0.0) => "inside",
+            _ => return Ok(()),
+        };
+        let least = phi.iter().fold(f64::INFINITY, |least, v| least.min(v.abs()));
+        Err(gone(side).value(format!("|phi| >= {least:.3e}")))
     }
+}
 
-    /// Makes the level set a signed distance again.
-    ///
-    /// # Errors
-    /// There is no contour.
-    pub fn rebuild(&self, phi: &mut [f64]) -> Result<()> {
-        phi.copy_from_slice(&(self.rebuild)(self.projector.basis().space(), phi)?);
-        Ok(())
-    }
+/// The error for a side that is no more.
+fn gone(side: &str) -> Error {
+    Error::computation(format!("the contour is gone: nothing is left {side}"))
+        .remedy("take a smaller image.length, or a start that crosses the objects")
 }
 
 /// The rule on each of the four parts of a triangle that its edge midpoints make.
@@ -189,28 +183,6 @@ fn quartered(rule: &Rule) -> Rule {
     });
     let weights = parts.iter().flat_map(|_| rule.weights.iter().map(|w| 0.25 * w));
     Rule { points: points.collect(), weights: weights.collect() }
-}
-
-/// Straight pieces that a parabolic segment of the contour is taken for.
-const PIECES: usize = 4;
-
-/// The signed distance to the contour of `phi` at the nodes, with the signs of `phi`.
-///
-/// # Errors
-/// There is no contour, or a value is not finite.
-pub fn distance_to_contour(space: &Space<2>, phi: &[f64]) -> Result<Vec<f64>> {
-    let contour = Contour::new(space, phi)?;
-    if contour.is_empty() {
-        return Err(Error::computation("the contour is gone, and there is nothing to take the distance from")
-            .value(format!("phi = {:.3e} at the first node", phi.first().copied().unwrap_or(f64::NAN)))
-            .remedy("take a smaller image.length, or a start that crosses the objects"));
-    }
-    let along = |k: usize| k as f64 / PIECES as f64;
-    let pieces =
-        contour.segments().iter().flat_map(|s| (0..PIECES).map(|k| [s.point(along(k)), s.point(along(k + 1))]));
-    let tree = Tree::new(pieces.collect());
-    let signed = |(x, v): (&Point<2>, &f64)| if *v < 0.0 { -tree.distance(x) } else { tree.distance(x) };
-    Ok(space.nodes().par_iter().zip(phi).map(signed).collect())
 }
 
 /// The number of connected parts of `phi < 0`, nodes of a P2 space being neighbours on the lattice that they make in their cells. Parts that meet the
@@ -244,8 +216,9 @@ pub fn parts_inside<const D: usize>(space: &Space<D>, phi: &[f64]) -> usize {
 mod tests {
     use super::*;
     use crate::fem::Element;
-    use crate::levelset::{Circle, signed_distance};
+    use crate::levelset::{Circle, Contour, Cutter, Redistance, Redistancing, signed_distance};
     use crate::mesh::{Diagonals, rectangle};
+    use crate::transport::Tracer;
 
     fn space(n: usize) -> Arc<Space<2>> {
         let mesh = rectangle([0.0, 0.0], [40.0, 40.0], [n, n], Diagonals::UnionJack).unwrap();
@@ -261,7 +234,7 @@ mod tests {
         weights: SegmentationWeights,
         grey: impl Fn(&Point<2>) -> f64 + Sync,
     ) -> Segmentation<2> {
-        Segmentation::new(space, grey, weights, distance_to_contour).unwrap()
+        Segmentation::new(space, grey, weights).unwrap()
     }
 
     #[test]
@@ -303,12 +276,13 @@ mod tests {
     #[test]
     fn a_circle_on_an_even_image_shrinks_by_its_curvature() {
         let space = space(20);
+        let how = Redistancing { method: Redistance::Exact, volume: false, cutter: Cutter::PLANE };
         let shrunk = |steps: usize| {
             let mut s = on(&space, WEIGHTS, |_| 0.5);
             let mut phi = circle(&space, 12.0);
             for _ in 0..steps {
                 s.step(160.0 / steps as f64, &mut phi).unwrap();
-                s.rebuild(&mut phi).unwrap();
+                how.apply(&Tracer::new(&space, &[]), &[], 1.0, &mut phi).unwrap();
             }
             let area = Contour::new(&space, &phi).unwrap().measures().unwrap().area;
             (144.0 - area / std::f64::consts::PI) / (2.0 * 160.0 * 0.5 / 4.0)
@@ -319,19 +293,6 @@ mod tests {
     }
 
     #[test]
-    fn the_distance_to_the_contour_is_that_of_the_circle() {
-        let space = space(20);
-        let exact = circle(&space, 10.0);
-        let distorted: Vec<f64> = exact.iter().map(|d| d * (1.0 + 0.05 * d)).collect();
-        let rebuilt = distance_to_contour(&space, &distorted).unwrap();
-        let worst = exact.iter().zip(&rebuilt).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(worst < 0.01, "{worst}");
-        assert!(
-            distance_to_contour(&space, &vec![1.0; space.len()]).unwrap_err().to_string().contains("contour is gone")
-        );
-    }
-
-    #[test]
     fn a_contour_that_is_gone_is_told() {
         let space = space(4);
         let s = on(&space, WEIGHTS, |x| x[0] / 40.0);
@@ -339,6 +300,11 @@ mod tests {
             let e = s.levels(&vec![sign * 50.0; space.len()]).unwrap_err().to_string();
             assert!(e.contains(&format!("left {side}")), "{e}");
         }
+        // A circle less than half as large as the band is wide.
+        let mut s = on(&space, WEIGHTS, |_| 0.5);
+        let mut phi = space.interpolate(|x| (x - Point::<2>::new(20.0, 20.0)).norm() - 0.5);
+        let e = (0..100).find_map(|_| s.step(2.0, &mut phi).err()).unwrap().to_string();
+        assert!(e.contains("left inside") && phi.iter().all(|v| *v >= 0.0), "{e}");
     }
 
     #[test]

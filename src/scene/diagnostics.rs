@@ -13,6 +13,7 @@ use crate::flow::{Load, flux, traction};
 use crate::mesh::{Location, Locator, Point};
 use crate::sim::Simulation;
 use crate::transport::Method;
+use std::cell::OnceCell;
 
 /// The columns that every run has.
 const COMMON: [&str; 9] = [
@@ -138,11 +139,11 @@ where
         names
     }
 
-    /// One row: a value a column. What cannot be measured (an interface that is gone, the centre and the axes of one that is
-    /// passing a periodic side, a force before the first step) is NaN.
+    /// One row: a value a column. What cannot be measured is NaN: an interface that is gone; of one that is passing a periodic side the axes,
+    /// and centre and extent along the way through it; a force before the first step.
     pub fn row(&self, model: &Model<D>) -> Result<Vec<f64>> {
         let sim = &model.simulation;
-        let (state, space) = (sim.state(), sim.space());
+        let (state, space, fields) = (sim.state(), sim.space(), Fields::of(sim));
         let mut row = Vec::new();
         for (k, m) in self.scene.membranes.iter().enumerate() {
             let measured = In::<D>::measure(sim, k, &m.chords, &m.rings)?;
@@ -187,7 +188,7 @@ where
             row.extend([unknowns as f64, state.budget.transferred]);
         }
         for (p, at) in self.scene.output.probes.iter().zip(&self.probes) {
-            row.extend(values(sim, at, p.of));
+            row.extend(fields.values(at, p.of));
         }
         for f in &self.scene.output.forces {
             let Some(pressure) = sim.flow().map(|flow| flow.pressure().space()) else { continue };
@@ -228,8 +229,8 @@ where
 
     /// Values along profile number `k`, point by point: one list for each component, with the end of its column's name.
     pub fn profile(&self, sim: &Simulation<D>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
-        let of = self.scene.output.profiles[k].of;
-        let rows: Vec<Vec<f64>> = self.profiles[k].iter().map(|(_, at)| values(sim, at, of)).collect();
+        let (of, fields) = (self.scene.output.profiles[k].of, Fields::of(sim));
+        let rows: Vec<Vec<f64>> = self.profiles[k].iter().map(|(_, at)| fields.values(at, of)).collect();
         let column = |i: usize| rows.iter().map(|row| row[i]).collect();
         suffixes(of, D).iter().enumerate().map(|(i, suffix)| (*suffix, column(i))).collect()
     }
@@ -278,21 +279,36 @@ fn suffixes(of: Quantity, dimension: usize) -> &'static [&'static str] {
     }
 }
 
-/// The components of a quantity at a point.
-fn values<const D: usize>(sim: &Simulation<D>, at: &Location, of: Quantity) -> Vec<f64> {
-    let (state, space, cell) = (sim.state(), sim.space(), at.cell as usize);
-    let velocity = || space.value(&state.flow.u, cell, &at.barycentric);
-    // A scene asks for a level set only when there is exactly one.
-    let phi = |f: &dyn Fn(&[f64]) -> f64| vec![f(&sim.level_set(0))];
-    match of {
-        Quantity::Pressure => vec![
-            sim.flow().map_or(f64::NAN, |flow| flow.pressure().space().value(&state.flow.p, cell, &at.barycentric)),
-        ],
-        Quantity::Velocity => velocity().iter().copied().collect(),
-        Quantity::Speed => vec![velocity().norm()],
-        Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),
-        Quantity::Stretch => phi(&|f| space.gradient(f, cell, &at.barycentric).norm()),
-        // Asked for in pictures alone.
-        Quantity::AreaChange | Quantity::Shear | Quantity::Image | Quantity::Checkerboard => vec![f64::NAN],
+/// The fields of a simulation, and those that are derived from them once they are asked for.
+struct Fields<'a, const D: usize> {
+    sim: &'a Simulation<D>,
+    vorticity: OnceCell<Vec<f64>>,
+}
+
+impl<'a, const D: usize> Fields<'a, D> {
+    fn of(sim: &'a Simulation<D>) -> Fields<'a, D> {
+        Fields { sim, vorticity: OnceCell::new() }
+    }
+
+    /// The components of a quantity at a point.
+    fn values(&self, at: &Location, of: Quantity) -> Vec<f64> {
+        let sim = self.sim;
+        let (state, space, cell) = (sim.state(), sim.space(), at.cell as usize);
+        let velocity = || space.value(&state.flow.u, cell, &at.barycentric);
+        let vorticity = || self.vorticity.get_or_init(|| space.vorticity(&state.flow.u));
+        // A scene asks for a level set only when there is exactly one.
+        let phi = |f: &dyn Fn(&[f64]) -> f64| vec![f(&sim.level_set(0))];
+        match of {
+            Quantity::Pressure => vec![
+                sim.flow().map_or(f64::NAN, |flow| flow.pressure().space().value(&state.flow.p, cell, &at.barycentric)),
+            ],
+            Quantity::Velocity => velocity().iter().copied().collect(),
+            Quantity::Speed => vec![velocity().norm()],
+            Quantity::Vorticity => vec![space.value(vorticity(), cell, &at.barycentric)],
+            Quantity::LevelSet => phi(&|f| space.value(f, cell, &at.barycentric)),
+            Quantity::Stretch => phi(&|f| space.gradient(f, cell, &at.barycentric).norm()),
+            // Asked for in pictures alone.
+            Quantity::AreaChange | Quantity::Shear | Quantity::Image | Quantity::Checkerboard => vec![f64::NAN],
+        }
     }
 }

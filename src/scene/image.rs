@@ -7,7 +7,7 @@ use super::model::{Draft, Model};
 use super::schema;
 use crate::base::{Error, Result};
 use crate::fem::Conditions;
-use crate::levelset::{Contour, Segmentation, SegmentationWeights, band_edges};
+use crate::levelset::{Contour, Redistance, Redistancing, Segmentation, SegmentationWeights, band_edges};
 use crate::mesh::{self, Point};
 use crate::output::{GreyImage, Pixels, write_file};
 use crate::sim::Simulation;
@@ -61,12 +61,14 @@ where
         let [x, y] = at(x);
         picture.at(x, y)
     };
-    let segmentation = Segmentation::new(&space, grey, weights, In::<D>::rebuilt)?;
+    let segmentation = Segmentation::new(&space, grey, weights)?;
     let nodal = space.interpolate(|x| {
         let [x, y] = at(x);
         picture.smooth(x, y)
     });
-    simulation.descend_along(segmentation, image.rebuild, nodal);
+    simulation.descend_along(segmentation, nodal);
+    let how = Redistancing { method: Redistance::Exact, volume: false, cutter: In::<D>::CUTTER };
+    simulation.redistance_every(image.rebuild, how);
     Ok(Model {
         simulation,
         warnings: draft.warnings,

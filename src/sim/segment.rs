@@ -9,17 +9,15 @@ use crate::levelset::{Segmentation, SegmentationFit, parts_inside};
 /// The segmentation of an image in the course of a simulation.
 pub(super) struct Descent<const D: usize> {
     segmentation: Segmentation<D>,
-    /// Steps after which the level set is made a distance again.
-    every: u64,
     /// The image at the nodes, for files.
     nodal: Vec<f64>,
 }
 
 impl<const D: usize> Simulation<D> {
-    /// Lets the one passive level set of a simulation without a flow descend along the energy of a segmentation; it is made a signed
-    /// distance again after every `every` steps. `nodal` is the image at the nodes.
-    pub fn descend_along(&mut self, segmentation: Segmentation<D>, every: usize, nodal: Vec<f64>) {
-        self.descent = Some(Descent { segmentation, every: every.max(1) as u64, nodal });
+    /// Lets the one passive level set of a simulation without a flow descend along the energy of a segmentation, which means that it
+    /// [becomes a distance again](Self::redistance_every). `nodal` is the image at the nodes.
+    pub fn descend_along(&mut self, segmentation: Segmentation<D>, nodal: Vec<f64>) {
+        self.descent = Some(Descent { segmentation, nodal });
     }
 
     /// The image that is segmented, at the nodes.
@@ -44,8 +42,7 @@ impl<const D: usize> Simulation<D> {
 
     /// One step down the energy.
     pub(super) fn descend(&mut self) -> Result<StepReport> {
-        let (Some(Descent { segmentation, every, .. }), Some(phi)) = (&mut self.descent, self.state.phi.first_mut())
-        else {
+        let (Some(Descent { segmentation, .. }), Some(phi)) = (&mut self.descent, self.state.phi.first_mut()) else {
             return Err(Error::internal("there is no level set to segment an image with"));
         };
         let (dt, steps) = (self.settings.dt, self.state.steps + 1);
@@ -53,9 +50,7 @@ impl<const D: usize> Simulation<D> {
         let place = |e: Error| e.at(format!("time {time:.6}"));
         self.phases.begin();
         segmentation.step(dt, phi).map_err(place)?;
-        if steps.is_multiple_of(*every) {
-            segmentation.rebuild(phi).map_err(place)?;
-        }
+        self.redistance(steps).map_err(place)?;
         self.phases.end(Phase::Transport);
         self.state.steps = steps;
         self.state.time = time;

@@ -5,6 +5,7 @@
 #![allow(clippy::print_stdout, reason = "the measured figures are printed for the table of README.md")]
 
 #[path = "../suite/case.rs"]
+#[allow(dead_code, reason = "scenes of the suite are measured in more ways")]
 mod case;
 mod exact;
 mod membrane;

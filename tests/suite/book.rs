@@ -142,11 +142,18 @@ fn the_page_about_the_series_has_every_column() {
         curvature = true
     "#;
     let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
+    let drop = r#"
+        mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [8, 8] }
+        fluid.viscosity = 1
+        time = { end = 1, step = 1 }
+        drop = [{ name = "DROP", shape.circle = { centre = [0.5, 0.5], radius = 0.2 }, tension = 1 }]
+    "#;
+    let drop = Scene::parse(drop, Path::new("scene.toml")).unwrap();
     let image =
         Scene::load(&source().join("examples/active-contours/scene.toml"), &["level_set.0.name=LEVEL_SET".into()]);
-    for column in [scene, image.unwrap()].iter().flat_map(columns) {
-        // A level set has the columns of a membrane.
-        let like = column.replace("LEVEL_SET", "MEMBRANE");
+    for column in [scene, drop, image.unwrap()].iter().flat_map(columns) {
+        // Level sets and drops have the columns of a membrane.
+        let like = column.replace("LEVEL_SET", "MEMBRANE").replace("DROP", "MEMBRANE");
         assert!([&column, &like].iter().any(|c| page.contains(&format!("`{c}`"))), "{column} is not on the page");
     }
 }
@@ -358,9 +365,9 @@ fn every_measured_number_in_the_book_says_where_it_comes_from() {
             if !measured {
                 continue;
             }
-            // The number of a figure or an equation of the source book.
+            // The number of a figure, a remark or an equation of the source book.
             let end = start + word.len();
-            let equation = prose[..start].ends_with("Fig. ")
+            let equation = ["Fig. ", "remark "].iter().any(|what| prose[..start].ends_with(what))
                 || prose[..start].ends_with('(') && prose[end..].starts_with([')', ',']);
             let quoted = text[end..].trim_start_matches(" %").starts_with("<!-- ");
             assert!(equation || quoted, "{}: where does {number} come from?", page.path.display());

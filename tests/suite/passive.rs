@@ -1,9 +1,12 @@
 //! Scenes with a prescribed velocity, passive level sets, markers, and composed transport in scenes.
 
 use super::case::Case;
+use super::program::immersa;
+use immersa::output::{GreyImage, Table};
 use immersa::scene::Scene;
 use immersa::sim::State;
 use std::f64::consts::PI;
+use std::fs;
 use std::path::Path;
 
 const VORTEX: &str = r#"
@@ -188,4 +191,46 @@ fn a_filament_thinner_than_the_mesh_keeps_its_area() {
     let sim = &case.model.simulation;
     let nodal = immersa::levelset::Contour::new(sim.space(), &sim.level_set(0)).unwrap().measures().unwrap().area;
     assert!((nodal / area - 1.0).abs() > 0.02, "{nodal}");
+}
+
+const TURN: &str = r#"
+[mesh]
+rectangle = { min = [0, 0], max = [1, 1], cells = [6, 6] }
+[fluid]
+prescribed_velocity = ["y - 0.5", "0.5 - x"]
+[[level_set]]
+name = "disc"
+shape.circle = { centre = [0.5, 0.5], radius = 0.2 }
+[time]
+end = 0.1
+step = 0.1
+[output]
+probes.turn = { at = [0.3, 0.6], of = "vorticity" }
+profiles.line = { from = [0, 0.2], to = [1, 0.7], points = 9, of = "vorticity" }
+pictures = 0.1
+picture = { field = "vorticity", size = 200 }
+film = false
+"#;
+
+/// A rigid rotation has the vorticity of twice its angular velocity. Zero is in the middle of the colours though all fluid turns one way.
+#[test]
+fn vorticity_is_measured_and_shown_with_its_sign() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    // Grey levels of the ends of the colours, blue and red, of ColorBrewer's RdBu.
+    for (out, sign, velocity, grey) in
+        [("clockwise", -1.0, "['y - 0.5', '0.5 - x']", 0.160), ("counter", 1.0, "['0.5 - y', 'x - 0.5']", 0.135)]
+    {
+        let run = path.join(out);
+        fs::write(path.join("scene.toml"), TURN).unwrap();
+        let set = format!("fluid.prescribed_velocity={velocity}");
+        immersa(path, &["run", "scene.toml", "--quiet", "--out", out, "--set", &set]).expect(0, &[]);
+        let is = |values: &[f64]| values.iter().all(|v| (v - 2.0 * sign).abs() < 1e-12);
+        assert!(is(Table::read(&run.join("series.csv")).unwrap().column("turn").unwrap()));
+        let profile = Table::read(&run.join("profiles/line.csv")).unwrap();
+        assert!(is(profile.column(profile.names.last().unwrap()).unwrap()));
+        let picture = GreyImage::read(&run.join("pictures/000001.png")).unwrap();
+        let middle = picture.levels()[(picture.height() / 2) * picture.width() + 70];
+        assert!((middle - grey).abs() < 0.005, "{middle}");
+    }
 }

@@ -136,6 +136,29 @@ fn a_segmentation_goes_on_bit_by_bit() {
     assert_eq!(whole.model.simulation.state().to_bytes(7), resumed.model.simulation.state().to_bytes(7));
 }
 
+/// The contour is measured as other level sets are; its scene reads back whatever stands in it.
+#[test]
+fn delta_functions_and_curvatures_measure_the_contour() {
+    let images = images();
+    let set = ["output.deltas=['smeared', 'smereka1', 'smereka2', 'towers']", "output.curvature=true"];
+    let case = images.case(&[&set[..], &["time.end=800"]].concat()).run();
+    let written = Scene::parse(&case.scene.to_toml(), Path::new("scene.toml")).unwrap();
+    assert_eq!(written.to_toml(), case.scene.to_toml());
+    for (measure, deltas) in
+        [("perimeter", &["smeared", "smereka1", "smereka2", "towers"][..]), ("area", &["smeared", "towers"])]
+    {
+        for delta in deltas {
+            let [a, b] = [case.get(&format!("discs.{measure}_{delta}")), case.get(&format!("discs.{measure}"))];
+            assert!((a / b - 1.0).abs() < 0.02, "{measure}_{delta}: {a} {b}");
+        }
+    }
+    // The mean curvature of closed curves is 2 pi over their length, one for each.
+    let [least, most] = ["min", "max"].map(|end| case.get(&format!("discs.curvature_{end}")));
+    let mean = case.get("discs.curvature_mean");
+    let curves = mean * case.get("discs.perimeter") / std::f64::consts::TAU;
+    assert!(least < mean && mean < most && (curves - case.get("components")).abs() < 0.02, "{least} {mean} {most}");
+}
+
 #[test]
 fn what_means_nothing_beside_an_image_is_refused() {
     let images = images();
@@ -146,6 +169,7 @@ fn what_means_nothing_beside_an_image_is_refused() {
             "membrane=[{ shape.circle = { centre = [20, 20], radius = 5 }, area.linear = { modulus = 1 } }]",
             "`membrane` means",
         ),
+        ("drop=[{ shape.circle = { centre = [20, 20], radius = 5 }, tension = 1 }]", "`drop` means nothing"),
         ("exact.velocity=[0, 0]", "`exact` means"),
         ("level_set=[]", "one level set segments the image, and the scene has 0"),
         ("level_set.0.markers=10", "markers are carried by a flow"),
@@ -153,9 +177,14 @@ fn what_means_nothing_beside_an_image_is_refused() {
         ("mesh.rectangle={ min = [0, 0], max = [49, 48], cells = [4, 4] }", "the mesh reaches beyond the image"),
         ("time.tolerance=0.01", "`time.tolerance` means nothing"),
         ("numerics.transport=composed", "`numerics.transport` means nothing"),
+        ("numerics.surface_tension=baensch2001", "`numerics.surface_tension` means nothing"),
+        ("numerics.pressure='P1+P0'", "`numerics.pressure` means nothing"),
+        ("numerics.redistance={ method = 'exact' }", "leave numerics.redistance out, or give image.rebuild"),
         ("output.backward_map=true", "`output.backward_map` means nothing"),
         ("output.fluxes.f={ boundary = 'left' }", "`output.fluxes` means nothing"),
         ("output.probes.p={ at = [1, 1], of = 'speed' }", "nothing flows"),
+        ("output.picture={ field = 'vorticity' }", "there is no `vorticity`"),
+        ("output.curves.c={ of = ['discs', 'discs'] }", "of the plane meet in points"),
         ("output.picture={ field = 'speed' }", "ask for level_set"),
         ("image.file=other.png", "the image cannot be read"),
         ("image.file=scene.toml", "not a PNG file"),

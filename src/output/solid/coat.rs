@@ -71,20 +71,14 @@ fn at_points<T: Value>(space: &Space<3>, name: &str, f: &[T], triangles: &[Trian
     Ok(triangles.iter().flat_map(at).collect())
 }
 
-/// The mean of the gradients in the cells around a node, at the nodes of the cells with triangles.
+/// The mean of the gradients in the cells around a node, at the nodes of the cells with triangles; elsewhere it means nothing.
 fn gradient_at_nodes(space: &Space<3>, phi: &[f64], triangles: &[Triangle]) -> Vec<SVector<f64, 3>> {
     let mut wanted = vec![false; space.len()];
     for t in triangles {
         space.cell_nodes(t.cell as usize).iter().for_each(|&n| wanted[n as usize] = true);
     }
-    let mut sums = vec![(SVector::<f64, 3>::zeros(), 0.0); space.len()];
-    for c in 0..space.mesh().cell_count() {
-        for (a, &n) in space.cell_nodes(c).iter().enumerate().filter(|(_, n)| wanted[**n as usize]) {
-            sums[n as usize].0 += space.gradient(phi, c, &space.element().node(a, 3));
-            sums[n as usize].1 += 1.0;
-        }
-    }
-    sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { sum }).collect()
+    let near = |c: usize| space.cell_nodes(c).iter().any(|&n| wanted[n as usize]);
+    space.means(|c, l| if near(c) { space.gradient(phi, c, l) } else { SVector::<f64, 3>::zeros() })
 }
 
 #[cfg(test)]

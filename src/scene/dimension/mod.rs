@@ -82,14 +82,6 @@ pub trait Dimension<const D: usize> {
             .remedy("leave them out"))
     }
 
-    /// A level set made a signed distance again, for the segmentation of an image.
-    ///
-    /// # Errors
-    /// There is no interface.
-    fn rebuilt(_space: &Space<D>, _phi: &[f64]) -> Result<Vec<f64>> {
-        Err(Error::internal("an image is plane"))
-    }
-
     /// How the level set differs from the known answer of a segmentation: relative error of the area, and pixels on the wrong side.
     fn compare(_answer: &Answer, _sim: &Simulation<D>) -> [f64; 2] {
         [f64::NAN; 2]

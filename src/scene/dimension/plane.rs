@@ -92,10 +92,6 @@ impl Dimension<2> for In<2> {
         markers(&Contour::new(space, phi)?, distance, count)
     }
 
-    fn rebuilt(space: &Space<2>, phi: &[f64]) -> Result<Vec<f64>> {
-        levelset::distance_to_contour(space, phi)
-    }
-
     fn compare(answer: &Answer, sim: &Simulation<2>) -> [f64; 2] {
         answer.compare(sim)
     }

@@ -344,6 +344,7 @@ fn quantity_name(of: Quantity) -> &'static str {
         Quantity::Pressure => "pressure",
         Quantity::Velocity => "velocity",
         Quantity::Speed => "speed",
+        Quantity::Vorticity => "vorticity",
         Quantity::LevelSet => "level set",
         Quantity::Stretch => "stretch",
         Quantity::AreaChange => "area change",

@@ -9,7 +9,6 @@ use crate::output::{
     write_file, write_film,
 };
 use crate::scene::schema::{Cut, Quantity};
-use nalgebra::SVector;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -156,6 +155,10 @@ impl Painter {
         let place = |e: Error| e.at(frame.file.display().to_string());
         match self.field(&snapshot).map_err(place)? {
             Field::Borrowed(field) => Ok(Scale::of(field)),
+            Field::Vorticity(values) => {
+                let strong = strong(&values);
+                Ok(Scale { low: if D == 2 { -strong } else { 0.0 }, high: strong })
+            }
             // Far from the interface the slope of the level set is no stretch, and where fronts meet it is zero.
             Field::Interface(values) => {
                 let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
@@ -171,6 +174,7 @@ impl Painter {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Image => Field::Borrowed(FieldData::Scalar(snapshot.scalar("image")?)),
             Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
+            Quantity::Vorticity => Field::Vorticity(snapshot.space.vorticity(snapshot.vector("velocity")?)),
             Quantity::LevelSet | Quantity::Checkerboard => {
                 Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?))
             }
@@ -282,6 +286,7 @@ impl Painter {
             Quantity::Pressure => "Pressure",
             Quantity::Image => "Grey level",
             Quantity::Velocity | Quantity::Speed => "Speed",
+            Quantity::Vorticity => "Vorticity",
             Quantity::LevelSet => "Level set φ",
             Quantity::Stretch => "Stretch |grad φ|",
             Quantity::AreaChange => "Area change Z1",
@@ -298,6 +303,9 @@ impl Painter {
             rounded(first, 6),
             rounded(last, 6)
         );
+        if self.quantity == Quantity::Vorticity {
+            caption += ", the strongest hundredth in the colours of its ends";
+        }
         let solid = run.scene.dimension() == 3;
         caption += match (solid, self.interfaces.is_empty()) {
             (true, _) if self.slice.is_some() => ", on a plane; the black line is the interface",
@@ -322,6 +330,7 @@ impl Painter {
 /// A field of the snapshot, or one derived from it.
 enum Field<'a, const D: usize> {
     Borrowed(FieldData<'a, D>),
+    Vorticity(Vec<f64>),
     /// One that means something on the interface alone.
     Interface(Vec<f64>),
 }
@@ -330,13 +339,24 @@ impl<const D: usize> Field<'_, D> {
     fn data(&self) -> FieldData<'_, D> {
         match self {
             Field::Borrowed(field) => *field,
-            Field::Interface(values) => FieldData::Scalar(values),
+            Field::Vorticity(values) | Field::Interface(values) => FieldData::Scalar(values),
         }
     }
 }
 
 fn level_set<'a, const D: usize>(snapshot: &'a Snapshot<D>, membrane: &str) -> Result<&'a [f64]> {
     snapshot.scalar(&format!("{membrane}.level_set"))
+}
+
+/// Part of the nodes whose vorticity may be stronger than the colours show: next to corners and in films that break it is many times that elsewhere.
+const STRONGEST: f64 = 0.01;
+
+/// The modulus that all but the [`STRONGEST`] values stay below.
+fn strong(values: &[f64]) -> f64 {
+    let mut moduli: Vec<f64> = values.iter().map(|v| v.abs()).filter(|v| v.is_finite()).collect();
+    moduli.sort_by(f64::total_cmp);
+    let last = (moduli.len() as f64 * (1.0 - STRONGEST)) as usize;
+    moduli.get(last.min(moduli.len().saturating_sub(1))).copied().unwrap_or(0.0)
 }
 
 /// Which nodes belong to a cell that the interface cuts.
@@ -356,13 +376,5 @@ fn near_interface<const D: usize>(snapshot: &Snapshot<D>, phi: &[f64]) -> Vec<bo
 /// `|grad phi|` at the nodes, the gradient being the mean over the cells around a node.
 fn stretch<const D: usize>(snapshot: &Snapshot<D>, phi: &[f64]) -> Vec<f64> {
     let space = &snapshot.space;
-    let mut sums = vec![(SVector::<f64, D>::zeros(), 0.0); space.len()];
-    for c in 0..space.mesh().cell_count() {
-        for (k, &node) in space.cell_nodes(c).iter().enumerate() {
-            let (sum, count) = &mut sums[node as usize];
-            *sum += space.gradient(phi, c, &space.element().node(k, D));
-            *count += 1.0;
-        }
-    }
-    sums.into_iter().map(|(sum, count)| sum.norm() / count).collect()
+    space.means(|c, l| space.gradient(phi, c, l)).iter().map(|g| g.norm()).collect()
 }

@@ -1,7 +1,8 @@
 //! `[[drop]]`: a fluid in another one, with surface tension between them.
 
 use super::keys::{Absent::*, Keys, Kind::*, row};
-use super::membrane::{CHORD, FORCE_WORDS, FORCES, Membrane, RING, cuts, identifier};
+use super::membrane::{CHORD, FORCE_WORDS, FORCES, Membrane, RING, cuts};
+use super::names::{distinct, identifier};
 use super::shape::{self, Shape};
 use super::write::{Writer, name as word, number, text};
 use crate::base::Result;
@@ -64,19 +65,8 @@ pub(super) fn read(
     banded: bool,
     context: &Context,
 ) -> Result<Vec<Membrane>> {
-    let Some(item) = item else { return Ok(Vec::new()) };
-    let mut drops: Vec<Membrane> = Vec::new();
-    for item in item.list()? {
-        let drop = read_one(&item, banded, context)?;
-        if membranes.iter().chain(&drops).any(|m| m.name == drop.name) {
-            let named = item.open_table()?.get("name").unwrap_or(item);
-            return Err(named
-                .error(format!("two interfaces are named `{}`", drop.name))
-                .remedy("give each [[membrane]] and [[drop]] a name of its own"));
-        }
-        drops.push(drop);
-    }
-    Ok(drops)
+    let taken: Vec<&str> = membranes.iter().map(|m| m.name.as_str()).collect();
+    distinct(item, &taken, |i| read_one(i, banded, context), |m| &m.name)
 }
 
 fn read_one(item: &Item, banded: bool, context: &Context) -> Result<Membrane> {

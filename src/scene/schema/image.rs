@@ -141,6 +141,7 @@ pub(super) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result
     for (key, why) in [
         ("fluid", "nothing flows"),
         ("membrane", "nothing flows that a membrane could act on"),
+        ("drop", "nothing flows that a drop could act on"),
         ("boundary", "nothing flows through a boundary"),
         ("exact", "there is no flow to compare"),
     ] {
@@ -154,15 +155,23 @@ pub(super) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result
         ("mesh", &["adapt"][..]),
         ("time", &["tolerance"]),
         ("output", &["forces", "fluxes", "backward_map"]),
-        ("numerics", &["transport"]),
+        ("numerics", &["transport", "surface_tension", "pressure"]),
     ] {
         let Some(open) = scene.get(table).map(|i| i.open_table()).transpose()? else { continue };
         let written = keys.iter().filter_map(|key| open.get(key));
-        if let Some(item) = written.into_iter().find(|i| !i.is_false() && !i.is_word("nodal")) {
+        if let Some(item) =
+            written.into_iter().find(|i| !i.is_false() && !["nodal", "P1"].iter().any(|word| i.is_word(word)))
+        {
             return Err(item
                 .key_error(format!("`{}` means nothing beside `image`, where nothing flows", item.key))
                 .remedy("leave it out"));
         }
+    }
+    let numerics = scene.get("numerics").map(|i| i.open_table()).transpose()?;
+    if let Some(item) = numerics.and_then(|t| t.get("redistance")) {
+        return Err(item
+            .key_error("beside `image` the level set becomes a distance in any case, after every `image.rebuild` steps")
+            .remedy("leave numerics.redistance out, or give image.rebuild"));
     }
     let start = "give one: [[level_set]] with shape.circle = { centre = [64, 64], radius = 40 }";
     let Some(item) = scene.get("level_set") else {

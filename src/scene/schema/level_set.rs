@@ -1,7 +1,7 @@
 //! `[[level_set]]`: interfaces that are carried and act on nothing.
 
 use super::keys::{Absent::*, Keys, Kind::*, row};
-use super::membrane::identifier;
+use super::names::{distinct, identifier};
 use super::shape::{self, Shape};
 use super::write::{Writer, text};
 use crate::base::Result;
@@ -37,19 +37,7 @@ const MOST_MARKERS: usize = 10_000_000;
 
 /// All passive level sets, in the order of the scene. `taken` are names of other structures.
 pub(super) fn read(item: Option<Item>, taken: &[&str], context: &Context) -> Result<Vec<LevelSet>> {
-    let Some(item) = item else { return Ok(Vec::new()) };
-    let mut all: Vec<LevelSet> = Vec::new();
-    for item in item.list()? {
-        let level_set = LevelSet::read(&item, context)?;
-        if all.iter().map(|s| s.name.as_str()).chain(taken.iter().copied()).any(|n| n == level_set.name) {
-            let named = item.open_table()?.get("name").unwrap_or(item);
-            return Err(named
-                .error(format!("two interfaces are named `{}`", level_set.name))
-                .remedy("give each [[membrane]] and [[level_set]] a name of its own"));
-        }
-        all.push(level_set);
-    }
-    Ok(all)
+    distinct(item, taken, |i| LevelSet::read(i, context), |s| &s.name)
 }
 
 impl LevelSet {

@@ -2,6 +2,7 @@
 
 use super::drop::Drop;
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
+use super::names::{distinct, identifier, named};
 use super::shape::{self, Shape};
 use super::write::{Writer, expressions, key, list, name as word, number, text, vector};
 use crate::base::Result;
@@ -231,19 +232,7 @@ pub(super) static CHORD: Keys = Keys {
 
 /// All membranes, in the order of the scene.
 pub(super) fn read(item: Option<Item>, context: &Context) -> Result<Vec<Membrane>> {
-    let Some(item) = item else { return Ok(Vec::new()) };
-    let mut membranes: Vec<Membrane> = Vec::new();
-    for item in item.list()? {
-        let membrane = Membrane::read(&item, context)?;
-        if membranes.iter().any(|m| m.name == membrane.name) {
-            let named = item.open_table()?.get("name").unwrap_or(item);
-            return Err(named
-                .error(format!("two membranes are named `{}`", membrane.name))
-                .remedy("give each [[membrane]] a name of its own"));
-        }
-        membranes.push(membrane);
-    }
-    Ok(membranes)
+    distinct(item, &[], |i| Membrane::read(i, context), |m| &m.name)
 }
 
 impl Membrane {
@@ -476,31 +465,6 @@ impl Chord {
             direction: table.required("direction", "give a direction: direction = [1, 0]", direction)?,
         })
     }
-}
-
-/// The entries of a table whose keys name them; a name becomes part of column and file names.
-pub(super) fn named<T>(item: &Item, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
-    let entries = item.open_table()?;
-    let one = |(name, item): (&str, Item)| match is_identifier(name) {
-        true => read(name.to_string(), &item),
-        false => Err(item.key_error(format!("`{name}` cannot be a name here")).remedy(IDENTIFIER)),
-    };
-    entries.items().map(one).collect()
-}
-
-const IDENTIFIER: &str = "use letters, digits, `_` and `-`, and begin with a letter";
-
-pub(super) fn identifier(item: &Item) -> Result<String> {
-    let name = item.text()?;
-    if is_identifier(name) {
-        return Ok(name.to_string());
-    }
-    Err(item.error(format!("\"{name}\" cannot be a name here")).remedy(IDENTIFIER))
-}
-
-fn is_identifier(name: &str) -> bool {
-    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(allowed)
 }
 
 pub(super) fn write(membranes: &[Membrane], out: &mut Writer) {

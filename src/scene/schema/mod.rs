@@ -11,6 +11,7 @@ mod keys;
 mod level_set;
 mod membrane;
 mod mesh;
+mod names;
 mod numerics;
 mod output;
 mod picture;

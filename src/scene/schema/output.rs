@@ -3,7 +3,7 @@
 use super::fluid::Fluid;
 use super::geometry::{CURVE, Curve, DELTA_LIST, DeltaName, curve, deltas};
 use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::membrane::named;
+use super::names::named;
 use super::picture::Picture;
 use super::time::Time;
 use super::write::{Writer, key, list, name, number, text, vector};
@@ -55,6 +55,8 @@ pub enum Quantity {
     Velocity,
     /// The magnitude of the velocity.
     Speed,
+    /// The vorticity, [`Space::vorticity`](crate::fem::Space::vorticity).
+    Vorticity,
     /// The level set of the one interface.
     LevelSet,
     /// The stretch of the one interface.
@@ -118,14 +120,15 @@ pub struct Flux {
     pub boundary: String,
 }
 
-const QUANTITIES: [(&str, Quantity); 5] = [
+const QUANTITIES: [(&str, Quantity); 6] = [
     ("pressure", Quantity::Pressure),
     ("velocity", Quantity::Velocity),
     ("speed", Quantity::Speed),
+    ("vorticity", Quantity::Vorticity),
     ("level_set", Quantity::LevelSet),
     ("stretch", Quantity::Stretch),
 ];
-const QUANTITY_WORDS: [&str; 5] = words(&QUANTITIES);
+const QUANTITY_WORDS: [&str; QUANTITIES.len()] = words(&QUANTITIES);
 
 pub(super) static KEYS: Keys = Keys {
     about: "What is written, and when. What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`.",
@@ -205,11 +208,14 @@ pub(super) static KEYS: Keys = Keys {
     ],
 };
 
+const MEASURED: &str = "What is measured. The vorticity is d_x u_y - d_y u_x, in space the length of curl u: the mean of the cells around each node, \
+    interpolated.";
+
 static PROBE: Keys = Keys {
     about: "A value at a point.",
     keys: &[
         row("at", Value("point"), "m", Required, "The point."),
-        row("of", Choice(&QUANTITY_WORDS), "", Required, "What is measured."),
+        row("of", Choice(&QUANTITY_WORDS), "", Required, MEASURED),
     ],
 };
 
@@ -225,7 +231,7 @@ static PROFILE: Keys = Keys {
             Default("200"),
             "Equidistant points, both ends included.",
         ),
-        row("of", Choice(&QUANTITY_WORDS), "", Required, "What is measured."),
+        row("of", Choice(&QUANTITY_WORDS), "", Required, MEASURED),
         row(
             "times",
             Value("list of rising numbers >= 0"),

@@ -32,10 +32,11 @@ pub struct Picture {
 }
 
 /// What a picture can show.
-const FIELDS: [(&str, Quantity); 8] = [
+const FIELDS: [(&str, Quantity); 9] = [
     ("image", Quantity::Image),
     ("pressure", Quantity::Pressure),
     ("speed", Quantity::Speed),
+    ("vorticity", Quantity::Vorticity),
     ("level_set", Quantity::LevelSet),
     ("stretch", Quantity::Stretch),
     ("area_change", Quantity::AreaChange),
@@ -54,7 +55,8 @@ pub(super) static KEYS: Keys = Keys {
             Choice(&FIELD_WORDS),
             "",
             Derived("speed; image where one is segmented; the level set where one is carried by a given velocity"),
-            "The field whose values are the colours. Where an image is segmented it is that `image` in grey, or the level set. In space, where backward characteristics are carried, also the area change Z1 and the shear \
+            "The field whose values are the colours. Vorticity is blue where the fluid turns clockwise and red where counter-clockwise; the strongest hundredth of it, by nodes, has the colours of the ends. In space it is the length of curl u. \
+            Where an image is segmented the field is that `image` in grey, or the level set. In space, where backward characteristics are carried, also the area change Z1 and the shear \
              Z2 of the one interface, or a checkerboard that its material carries.",
         ),
         row(
