@@ -9,6 +9,7 @@ mod broken_meshes;
 mod case;
 mod comparison;
 mod convergence;
+mod drops;
 mod elements;
 mod examples;
 mod explain;

@@ -197,7 +197,7 @@ fn read_contrast<'a>(
                 "`{}` differs inside and outside, and so does what the drop `{}` says",
                 item.key, drop.name
             ))
-            .remedy(format!("give one number, that outside, and the drop its own {}", item.key)));
+            .remedy("give one number, that outside, and the drop its own density or viscosity"));
     }
     if structures.len() != 1 {
         return Err(item
