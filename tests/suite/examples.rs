@@ -13,8 +13,13 @@ use tempfile::TempDir;
 
 const PARTS: [&str; 3] = ["scene.toml", "README.md", "expect.toml"];
 /// The same or a simpler case in FreeFEM, where there is one; what FreeFEM has not the memory or the elements for names another reference.
-const WITHOUT_TWIN: [(&str, &str); 3] =
-    [("sheared-sphere", "axisymmetric.edp"), ("capsule-in-shear", "README.md"), ("active-contours", "shapes-mask.png")];
+const WITHOUT_TWIN: [(&str, &str); 5] = [
+    ("sheared-sphere", "axisymmetric.edp"),
+    ("capsule-in-shear", "README.md"),
+    ("active-contours", "shapes-mask.png"),
+    ("capillary-wave", "README.md"),
+    ("static-drop", "README.md"),
+];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
