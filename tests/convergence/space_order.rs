@@ -19,12 +19,12 @@ type Errors = [f64; 3];
 /// The error of the pressure is that of its best approximation, of order 2, and a part made by the velocity that goes with
 /// `viscosity + grad_div` and falls with order 2.5 on structured meshes. Where both are 1 the second part still rules on the
 /// coarse meshes and the slope of three of them comes out as 2.2 to 2.5; so both are small here where the mesh is structured.
-type Fluid = (f64, f64);
+type Constants = (f64, f64);
 
 /// A Stokes flow on `mesh`: value, gradient and pressure are given, and the force that goes with them.
 fn stokes_errors<const D: usize>(
     mesh: Mesh<D>,
-    (viscosity, grad_div): Fluid,
+    (viscosity, grad_div): Constants,
     velocity: fn(&Point<D>) -> SVector<f64, D>,
     gradient: fn(&Point<D>) -> SMatrix<f64, D, D>,
     pressure: fn(&Point<D>) -> (f64, SVector<f64, D>),
@@ -76,7 +76,7 @@ fn assert_orders(what: &str, sizes: &[f64], errors: &[Errors], bounds: Errors) {
     }
 }
 
-fn stokes_orders(what: &str, fluid: Fluid, meshes: impl IntoIterator<Item = Mesh<2>>, bounds: Errors) {
+fn stokes_orders(what: &str, fluid: Constants, meshes: impl IntoIterator<Item = Mesh<2>>, bounds: Errors) {
     let run = |mesh: Mesh<2>| {
         let size = size(&mesh);
         (size, stokes_errors(mesh, fluid, stokes::velocity, stokes::gradient, stokes::pressure, stokes::force))

@@ -31,7 +31,7 @@ fn study(what: &str, set: impl Fn(usize) -> Vec<String>, order: f64, speed: f64)
         at_rest(n, &set.iter().map(String::as_str).collect::<Vec<_>>())
     });
     let jumps = found.map(|f| f[1]);
-    println!("{what}: errors of the jump {jumps:.1e?}");
+    println!("{what}: errors of the jump {:.1e} {:.1e} {:.1e}", jumps[0], jumps[1], jumps[2]);
     let sizes = cells.map(|n| 1.0 / n as f64);
     Study { what, sizes: &sizes, errors: found.map(|f| f[0]).to_vec() }.assert_at_least(order, speed);
     jumps
