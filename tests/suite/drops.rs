@@ -193,7 +193,10 @@ fn what_a_drop_cannot_have_is_refused() {
         (vec!["numerics.surface_tension=baensch2001", "numerics.coupling=explicit"], "keep one of the two"),
         (vec!["numerics.surface_tension=brackbill1992", "drop.0.force=sharp"], "spread over a band"),
         (vec!["numerics.coupling=fully-explicit"], "time.order = 1"),
-        (vec!["fluid.density={ inside = 1, outside = 2 }", "drop.0.density=3"], "the drop its own density or viscosity"),
+        (
+            vec!["fluid.density={ inside = 1, outside = 2 }", "drop.0.density=3"],
+            "the drop its own density or viscosity",
+        ),
         (vec!["drop.0.tension=-1"], "tension"),
         (vec!["drop.0.stretch=2"], "stretch"),
         (vec!["drop.0.rings={ a = { centre = [0, 0], normal = [0, 1] } }"], "ask for chords"),
