@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 const PARTS: [&str; 3] = ["scene.toml", "README.md", "expect.toml"];
 /// The same or a simpler case in FreeFEM, where there is one; what FreeFEM has not the memory or the elements for names another reference.
-const WITHOUT_TWIN: [(&str, &str); 0] = [
+const WITHOUT_TWIN: [(&str, &str); 7] = [
     ("sheared-sphere", "axisymmetric.edp"),
     ("capsule-in-shear", "README.md"),
     ("active-contours", "shapes-mask.png"),
