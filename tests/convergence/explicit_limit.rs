@@ -84,7 +84,7 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
         solve_tolerance: 1e-10,
         solving: Default::default(),
         quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: viscosity },
+        fluid: Fluid { density: 1.0, viscosity },
         boussinesq: false,
         pressure: Element::P1,
         conditions: vec![
