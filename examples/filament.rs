@@ -164,6 +164,11 @@ fn main() -> Result<()> {
         let Some(c) = find(*n, *way) else { continue };
         curves.push(Curve { name: label, x: &c.time, y: &c.length[1], stroke: *stroke, colour: Some(k / 2) });
     }
+    // The composed map evaluates the level set wherever it is cut, so that its length is that of the interface.
+    if let Some(c) = find(128, COMPOSED) {
+        let label = "composed map, N = 128";
+        curves.push(Curve { name: label, x: &c.time, y: &c.length[0], stroke: Stroke::Points, colour: Some(6) });
+    }
     let chart = Chart { x_label: "time", y_label: "length", curves, ..Chart::default() };
     write("lengths.svg", &chart.svg())?;
     // All ways at one resolution, cut.

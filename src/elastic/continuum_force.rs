@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// sphere, and `n` outward. (1.32) is printed with the other sign and with the density as a factor: the jump of the normal stress is
 /// `lambda H` whatever the densities.
 ///
-/// The curvature is taken at the points of the mesh from recovered second derivatives of `phi` ([`Curvature`]), and is linear in between.
+/// The curvature is taken at the points of the mesh from recovered second derivatives of `phi` ([`Curvature`]), and is linear in between. It is cut off at `2 (D - 1)` over
+/// the longest edge of a cell.
 ///
 /// Limits: explicit in time, below (1.54). The force is not the derivative of an energy on the mesh, and where two interfaces come near each other
 /// the recovery mixes their curvatures.
@@ -56,7 +57,10 @@ impl<const D: usize> ContinuumForce<D> {
         let curvature = Curvature::new(&recovery, space, phi, &vertices);
         self.recovery = Some((Arc::clone(mesh), recovery));
         self.band.prepare(&width, basis, phi, SVector::zeros(), |c, q, b| {
-            let h = curvature.mean_at(mesh, c, &basis.rule().points[q]);
+            // No mesh has a curvature of more than about the inverse of its edges, but where the gradient nearly vanishes, on the medial
+            // axis, it comes out as any number.
+            let limit = 2.0 * (D - 1) as f64 / mesh.diameter(c);
+            let h = curvature.mean_at(mesh, c, &basis.rule().points[q]).clamp(-limit, limit);
             b.n * (-tension * h * b.w * b.r)
         });
     }

@@ -1,4 +1,4 @@
-//! Derivatives of quadratic functions, recovered at the points of the mesh.
+//! Derivatives of finite-element functions, recovered at the points of the mesh by fitting cubics.
 
 use super::element::Element;
 use super::space::Space;

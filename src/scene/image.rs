@@ -107,6 +107,12 @@ impl Answer {
                 .remedy(format!("give a mask of {width} x {height} pixels"));
             return Err(place(e));
         }
+        if !mask.levels().iter().any(|v| *v > MIDDLE) {
+            return Err(place(
+                Error::input("nothing is inside in the mask: no pixel is white")
+                    .remedy("give a mask that is white inside"),
+            ));
+        }
         Ok(Some(Answer { pixels, inside: mask.levels().iter().map(|v| *v > MIDDLE).collect() }))
     }
 

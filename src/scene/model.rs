@@ -8,7 +8,6 @@ use super::expression::Expression;
 use super::image::segmenting;
 use super::pacing::pacing;
 use super::passive::{Placed, check_inflow, nearest_image, prescribed};
-use super::plan::is_stepped;
 use super::redistance::redistance;
 use super::schema::{self, Condition, MeshSource};
 use super::sheared::{check_map, check_rest_map};
@@ -269,8 +268,12 @@ where
     fn warn_of_overlaps(&mut self, distances: &[Vec<f64>], eps: f64) {
         for (k, a) in distances.iter().enumerate() {
             for (l, b) in distances.iter().enumerate().skip(k + 1) {
-                if let Some(n) = (0..a.len()).find(|&n| a[n].abs() < eps && b[n].abs() < eps) {
-                    let (first, second) = (&self.scene.membranes[k].name, &self.scene.membranes[l].name);
+                let (first, second) = (&self.scene.membranes[k], &self.scene.membranes[l]);
+                // What pulls at nothing may lie where another one is.
+                let pulls = first.area.modulus() > 0.0 && second.area.modulus() > 0.0;
+                let near = (0..a.len()).find(|&n| a[n].abs() < eps && b[n].abs() < eps);
+                if let Some(n) = near.filter(|_| pulls) {
+                    let (first, second) = (&first.name, &second.name);
                     let at = self.space.nodes()[n];
                     self.warnings.push(Warning::new(
                         format!("the bands of `{first}` and `{second}` overlap, for example at {:.4?}", at.as_slice()),
@@ -305,7 +308,9 @@ where
         for (k, (m, distance)) in self.scene.membranes.iter().zip(distances).enumerate() {
             let eps = thickness.unwrap_or(0.0);
             // A sharp force needs no band; a fluid that changes across the interface does.
-            let banded = m.force == Force::Smeared || is_stepped(self.scene);
+            let banded = m.force == Force::Smeared || m.mass > 0.0 || self.scene.inside(k).is_some();
+            let renormalised = m.force == Force::Smeared && band_of(self.scene, m) == Band::Renormalised;
+            let widest = if renormalised { norm.largest(D) } else { 1.0 };
             let adapts = self.scene.adapt.is_some();
             let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted edges reach 1.4 times what is asked for), \
                           or a mesh.adapt.width above the thickness";
@@ -314,7 +319,7 @@ where
             let check = check.and_then(|warning| {
                 let adapted = |w: Warning| if adapts { Warning::new(w.what, remedy) } else { w };
                 self.warnings.extend(warning.map(adapted));
-                let reach = if banded { eps * norm.largest(D) } else { 0.0 };
+                let reach = if banded { eps * widest } else { 0.0 };
                 let margin = walls.iter().map(|&n| distance[n as usize].abs()).fold(f64::INFINITY, f64::min);
                 if margin > reach {
                     return Ok(());

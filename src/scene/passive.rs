@@ -35,13 +35,18 @@ where
     pub(super) fn placed(&self, shape: &super::schema::Shape, keys: &[&str]) -> Result<Placed<D>> {
         let domain = self.mesh.bounding_box();
         let place = |e| self.scene.blame(keys, e);
+        let open = matches!(shape, super::schema::Shape::Expression(_));
         let shape = In::<D>::shape(shape, domain).map_err(place)?;
         let (mut low, mut high) = shape.bounds();
         // Through a periodic side it goes on at the other one.
         for axis in (0..D).filter(|&axis| self.pairs.iter().any(|p| p.shift[axis] != 0.0)) {
             (low[axis], high[axis]) = (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
         }
-        check_inside((low, high), domain, 0.0).map_err(place)?;
+        // What acts on nothing may end on walls, if it is described by a function, which goes on beyond them.
+        let may_end = keys.first() == Some(&"level_set") && open;
+        if !may_end {
+            check_inside((low, high), domain, 0.0).map_err(place)?;
+        }
         let shifts = image_shifts(&self.pairs);
         let nodal = self.with_images(signed_distance(self.space, shape.as_ref()), shape.as_ref(), &shifts);
         let nearest = move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));

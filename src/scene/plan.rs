@@ -334,17 +334,22 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         }));
         for m in &scene.membranes {
             if m.force == Force::Sharp {
-                lines.push(format!("force of `{}` on the interface itself, with the stretch carried along it", m.name));
+                let along = if m.drop.is_some() { "" } else { ", with the stretch carried along it" };
+                lines.extend(
+                    (m.area.modulus() > 0.0).then(|| format!("force of `{}` on the interface itself{along}", m.name)),
+                );
                 continue;
             }
             let given = derived(scene.numerics.band.is_some());
+            let continuum = scene.numerics.surface_tension.is_some_and(|s| s.continuum);
             lines.push(match band_of(scene, m) {
                 Band::Renormalised => {
                     format!("band of `{}` renormalised{given}: of this half-width whatever the stretch", m.name)
                 }
                 Band::Carried => format!(
-                    "band of `{}` carried with the fluid{given}: keeps the energy, of this half-width at the start",
-                    m.name
+                    "band of `{}` carried with the fluid{given}:{} of this half-width at the start",
+                    m.name,
+                    if continuum { "" } else { " keeps the energy," }
                 ),
             });
         }
@@ -396,7 +401,9 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
             lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
         }
         if scene.numerics.redistance.is_none() {
-            lines.push("redistancing: the slope of the level set is the stretch of the membrane");
+            let drops = scene.membranes.iter().all(|m| m.drop.is_some());
+            let stretch = "redistancing: the slope of the level set is the stretch of the membrane";
+            lines.push(if drops { "redistancing: it is not asked for" } else { stretch });
         }
         if sim.settings().transport == Method::Nodal {
             lines.push("the mass matrix of the level set: nodal transport does not project");
@@ -442,6 +449,9 @@ fn steps<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         }
         Coupling::FullyExplicit => {
             lines.push("the fully explicit coupling is unstable without viscosity, with any step: remark 1.12".into());
+        }
+        Coupling::Explicit if scene.numerics.surface_tension.is_some_and(|s| s.continuum) => {
+            lines.push("the continuum force is not the derivative of an energy: with little viscosity it wins energy with any step".into());
         }
         Coupling::Explicit => {}
         Coupling::SemiImplicit if is_stiff(scene) => {

@@ -1,5 +1,6 @@
 //! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
 
+use super::drops;
 use super::folder::RunFolder;
 use super::segmentation;
 use crate::output::{Chart, Curve, Stroke, Table, rounded};
@@ -56,6 +57,8 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
         for m in &run.scene.membranes {
             charts.extend(axes(run, m, sheet()));
             charts.extend(chords(run, m, sheet()));
+            charts.extend(drops::velocity(run, &m.name, sheet()));
+            charts.extend(drops::roundness(run, &m.name, sheet()));
         }
         charts.extend(run.scene.level_sets.iter().filter_map(|s| length(run, &s.name, sheet())));
         let common = [stretch, area, map, energies, balance, speed, steps, fluxes];
@@ -131,7 +134,7 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     let (alone, words) = (run.scene.membranes.len() == 1, run.words());
     // Of a passive level set the length itself is drawn.
     // With a map the area at rest is not that at the start over a number.
-    for m in run.scene.membranes.iter().filter(|m| m.map.is_empty()) {
+    for m in run.scene.membranes.iter().filter(|m| m.map.is_empty() && m.drop.is_none()) {
         let Some(perimeter) = run.column_of(&m.name, words.own) else { continue };
         let rest = perimeter.first().map_or(f64::NAN, |p| p / m.stretch);
         sheet.add(m.name.as_str(), Some(perimeter.iter().map(|p| p / rest).collect()), Stroke::Line);

@@ -4,6 +4,7 @@
 
 mod balances;
 mod charts;
+mod drops;
 mod folder;
 mod page;
 mod pictures;

@@ -110,10 +110,17 @@ impl Fluid {
         }
         let density = |i: &Item| read_contrast(i, structures, Item::non_negative);
         let viscosity = |i: &Item| read_contrast(i, structures, Item::positive);
+        let boussinesq = table.optional("boussinesq", Item::boolean)?.unwrap_or(false);
+        let found = table.optional("density", density)?.unwrap_or(Contrast::uniform(1.0));
+        if let (true, 0.0, Some(item)) = (boussinesq, found.outside, table.get("boussinesq")) {
+            return Err(item
+                .key_error("in the Boussinesq form the inertia is that of the fluid outside, and it has none: its density is 0")
+                .remedy("give the fluid a density, or leave boussinesq out"));
+        }
         Ok(Fluid {
-            density: table.optional("density", density)?.unwrap_or(Contrast::uniform(1.0)),
+            density: found,
             viscosity: table.required("viscosity", "give the dynamic viscosity: viscosity = 0.01", viscosity)?,
-            boussinesq: table.optional("boussinesq", Item::boolean)?.unwrap_or(false),
+            boussinesq,
             gravity: table.optional("gravity", |i| i.point(context))?.unwrap_or(vec![0.0; context.dimension]),
             force: table.optional("force", |i| i.components(context))?.unwrap_or(zero.clone()),
             initial_velocity: table.optional("initial_velocity", |i| initial(i, context))?.unwrap_or(zero),

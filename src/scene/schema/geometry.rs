@@ -44,7 +44,7 @@ pub struct Curve {
 
 pub(super) static CURVE: Keys = Keys {
     about: "The curve in which two interfaces meet: its length, curvature and torsion, in `series.csv`.",
-    keys: &[row("of", Value("list of two names"), "", Required, "The membranes or level sets.")],
+    keys: &[row("of", Value("list of two names"), "", Required, "The membranes, drops or level sets.")],
 };
 
 /// The list of delta functions, each once.

@@ -45,7 +45,7 @@ use super::item::{self, Context, Item};
 use crate::base::Result;
 use crate::elastic::AreaLaw;
 use crate::fem::Element;
-use crate::sim::{self, Coupling};
+use crate::sim::{self, Coupling, Way};
 use crate::transport::Method;
 use keys::{Absent::*, Kind::*, row};
 use std::collections::BTreeMap;
@@ -226,17 +226,19 @@ impl Settings {
         self.membranes.iter().map(|m| (m.name.as_str(), m.stretch)).chain(passive)
     }
 
-    /// The fluid inside structure number `k`, if it differs from that outside.
+    /// The fluid inside structure number `k`, if it has one of its own: a drop that says so (it may equal that outside, and lie in another drop),
+    /// or what `[fluid]` says of the one structure of the scene.
     pub fn inside(&self, k: usize) -> Option<sim::Fluid> {
         let outside = self.outside();
-        let (density, viscosity) = match self.membranes[k].drop {
-            Some(Drop { density, viscosity }) if density.is_some() || viscosity.is_some() => (density, viscosity),
-            _ => (Some(self.fluid.density.inside), Some(self.fluid.viscosity.inside)),
-        };
-        let inside = sim::Fluid {
-            density: density.unwrap_or(outside.density),
-            viscosity: viscosity.unwrap_or(outside.viscosity),
-        };
+        if let Some(Drop { density, viscosity }) = self.membranes[k].drop
+            && (density.is_some() || viscosity.is_some())
+        {
+            return Some(sim::Fluid {
+                density: density.unwrap_or(outside.density),
+                viscosity: viscosity.unwrap_or(outside.viscosity),
+            });
+        }
+        let inside = sim::Fluid { density: self.fluid.density.inside, viscosity: self.fluid.viscosity.inside };
         (inside != outside).then_some(inside)
     }
 
@@ -324,6 +326,9 @@ fn check_elements(
         }
     }
     match table.get("pressure").filter(|_| numerics.pressure == Element::P1P0) {
+        Some(item) if numerics.solving.way == Some(Way::Schur) => Err(item
+            .key_error("the Schur route has no operator for a pressure that holds the constants twice")
+            .remedy("take solver = \"auto\", or pressure = \"P1\"")),
         Some(item) if dimension == 3 => Err(item
             .key_error(
                 "in space P2 velocities cannot balance a pressure with a constant of each cell: the pair is not stable",
