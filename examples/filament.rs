@@ -6,8 +6,8 @@
 #![allow(clippy::print_stdout, reason = "an example prints its results")]
 
 use immersa::base::{Error, Result};
-use immersa::fem::{Rule, Space};
-use immersa::levelset::{Contour, surface_weight};
+use immersa::fem::Space;
+use immersa::levelset::{Contour, Delta, Kernel, Norm, Smeared, Width};
 use immersa::mesh::Point;
 use immersa::output::{Chart, Curve, Stroke, write_file};
 use immersa::scene::{Model, Scene};
@@ -85,7 +85,7 @@ fn course(cells: usize, way: Way) -> Result<Course> {
         let cut = sim.interface(0)?.contour;
         course.time.push(sim.time());
         course.length[0].push(cut.perimeter());
-        course.length[1].push(by_delta(sim.space(), &sim.level_set(0), 0.75 / cells as f64));
+        course.length[1].push(by_delta(sim.space(), &sim.level_set(0), 0.75 / cells as f64)?);
         course.length[2].push(sim.marker_polygon(0).map_or(f64::NAN, |m| m[0]));
         course.area.push(cut.measures().map_or(0.0, |m| m.area));
         if k == steps {
@@ -96,18 +96,10 @@ fn course(cells: usize, way: Way) -> Result<Course> {
     Ok(course)
 }
 
-/// The integral of the renormalised delta of half-width `eps`, `zeta(phi/(eps |grad phi|))/eps`: the length of the interface.
-fn by_delta(space: &Space<2>, phi: &[f64], eps: f64) -> f64 {
-    let (mesh, rule) = (space.mesh(), Rule::simplex(2, 8));
-    let of_cell = |c: usize| {
-        let points = rule.points.iter().zip(&rule.weights);
-        let delta = points.map(|(l, w)| {
-            let r = space.gradient(phi, c, l).norm();
-            w * r * surface_weight(space.value(phi, c, l), r, eps)
-        });
-        mesh.map(c).volume * delta.sum::<f64>()
-    };
-    (0..mesh.cell_count()).map(of_cell).sum()
+/// The length of the interface by the renormalised delta of half-width `eps`, `zeta(phi/(eps |grad phi|))/eps`.
+fn by_delta(space: &Space<2>, phi: &[f64], eps: f64) -> Result<f64> {
+    let width = Width::Renormalised(Norm::L2);
+    Delta::Smeared(Smeared { kernel: Kernel::Cosine, width, thickness: eps, degree: 8 }).measure(space, phi)
 }
 
 fn lines(contour: &Contour) -> Vec<Vec<Point<2>>> {

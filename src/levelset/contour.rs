@@ -10,6 +10,8 @@ use std::ops::Range;
 
 /// The four triangles of the P2 lattice of a triangle, positively oriented, by local nodes.
 pub(super) const LATTICE: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
+/// The tetrahedra at the corners of the P2 lattice of a tetrahedron, by local nodes; between them is an octahedron.
+pub(super) const CORNERS: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
 
 /// A piece of the contour inside one cell: the parabola through three points of the P2 zero set.
 ///

@@ -107,13 +107,14 @@ impl Answer {
                 .remedy(format!("give a mask of {width} x {height} pixels"));
             return Err(place(e));
         }
-        if !mask.levels().iter().any(|v| *v > MIDDLE) {
+        let inside: Vec<bool> = mask.levels().iter().map(|v| *v > MIDDLE).collect();
+        if !inside.contains(&true) {
             return Err(place(
                 Error::input("nothing is inside in the mask: no pixel is white")
                     .remedy("give a mask that is white inside"),
             ));
         }
-        Ok(Some(Answer { pixels, inside: mask.levels().iter().map(|v| *v > MIDDLE).collect() }))
+        Ok(Some(Answer { pixels, inside }))
     }
 
     /// The area of pixels inside less that of the mask, over the latter, and the number of pixels on the wrong side.

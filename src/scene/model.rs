@@ -364,11 +364,10 @@ where
 
     /// Surface tension as a continuum force, if the scene asks for it.
     fn continuum(&self, membrane: &schema::Membrane, eps: f64) -> Option<ContinuumForce<D>> {
-        let scheme = self.scene.numerics.surface_tension.filter(|s| s.continuum);
         let band = band_of(self.scene, membrane);
         let (kernel, norm) = (self.scene.numerics.kernel, self.scene.numerics.width);
         let force = ContinuumForce::new(membrane.area.modulus(), eps).with_band(band, membrane.stretch);
-        scheme.map(|_| force.with_kernel(kernel, norm))
+        self.scene.numerics.has_continuum_force().then(|| force.with_kernel(kernel, norm))
     }
 
     /// The largest of the speeds that walls, the start, gravity and the elastic waves of the membranes give.

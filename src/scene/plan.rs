@@ -341,7 +341,7 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
                 continue;
             }
             let given = derived(scene.numerics.band.is_some());
-            let continuum = scene.numerics.surface_tension.is_some_and(|s| s.continuum);
+            let continuum = scene.numerics.has_continuum_force();
             lines.push(match band_of(scene, m) {
                 Band::Renormalised => {
                     format!("band of `{}` renormalised{given}: of this half-width whatever the stretch", m.name)
@@ -355,7 +355,7 @@ fn numerics<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         }
         lines.push(transport(model, scene));
         lines.push(match s.coupling {
-            Coupling::Explicit if scene.numerics.surface_tension.is_some_and(|s| s.continuum) => {
+            Coupling::Explicit if scene.numerics.has_continuum_force() => {
                 "surface tension as a continuum force (1.32), explicit, with the curvature from recovered second derivatives".into()
             }
             Coupling::Explicit => "membrane force explicit".into(),
@@ -397,7 +397,7 @@ fn left_out<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         if !has_backward_map(scene) {
             lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
         }
-        if !scene.output.curvature && !scene.numerics.surface_tension.is_some_and(|s| s.continuum) {
+        if !scene.output.curvature && !scene.numerics.has_continuum_force() {
             lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
         }
         if scene.numerics.redistance.is_none() {
@@ -450,7 +450,7 @@ fn steps<const D: usize>(model: &Model<D>, scene: &Scene) -> Vec<String> {
         Coupling::FullyExplicit => {
             lines.push("the fully explicit coupling is unstable without viscosity, with any step: remark 1.12".into());
         }
-        Coupling::Explicit if scene.numerics.surface_tension.is_some_and(|s| s.continuum) => {
+        Coupling::Explicit if scene.numerics.has_continuum_force() => {
             lines.push("the continuum force is not the derivative of an energy: with little viscosity it wins energy with any step".into());
         }
         Coupling::Explicit => {}

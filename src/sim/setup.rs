@@ -27,6 +27,13 @@ pub enum Coupling {
     Implicit,
 }
 
+impl Coupling {
+    /// Whether the step is bound by (1.54) or less.
+    pub fn is_explicit(self) -> bool {
+        matches!(self, Coupling::Explicit | Coupling::FullyExplicit)
+    }
+}
+
 /// A Newtonian fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fluid {

@@ -1,7 +1,7 @@
 //! Steps that follow the error.
 
 use super::clock::{Clock, Pacing};
-use super::setup::{Coupling, Pace, State};
+use super::setup::{Pace, State};
 use super::step::{Simulation, largest};
 use crate::base::{Error, Kind, Result};
 use crate::flow::{FlowSolver, StepReport};
@@ -47,11 +47,7 @@ impl<const D: usize> Simulation<D> {
 
     /// The largest step that the explicit coupling bears now: (1.54) with the greatest tension and the shortest edge of the bands.
     fn explicit_limit(&mut self) -> f64 {
-        let Some(flow) = self
-            .flow
-            .as_ref()
-            .filter(|_| matches!(self.settings.coupling, Coupling::Explicit | Coupling::FullyExplicit))
-        else {
+        let Some(flow) = self.flow.as_ref().filter(|_| self.settings.coupling.is_explicit()) else {
             return f64::INFINITY;
         };
         let viscosity = self.least_viscosity();
@@ -63,6 +59,7 @@ impl<const D: usize> Simulation<D> {
                 (Some(shear), _) => shear.prepare(flow.velocity(), phi, &rest, None),
                 // It has been prepared for its energy.
                 (None, Some(_)) => {}
+                (None, None) if s.continuum.is_some() => {}
                 (None, None) => s.membrane.prepare(flow.velocity(), phi, None),
             }
             let s = &self.structures[k];

@@ -13,6 +13,19 @@ pub struct Case {
     pub model: Model,
 }
 
+/// The message that the scene of a text with some values changed is refused with: it has a place, a value and a remedy.
+pub fn refused(text: &str, changes: &[&str]) -> String {
+    let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
+    let scene = Scene::parse_with(text, Path::new("scene.toml"), &changes);
+    match scene.and_then(|scene| Model::<2>::new(&scene).map(drop)) {
+        Ok(()) => panic!("{changes:?} was not refused"),
+        Err(e) => {
+            assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");
+            e.to_string()
+        }
+    }
+}
+
 impl Case {
     /// The scene of a text; meshes are looked for in `meshes/`.
     pub fn new(text: &str) -> Case {

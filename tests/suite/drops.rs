@@ -1,10 +1,8 @@
 //! Drops: fluids in the fluid, their tension, and what is measured of them.
 
-use super::case::{Case, V};
+use super::case::{Case, V, refused};
 use immersa::fem::Element;
-use immersa::scene::{Model, Scene};
 use std::f64::consts::PI;
-use std::path::Path;
 
 const DROP: &str = "
     mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [16, 16] }
@@ -16,16 +14,6 @@ const DROP: &str = "
 
 fn case(changes: &[&str]) -> Case {
     Case::with(DROP, changes)
-}
-
-/// The message of a scene that cannot be read, or of one that makes no model.
-fn refusal(changes: &[&str]) -> String {
-    let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
-    let scene = match Scene::parse_with(DROP, Path::new("scene.toml"), &changes) {
-        Ok(scene) => scene,
-        Err(e) => return e.to_string(),
-    };
-    Model::<2>::new(&scene).err().expect("refused").to_string()
 }
 
 /// Surface tension in a uniform flow that nothing disturbs: the mean velocity of the drop is that of the fluid, and it is round.
@@ -198,7 +186,7 @@ fn what_a_drop_cannot_have_is_refused() {
         (vec!["drop.0.rings={ a = { centre = [0, 0], normal = [0, 1] } }"], "ask for chords"),
         (vec!["numerics.pressure='P1+P0'", "mesh.adapt.edge=0.05"], "not brought to a new mesh"),
     ] {
-        let message = refusal(&changes);
+        let message = refused(DROP, &changes);
         assert!(message.contains(words), "{changes:?}: {message}");
     }
 }

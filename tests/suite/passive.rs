@@ -1,6 +1,6 @@
 //! Scenes with a prescribed velocity, passive level sets, markers, and composed transport in scenes.
 
-use super::case::Case;
+use super::case::{Case, refused};
 use super::program::immersa;
 use immersa::output::{GreyImage, Table};
 use immersa::scene::Scene;
@@ -45,18 +45,6 @@ step = 0.02
 thickness = 0.2
 transport = "composed"
 "#;
-
-fn refused(text: &str, set: &[&str]) -> String {
-    let set: Vec<String> = set.iter().map(ToString::to_string).collect();
-    let scene = Scene::parse_with(text, Path::new("scene.toml"), &set);
-    match scene.and_then(|scene| immersa::scene::Model::<2>::new(&scene).map(drop)) {
-        Ok(()) => panic!("{set:?} was not refused"),
-        Err(e) => {
-            assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");
-            e.to_string()
-        }
-    }
-}
 
 #[test]
 fn a_prescribed_velocity_leaves_the_flow_out() {

@@ -1,6 +1,6 @@
 //! Scenes that redistance their level sets.
 
-use super::case::Case;
+use super::case::{Case, refused};
 use immersa::levelset::Contour;
 use immersa::scene::{Model, Scene};
 use immersa::sim::State;
@@ -45,17 +45,6 @@ thickness = 0.2
 method = "exact"
 every = 4
 "#;
-
-fn refused(text: &str, set: &[&str]) -> String {
-    let set: Vec<String> = set.iter().map(ToString::to_string).collect();
-    match Scene::parse_with(text, Path::new("scene.toml"), &set) {
-        Ok(_) => panic!("{set:?} was not refused"),
-        Err(e) => {
-            assert!(!e.place().is_empty() && !e.advice().is_empty(), "{e}");
-            e.to_string()
-        }
-    }
-}
 
 /// Mean slope on the interface of level set number `k`, and its root mean square deviation from the mean.
 fn slope(case: &Case, k: usize) -> [f64; 2] {

@@ -1,13 +1,9 @@
 //! The lattice of the P2 nodes: the mesh of half the edge whose vertices they are.
 
 use crate::fem::{EDGES, Element, Space};
+use crate::levelset::contour::{CORNERS, LATTICE};
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
-
-/// The triangles of the lattice in a triangle, by local P2 nodes.
-const TRIANGLES: [[usize; 4]; 4] = [[0, 3, 5, 0], [3, 1, 4, 0], [5, 4, 2, 0], [3, 4, 5, 0]];
-/// The tetrahedra of the lattice at the corners of a tetrahedron.
-const CORNERS: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
 
 /// A simplex of the lattice.
 pub(super) struct Part<const D: usize> {
@@ -50,7 +46,7 @@ impl<const D: usize> Part<D> {
 pub(super) fn parts<const D: usize>(space: &Space<D>, c: usize) -> impl Iterator<Item = Part<D>> {
     let mut all = [[0; 4]; 8];
     if D == 2 {
-        all[..4].copy_from_slice(&TRIANGLES);
+        all[..4].copy_from_slice(&LATTICE.map(|[a, b, c]| [a, b, c, 0]));
     } else {
         all[..4].copy_from_slice(&CORNERS);
         let cell = space.mesh().cell(c);

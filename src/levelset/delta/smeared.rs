@@ -4,7 +4,7 @@ use super::cut_cells;
 use crate::base::{Result, parallel};
 use crate::fem::{At, Element, Rule, Space};
 use crate::levelset::{Bounds, Kernel, Norm};
-use crate::mesh::Point;
+use crate::mesh::{Location, Point};
 
 /// A delta function spread over a band, `zeta(phi/(s eps)) |grad phi|/(s eps)` (1.24), with the Heaviside function `int zeta`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,8 @@ impl Smeared {
                 let delta = self.kernel.weight(own.value(l), self.slope(&g), self.thickness) * g.norm();
                 if delta > 0.0 {
                     let weight = w * map.volume * delta;
-                    points.push(At { cell, q: points.len(), barycentric: *l, x: place(space, cell, l), weight });
+                    let x = space.mesh().point_at(&Location { cell: cell as u32, barycentric: *l });
+                    points.push(At { cell, q: points.len(), barycentric: *l, x, weight });
                 }
             }
         }
@@ -85,10 +86,4 @@ impl Smeared {
         });
         Ok(inside)
     }
-}
-
-/// The point with barycentric coordinates `l` in cell `c`.
-fn place<const D: usize>(space: &Space<D>, c: usize, l: &[f64; 4]) -> Point<D> {
-    let mesh = space.mesh();
-    mesh.cell(c).iter().zip(l).fold(Point::<D>::zeros(), |x, (&v, &l)| x + mesh.points()[v as usize] * l)
 }

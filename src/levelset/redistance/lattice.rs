@@ -1,12 +1,10 @@
 //! The lattice of the P2 nodes as a mesh of small simplices.
 
-use super::super::contour::LATTICE;
+use super::super::contour::{CORNERS, LATTICE};
 use crate::fem::Space;
 use crate::mesh::Point;
 
-/// The tetrahedra at the corners of a cell, by local nodes.
-const CORNERS: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
-/// The octahedron between them: the ends of a diagonal, and the four other nodes around it.
+/// The octahedron between the tetrahedra at the corners: the ends of a diagonal, and the four other nodes around it.
 const DIAGONALS: [([usize; 2], [usize; 4]); 3] =
     [([4, 9], [6, 7, 8, 5]), ([6, 8], [7, 4, 5, 9]), ([7, 5], [4, 6, 9, 8])];
 

@@ -219,6 +219,11 @@ pub(super) static KEYS: Keys = Keys {
 };
 
 impl Numerics {
+    /// Whether surface tension is a continuum force, and no stress.
+    pub fn has_continuum_force(&self) -> bool {
+        self.surface_tension.is_some_and(|s| s.continuum)
+    }
+
     pub(super) fn read(item: Option<Item>) -> Result<Numerics> {
         let mut numerics = Numerics {
             thickness: None,

@@ -7,7 +7,6 @@ use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, Grid, Number, rounded};
 use crate::scene::Survey;
-use crate::sim::Coupling;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
 use crate::studies::{Campaign, Findings, Trial};
 
@@ -111,11 +110,7 @@ impl Limits {
         let (unit, factors) = limit.formula.map_or((scene.time.step, RANGE_OF_STEP), |f| (f, RANGE));
         let range = range(self.least, self.most, unit, factors);
         // What the formula does not bind may well be stable at the largest step.
-        let guess = if matches!(scene.numerics.coupling, Coupling::Explicit | Coupling::FullyExplicit) {
-            unit
-        } else {
-            range[1]
-        };
+        let guess = if scene.numerics.coupling.is_explicit() { unit } else { range[1] };
         let (mut refused, mut best) = (None, (0.0, Verdict::default()));
         limit.bracket = largest_stable_step(guess, range, self.accuracy, |dt| {
             if refused.is_some() {
