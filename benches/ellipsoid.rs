@@ -9,8 +9,8 @@ use cpu_time::ProcessTime;
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Point, box_mesh, freefem};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
-use immersa::transport::Method;
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -67,43 +67,24 @@ fn run(n: usize, steps: usize, folder: Option<&str>) {
 
 fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<3> {
     let settings = Settings {
-        dt: DT,
         order: 1,
-        transport: Method::Nodal,
-        coupling: Coupling::Explicit,
-        convection: true,
         grad_div: GRAD_DIV,
-        solve_tolerance: 1e-10,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: VISCOSITY },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![("walls".into(), Condition::NoSlip)],
-        gravity: SVector::zeros(),
-        body_force: None,
+        ..Settings::new(DT, Fluid { density: 1.0, viscosity: VISCOSITY }, vec![("walls".into(), Condition::NoSlip)])
     };
     let space = Space::new(mesh, Element::P2);
     let level = |x: &Point<3>| (0..3).map(|k| ((x[k] - 1.0) / AXES[k]).powi(2)).sum::<f64>().sqrt() - 1.0;
     let phi = space.interpolate(|x| STRETCH * AXES[1] * level(x));
     let membrane = Membrane::new(AreaLaw::Linear { modulus: 1.0 }, thickness);
-    let structure = Structure {
-        name: "membrane".into(),
-        phi,
+    let structure = Immersed::boxed(
+        ImmersedInterface::new("membrane", phi, thickness).stretched(STRETCH).coupled(Coupling::Explicit),
         membrane,
-        continuum: None,
-        inside: None,
-        surface_mass: 0.0,
-        sharp: None,
-        shear: None,
-        stretch: STRETCH,
-    };
+    );
     Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
 /// Distance of the membrane from the centre along an axis, by bisection.
 fn radius(sim: &Simulation<3>, axis: usize) -> f64 {
-    let (space, phi) = (sim.space(), &sim.state().phi[0]);
+    let (space, phi) = (sim.space(), &sim.level_set(0));
     let locator = immersa::mesh::Locator::new(space.mesh());
     let (mut inside, mut outside) = (0.05, 0.95);
     for _ in 0..40 {

@@ -5,7 +5,7 @@ mod case;
 use case::{Case, DT};
 use divan::{Bencher, black_box};
 use immersa::fem::{Basis, Rule, assemble_source, assemble_vector};
-use immersa::flow::term::MomentumTerm;
+use immersa::flow::term::{MomentumTerm, Support};
 use immersa::flow::{FlowState, History, Step};
 use immersa::levelset::Contour;
 use immersa::linalg::{Factor, Ordering};
@@ -84,7 +84,7 @@ macro_rules! benches {
                 let (mut load, mut scratch) = (vec![SVector::zeros(); case.u.len()], Vec::new());
                 bencher.bench_local(|| {
                     membrane.prepare(&case.velocity, &case.phi, None);
-                    let cells = MomentumTerm::cells(&membrane);
+                    let Support::Cells(cells) = membrane.support() else { return };
                     assemble_vector(&case.velocity, cells, &mut load, &mut scratch, |at| membrane.force(at));
                 });
             }

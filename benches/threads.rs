@@ -43,7 +43,7 @@ fn main() {
     });
     row("force", &mut || {
         membrane.prepare(&case.velocity, &case.phi, None);
-        assemble_vector(&case.velocity, membrane.cells(), &mut load, &mut scratch, |at| membrane.force(at));
+        assemble_vector(&case.velocity, membrane.support().cells(), &mut load, &mut scratch, |at| membrane.force(at));
     });
     row("transport", &mut || {
         tracer.from_nodes(&case.u, DT, &mut feet);

@@ -10,7 +10,8 @@ use immersa::fem::Space;
 use immersa::levelset::{Contour, Delta, Kernel, Norm, Smeared, Width};
 use immersa::mesh::Point;
 use immersa::output::{Chart, Curve, Stroke, write_file};
-use immersa::scene::{Model, Scene};
+use immersa::scene::{Advected, Scene};
+use immersa::structure::polygon_length;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -71,26 +72,29 @@ fn course(cells: usize, way: Way) -> Result<Course> {
         set.push(format!("numerics.redistance.every={}", steps / 4));
     }
     let scene = Scene::parse_with(SCENE, Path::new("examples/vortex/scene.toml"), &set)?;
-    let mut sim = Model::<2>::new(&scene)?.simulation;
+    let mut flow = Advected::<2>::new(&scene)?.advection;
     let mut course = Course { time: vec![], length: Default::default(), area: vec![], lines: vec![], markers: vec![] };
     let every = (EVERY / step).round() as usize;
     for k in 0..=steps {
         if k > 0 {
-            sim.step()?;
+            flow.step()?;
         }
         // A chain of maps takes long to evaluate.
         if k % every != 0 || (way == COMPOSED && k % (4 * every) != 0) {
             continue;
         }
-        let cut = sim.interface(0)?.contour;
-        course.time.push(sim.time());
+        let (carried, fields) = (flow.carried(), &flow.state().fields);
+        let interface = carried.interface(fields, 0)?;
+        let Some(cut) = interface.contour() else { continue };
+        let markers = carried.markers(fields, 0);
+        course.time.push(flow.time());
         course.length[0].push(cut.perimeter());
-        course.length[1].push(by_delta(sim.space(), &sim.level_set(0), 0.75 / cells as f64)?);
-        course.length[2].push(sim.marker_polygon(0).map_or(f64::NAN, |m| m[0]));
+        course.length[1].push(by_delta(flow.space(), &flow.level_set(0), 0.75 / cells as f64)?);
+        course.length[2].push(if markers.is_empty() { f64::NAN } else { polygon_length(markers) });
         course.area.push(cut.measures().map_or(0.0, |m| m.area));
         if k == steps {
-            course.lines = lines(&cut);
-            course.markers = sim.state().markers[0].clone();
+            course.lines = lines(cut);
+            course.markers = markers.to_vec();
         }
     }
     Ok(course)

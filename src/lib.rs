@@ -17,5 +17,6 @@ pub mod mesh;
 pub mod output;
 pub mod scene;
 pub mod sim;
+pub mod structure;
 pub mod studies;
 pub mod transport;

@@ -1,7 +1,7 @@
 //! What a step allocates, and that what a scene does not need is not there. In a program of its own: it counts all allocations.
 
 use immersa::mesh::Location;
-use immersa::scene::{Model, Scene};
+use immersa::scene::{ImmersedFlow, Scene};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::Mutex;
@@ -35,14 +35,14 @@ static ALLOCATOR: Counting = Counting;
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// A cavity with `n` x `n` squares, and what is added to its scene.
-fn cavity(n: usize, fluid: &str, more: &str) -> Model {
+fn cavity(n: usize, fluid: &str, more: &str) -> ImmersedFlow {
     let text = format!(
         "[mesh]\nrectangle = {{ min = [0, 0], max = [2, 2], cells = [{n}, {n}] }}\n\
          [fluid]\nviscosity = 0.01\n{fluid}\n\
          [boundary.walls]\nno_slip = true\n[boundary.top]\nvelocity = [\"sin(pi * x)\", 0]\n\
          [time]\nend = 1\nstep = 0.01\n{more}"
     );
-    Model::<2>::new(&Scene::parse(&text, Path::new("scene.toml")).unwrap()).unwrap()
+    ImmersedFlow::<2>::new(&Scene::parse(&text, Path::new("scene.toml")).unwrap()).unwrap()
 }
 
 const MEMBRANE: &str = "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\nstretch = 1.2\narea.linear = { modulus = 1 }\n\
@@ -54,7 +54,7 @@ fn semi_implicit() -> String {
 }
 
 /// Allocations of one step, after others have made room.
-fn calls_of_a_step(mut model: Model, constant_matrix: bool) -> usize {
+fn calls_of_a_step(mut model: ImmersedFlow, constant_matrix: bool) -> usize {
     for _ in 0..3 {
         model.simulation.step().unwrap();
     }
@@ -147,7 +147,7 @@ fn what_a_scene_does_not_need_is_not_allocated() {
     let factors = |more: &str| {
         let mut model = cavity(n, "", more);
         model.simulation.step().unwrap();
-        model.simulation.factor_bytes() - model.simulation.flow().unwrap().factor().unwrap().bytes()
+        model.simulation.factor_bytes() - model.simulation.flow().factor().unwrap().bytes()
     };
     assert_eq!(factors(MEMBRANE), 0);
     let mass = factors(&projection);

@@ -5,8 +5,8 @@ use immersa::fem::{Basis, Cells, Condition, Element, Numbering, Rule, Space, ass
 use immersa::flow::FlowSolver;
 use immersa::linalg::{Factor, Ordering, SymmetricMatrix};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
-use immersa::transport::Method;
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -97,34 +97,15 @@ impl<const D: usize> Case<D> {
     }
     pub fn simulation(&self, order: usize, coupling: Coupling) -> Simulation<D> {
         let settings = Settings {
-            dt: DT,
             order,
-            transport: Method::Nodal,
-            coupling,
-            convection: true,
             grad_div: 1.0,
-            solve_tolerance: 1e-10,
-            solving: Default::default(),
-            quadrature: 5,
-            fluid: Fluid { density: 1.0, viscosity: 0.01 },
-            boussinesq: false,
-            pressure: Element::P1,
-            conditions: self.conditions.clone(),
-            gravity: SVector::zeros(),
-            body_force: None,
+            ..Settings::new(DT, Fluid { density: 1.0, viscosity: 0.01 }, self.conditions.clone())
         };
         let (membrane, phi) = (self.membrane(), self.phi.clone());
-        let structure = Structure {
-            name: "membrane".into(),
-            phi,
+        let structure = Immersed::boxed(
+            ImmersedInterface::new("membrane", phi, self.thickness()).stretched(1.2).coupled(coupling),
             membrane,
-            continuum: None,
-            inside: None,
-            surface_mass: 0.0,
-            sharp: None,
-            shear: None,
-            stretch: 1.2,
-        };
+        );
         let mesh = self.velocity.space().mesh();
         let mut simulation = Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap();
         for _ in 0..2 {

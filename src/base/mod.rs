@@ -7,9 +7,11 @@ mod hash;
 pub mod parallel;
 mod partition;
 mod phases;
+mod same;
 
 pub use bandwidth::copy_bandwidth;
 pub use error::{Error, Kind, Result, Snippet, Warning};
 pub use hash::fnv1a;
 pub use partition::Partition;
 pub use phases::{PHASES, Phase, Phases};
+pub use same::same;

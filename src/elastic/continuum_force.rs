@@ -1,10 +1,14 @@
 //! Surface tension as a force per volume.
 
+use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandWidth};
+use super::membrane::explicit_step_limit;
+use crate::base::Result;
 use crate::fem::{At, Basis, Cells, Recovery, VectorForm};
-use crate::flow::term::MomentumTerm;
+use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Curvature, Kernel, Norm};
 use crate::mesh::Mesh;
+use crate::structure::{ImmersedInterface, InterfaceForce, Place};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -67,16 +71,28 @@ impl<const D: usize> ContinuumForce<D> {
 }
 
 impl<const D: usize> MomentumTerm<D> for ContinuumForce<D> {
-    fn cells(&self) -> Cells<'_> {
-        Cells::Some(self.band.cells())
+    fn support(&self) -> Support<'_, D> {
+        Support::Cells(Cells::Some(self.band.cells()))
     }
     fn force(&self, at: &At<D>) -> VectorForm<D> {
         (self.band.get(at).copied().unwrap_or(SVector::zeros()), SMatrix::zeros())
     }
-    fn is_implicit(&self) -> bool {
-        false
+}
+
+impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
+    fn term(&self) -> &dyn MomentumTerm<D> {
+        self
     }
-    fn stiffness(&self, _: &At<D>, _: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        SMatrix::zeros()
+    fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
+        ContinuumForce::prepare(self, at.basis, at.fields.scalar(of.level_set()));
+        Ok(())
+    }
+    /// That of surface tension, `int lambda r w` (3.12), over the band.
+    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+        let law = AreaLaw::Tension { tension: self.tension };
+        Ok(self.width.integrate(rule, at.fields.scalar(of.level_set()), |_, _, b| law.energy(b.r)))
+    }
+    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        explicit_step_limit(viscosity, self.width.thickness, self.tension, edge)
     }
 }

@@ -2,9 +2,12 @@
 
 use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
+use super::predictor::Predictor;
+use crate::base::Result;
 use crate::fem::{At, Basis, Cells, VectorForm};
-use crate::flow::term::MomentumTerm;
+use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
+use crate::structure::{Coupling, Declaration, Host, ImmersedInterface, InterfaceForce, Place};
 use nalgebra::{SMatrix, SVector};
 
 /// An elastic membrane on the zero level of `phi`, smeared over a band.
@@ -13,18 +16,27 @@ use nalgebra::{SMatrix, SVector};
 /// `int E(r) w`. Gradients are taken at the quadrature points. Implicit in the velocity, the form
 /// `C(u, v) = dt int [E'' r^2 (P : grad u)(P : grad v) + max(E', 0) r (n grad u P) . (n grad v P)] w` is added to the matrix;
 /// for constant tension and in 3-D the last product is `(grad u P) : (grad v P)`.
-#[derive(Clone, Debug)]
 pub struct Membrane<const D: usize> {
     law: AreaLaw,
     width: BandWidth,
     band: BandCells<BandPoint<D>>,
     implicit_step: Option<f64>,
+    /// Predicts the level set in the semi-implicit scheme.
+    predictor: Option<Predictor<D>>,
+}
+
+impl<const D: usize> Clone for Membrane<D> {
+    /// Without the predictor, which belongs to a mesh.
+    fn clone(&self) -> Self {
+        Membrane { band: self.band.clone(), predictor: None, ..*self }
+    }
 }
 
 impl<const D: usize> Membrane<D> {
     /// A membrane whose band, renormalised, has the half-width `thickness` (`eps`, a length).
     pub fn new(law: AreaLaw, thickness: f64) -> Membrane<D> {
-        Membrane { law, width: BandWidth::new(thickness), band: BandCells::default(), implicit_step: None }
+        let (width, band) = (BandWidth::new(thickness), BandCells::default());
+        Membrane { law, width, band, implicit_step: None, predictor: None }
     }
     /// The same membrane over another band; `slope` is that of the level set at the start.
     pub fn with_band(self, band: Band, slope: f64) -> Membrane<D> {
@@ -63,8 +75,8 @@ impl<const D: usize> Membrane<D> {
 }
 
 impl<const D: usize> MomentumTerm<D> for Membrane<D> {
-    fn cells(&self) -> Cells<'_> {
-        Cells::Some(self.band.cells())
+    fn support(&self) -> Support<'_, D> {
+        Support::Cells(Cells::Some(self.band.cells()))
     }
     fn force(&self, at: &At<D>) -> VectorForm<D> {
         let Some(b) = self.point(at) else { return (SVector::zeros(), SMatrix::zeros()) };
@@ -74,10 +86,48 @@ impl<const D: usize> MomentumTerm<D> for Membrane<D> {
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
     }
-    fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        let (Some(b), Some(dt)) = (self.point(at), self.implicit_step) else { return SMatrix::zeros() };
+    fn stiffness(&self, at: &At<D>, _: &SVector<f64, D>, grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
+        let (Some(b), Some(dt)) = (self.point(at), self.implicit_step) else {
+            return (SVector::zeros(), SMatrix::zeros());
+        };
         let weights = [self.law.stiffness(b.r) * b.r * b.r, self.law.tension(b.r).max(0.0) * b.r];
-        self.law.implicit_form(&b.n, grad_u, weights) * (dt * b.w)
+        (SVector::zeros(), self.law.implicit_form(&b.n, grad_u, weights) * (dt * b.w))
+    }
+}
+
+impl<const D: usize> InterfaceForce<D> for Membrane<D> {
+    fn begin(&mut self, of: &ImmersedInterface<D>, host: &Host<'_, D>, _: &mut Declaration<'_, D>) -> Result<()> {
+        let basis = host.basis.filter(|_| of.coupling == Coupling::SemiImplicit);
+        self.predictor = basis.map(|b| Predictor::new(b.clone(), host.translations)).transpose()?;
+        Ok(())
+    }
+    fn term(&self) -> &dyn MomentumTerm<D> {
+        self
+    }
+    fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
+        let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
+        let predicted = match (&mut self.predictor, at.step, at.drift) {
+            (Some(predictor), Some(dt), Some([now, carried])) => {
+                let mut carried = carried.scalar(of.level_set()).to_vec();
+                let density = (|p: &At<D>| at.density.at(p), at.density.is_constant());
+                let law = (self.law, self.width.thickness);
+                predictor.predict(law, dt, density, now.scalar(of.level_set()), &mut carried)?;
+                Some(carried)
+            }
+            _ => None,
+        };
+        let phi = predicted.as_deref().unwrap_or(at.fields.scalar(of.level_set()));
+        Membrane::prepare(self, at.basis, phi, implicit);
+        Ok(())
+    }
+    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+        Ok(Membrane::energy(self, rule, at.fields.scalar(of.level_set())))
+    }
+    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        explicit_step_limit(viscosity, self.width.thickness, self.largest_tension(), edge)
+    }
+    fn bytes(&self) -> usize {
+        self.predictor.as_ref().map_or(0, Predictor::bytes)
     }
 }
 

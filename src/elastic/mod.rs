@@ -8,14 +8,13 @@ mod predictor;
 mod sharp;
 mod shear;
 mod surface_law;
-mod surface_strain;
 
+pub use crate::structure::{LagrangianInvariants, RestMap, SurfaceStrain, area_change_by_level_set};
 pub use area_law::AreaLaw;
 pub use band_cells::Band;
 pub use continuum_force::ContinuumForce;
 pub use membrane::{Membrane, explicit_step_limit};
 pub use predictor::Predictor;
-pub use sharp::{Cut, Force, SharpMembrane};
-pub use shear::{AreaFrom, RestMap, ShearMembrane};
+pub use sharp::{Force, SharpMembrane};
+pub use shear::{AreaFrom, ShearMembrane};
 pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};
-pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};

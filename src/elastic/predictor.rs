@@ -1,7 +1,6 @@
 //! The predictor of the level set in the book's semi-implicit scheme.
 
 use super::area_law::AreaLaw;
-use super::membrane::Membrane;
 use crate::base::Result;
 use crate::fem::{At, Basis, Projector, Translation};
 
@@ -40,17 +39,17 @@ impl<const D: usize> Predictor<D> {
     pub fn new(basis: Basis<D>, translations: &[Translation<D>]) -> Result<Predictor<D>> {
         Ok(Predictor { projector: Projector::without_form(basis, translations)?, is_set: false })
     }
-    /// Turns `carried`, the level set `phi` of the membrane carried over a step `dt`, into the predicted one. With a density that
+    /// Turns `carried`, the level set `phi` of a membrane with this law and half-width of its band,
+    /// carried over a step `dt`, into the predicted one. With a density that
     /// `is_constant` and constant tension the matrix is factored once; the arguments must then be those of the first call.
     pub fn predict(
         &mut self,
-        membrane: &Membrane<D>,
+        (law, eps): (AreaLaw, f64),
         dt: f64,
         (density, is_constant): (impl Fn(&At<D>) -> f64 + Sync, bool),
         phi: &[f64],
         carried: &mut [f64],
     ) -> Result<()> {
-        let (law, eps) = (membrane.law(), membrane.thickness());
         let basis = self.projector.basis().clone();
         let mass = |at: &At<D>| {
             let tension = law.tension(basis.gradient(at, phi).norm());

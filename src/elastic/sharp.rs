@@ -1,10 +1,17 @@
 //! The membrane with an area law whose force acts on the interface itself.
 
 use super::area_law::AreaLaw;
+use super::membrane::explicit_step_limit;
 use crate::base::Result;
-use crate::fem::{At, Cells, Space, SurfaceForm, SurfacePoint, VectorForm, surface_solve};
-use crate::flow::term::MomentumTerm;
+use crate::fem::{At, Basis, Space, SurfaceForm, SurfacePoint, VectorForm, surface_solve};
+use crate::flow::term::{MomentumTerm, Support};
+use crate::levelset::surface;
+use crate::structure::{
+    Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Moved, Place, Rule,
+    Velocity,
+};
 use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
 
 /// Where the force of a membrane acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,9 +21,6 @@ pub enum Force {
     /// On the interface: [`SharpMembrane`].
     Sharp,
 }
-
-/// Finds quadrature points on the zero set of a function of the space: `levelset::surface` in the plane.
-pub type Cut<const D: usize> = fn(&Space<D>, &[f64]) -> Result<Vec<SurfacePoint<D>>>;
 
 /// An elastic membrane on the zero level `S` of `phi`.
 ///
@@ -42,37 +46,56 @@ pub type Cut<const D: usize> = fn(&Space<D>, &[f64]) -> Result<Vec<SurfacePoint<
 #[derive(Clone, Debug)]
 pub struct SharpMembrane<const D: usize> {
     law: AreaLaw,
-    cut: Cut<D>,
+    /// The interfaces that were cut last, with their level sets: a step asks for each several times.
+    cuts: Vec<(Vec<f64>, Arc<[SurfacePoint<D>]>)>,
     /// Viscosity of the fluid about the interface.
     viscosity: f64,
-    points: Vec<SurfacePoint<D>>,
+    points: Arc<[SurfacePoint<D>]>,
+    /// The same points without their normals.
+    places: Vec<At<D>>,
     /// Stretch at the points.
     stretch: Vec<f64>,
     /// Energy that the slip takes per time.
     dissipation: f64,
     implicit_step: Option<f64>,
+    /// Field of the logarithm of the stretch.
+    log_stretch: FieldId,
 }
 
 /// The slip is `extent / (SLIP mu)` times the tangential force.
 const SLIP: f64 = 15.0;
+/// Interfaces that are kept: at the start of a step, predicted for its end, and at its end.
+const KEPT: usize = 3;
 /// Rings of vertices about the cut cells that the growth of the stretch is continued to. The feet of the characteristics of these nodes lie
 /// among them as long as the fluid crosses less than so many cells in a step.
 const RINGS: usize = 4;
 
 impl<const D: usize> SharpMembrane<D> {
     /// A membrane in a fluid of that viscosity (with two fluids, their mean).
-    pub fn new(law: AreaLaw, viscosity: f64, cut: Cut<D>) -> SharpMembrane<D> {
+    pub fn new(law: AreaLaw, viscosity: f64) -> SharpMembrane<D> {
         SharpMembrane {
             law,
-            cut,
+            cuts: Vec::new(),
             viscosity,
-            points: Vec::new(),
+            points: Arc::default(),
+            places: Vec::new(),
             stretch: Vec::new(),
             dissipation: 0.0,
             implicit_step: None,
+            log_stretch: FieldId::default(),
         }
     }
-    /// Takes stock of the interface of `phi`, where `log_stretch` is the logarithm of the stretch at the nodes. With `implicit_step`, a time
+    /// Quadrature points on the interface of `phi`.
+    fn cut(&mut self, space: &Space<D>, phi: &[f64]) -> Result<Arc<[SurfacePoint<D>]>> {
+        if let Some((_, points)) = self.cuts.iter().find(|(known, _)| known == phi) {
+            return Ok(Arc::clone(points));
+        }
+        let points: Arc<[SurfacePoint<D>]> = surface(space, phi)?.into();
+        self.cuts.truncate(KEPT - 1);
+        self.cuts.insert(0, (phi.to_vec(), Arc::clone(&points)));
+        Ok(points)
+    }
+    /// Precomputes the force on the interface of `phi`, where `log_stretch` is the logarithm of the stretch at the nodes. With `implicit_step`, a time
     /// step, the stiffness goes into the matrix.
     ///
     /// # Errors
@@ -85,7 +108,8 @@ impl<const D: usize> SharpMembrane<D> {
         implicit_step: Option<f64>,
     ) -> Result<()> {
         self.implicit_step = implicit_step;
-        self.points = (self.cut)(space, phi)?;
+        self.points = self.cut(space, phi)?;
+        self.places = self.points.iter().map(|p| p.at).collect();
         let stretch = |p: &SurfacePoint<D>| space.value(log_stretch, p.at.cell, &p.at.barycentric).exp();
         self.stretch = self.points.iter().map(stretch).collect();
         self.dissipation = self
@@ -116,7 +140,7 @@ impl<const D: usize> SharpMembrane<D> {
     /// # Errors
     /// A level set that is not finite.
     pub fn grow(
-        &self,
+        &mut self,
         space: &Space<D>,
         phi: &[f64],
         u: &[SVector<f64, D>],
@@ -126,7 +150,7 @@ impl<const D: usize> SharpMembrane<D> {
         if matches!(self.law, AreaLaw::Tension { .. }) {
             return Ok(());
         }
-        let points = (self.cut)(space, phi)?;
+        let points = self.cut(space, phi)?;
         let mut rate = surface_solve(space, &points, |p| {
             let at = &p.at;
             let grad = space.jacobian(u, at.cell, &at.barycentric);
@@ -194,28 +218,72 @@ fn continue_outward<const D: usize>(space: &Space<D>, values: &mut [f64]) {
 }
 
 impl<const D: usize> MomentumTerm<D> for SharpMembrane<D> {
-    fn cells(&self) -> Cells<'_> {
-        Cells::Some(&[])
+    fn support(&self) -> Support<'_, D> {
+        Support::Points(&self.places)
     }
-    fn force(&self, _: &At<D>) -> VectorForm<D> {
-        (SVector::zeros(), SMatrix::zeros())
+    fn force(&self, at: &At<D>) -> VectorForm<D> {
+        let tension = self.law.tension(self.stretch[at.q]);
+        (SVector::zeros(), self.points[at.q].projection() * -tension)
     }
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
     }
-    fn stiffness(&self, _: &At<D>, _: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        SMatrix::zeros()
-    }
-    fn surface(&self) -> &[SurfacePoint<D>] {
-        &self.points
-    }
-    fn surface_force(&self, p: &SurfacePoint<D>) -> VectorForm<D> {
-        (SVector::zeros(), p.projection() * -self.law.tension(self.stretch[p.at.q]))
-    }
-    fn surface_stiffness(&self, p: &SurfacePoint<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        let Some(dt) = self.implicit_step else { return SMatrix::zeros() };
-        let r = self.stretch[p.at.q];
+    fn stiffness(&self, at: &At<D>, _: &SVector<f64, D>, grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
+        let Some(dt) = self.implicit_step else { return (SVector::zeros(), SMatrix::zeros()) };
+        let r = self.stretch[at.q];
         let weights = [self.law.stiffness(r) * r, self.law.tension(r).max(0.0)];
-        self.law.implicit_form(&p.normal, grad_u, weights) * dt
+        let form = self.law.implicit_form(&self.points[at.q].normal, grad_u, weights);
+        (SVector::zeros(), form * dt)
+    }
+}
+
+impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
+    fn begin(&mut self, of: &ImmersedInterface<D>, host: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
+        let rule = Rule { carry: Carry::ByOwner, acts: true };
+        let initial = || Data::Scalar(vec![of.stretch.ln(); host.space.len()]);
+        self.log_stretch = fields.add(&of.field_name("log_stretch"), rule, initial);
+        Ok(())
+    }
+    fn term(&self) -> &dyn MomentumTerm<D> {
+        self
+    }
+    fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
+        let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
+        let (phi, stretch) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.log_stretch));
+        SharpMembrane::prepare(self, at.space, phi, stretch, implicit)
+    }
+    /// Half of the growth of the stretch on the old interface, carried, and half on the new one; of
+    /// second order.
+    fn advance(&mut self, of: &ImmersedInterface<D>, by: &mut Moved<'_, D>, fields: &mut Fields<D>) -> Result<()> {
+        let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
+        let (space, half) = (by.carrier.tracer.space().clone(), 0.5 * by.dt);
+        let mut stretch = by.before.scalar(self.log_stretch).to_vec();
+        self.grow(&space, by.before.scalar(of.level_set()), mean, half, &mut stretch)?;
+        let mut moved = by.convect(&stretch)?;
+        self.grow(&space, fields.scalar(of.level_set()), mean, half, &mut moved)?;
+        fields.scalar_mut(self.log_stretch).copy_from_slice(&moved);
+        Ok(())
+    }
+    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, _: &Basis<D>) -> Result<f64> {
+        let (phi, stretch) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.log_stretch));
+        SharpMembrane::prepare(self, at.space, phi, stretch, None)?;
+        Ok(SharpMembrane::energy(self))
+    }
+    fn dissipation(&self) -> f64 {
+        self.dissipation
+    }
+    /// The force on the interface acts on the fluid about it: an edge on each side.
+    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        explicit_step_limit(viscosity, edge, self.largest_tension(), edge)
+    }
+    fn check_coupling(&self, coupling: Coupling) -> Result<()> {
+        coupling.refuse_semi_implicit(
+            "the semi-implicit scheme (3.62)-(3.64) predicts the interface by diffusion in its band, and a sharp one has none",
+            "force = \"sharp\"",
+            "take coupling = \"implicit\" or \"explicit\", or force = \"smeared\"",
+        )
+    }
+    fn reach(&self, _: &ImmersedInterface<D>) -> f64 {
+        0.0
     }
 }

@@ -3,16 +3,17 @@
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
 use super::membrane::explicit_step_limit;
 use super::surface_law::{SurfaceLaw, Tangent};
-use super::surface_strain::SurfaceStrain;
+use crate::base::Result;
 use crate::fem::{At, Basis, Cells, VectorForm};
-use crate::flow::term::MomentumTerm;
+use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
-use crate::mesh::Point;
+use crate::structure::{
+    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Place, RestMap, SurfaceStrain,
+    rest_displacement,
+};
 use nalgebra::{Matrix2, SMatrix, SVector};
+use std::borrow::Cow;
 use std::sync::Arc;
-
-/// Where the material that is at a point at time 0 is at rest: `Y` at time 0.
-pub type RestMap<const D: usize> = dyn Fn(&Point<D>) -> Point<D> + Send + Sync;
 
 /// What `Z1` is taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,8 @@ pub struct ShearMembrane<const D: usize> {
     area_from: AreaFrom,
     band: BandCells<Strained<D>>,
     implicit_step: Option<f64>,
+    /// Field of the displacement of the backward characteristics.
+    displacement: FieldId,
 }
 
 impl<const D: usize> ShearMembrane<D> {
@@ -72,6 +75,7 @@ impl<const D: usize> ShearMembrane<D> {
             area_from: AreaFrom::Slope,
             band: BandCells::default(),
             implicit_step: None,
+            displacement: FieldId::default(),
         }
     }
     /// The same membrane with the material at places that `map` gives when at rest.
@@ -93,6 +97,11 @@ impl<const D: usize> ShearMembrane<D> {
     /// `Y` at time 0; `None` for the identity.
     pub fn map(&self) -> Option<&RestMap<D>> {
         self.map.as_deref()
+    }
+    /// `Y(x) - x` at the nodes, `Y` the place at rest, for the displacement back to time 0.
+    fn rest<'a>(&self, nodes: &[SVector<f64, D>], displacement: &'a [SVector<f64, D>]) -> Cow<'a, [SVector<f64, D>]> {
+        let Some(map) = self.map() else { return Cow::Borrowed(displacement) };
+        Cow::Owned(rest_displacement(map, nodes, displacement))
     }
     /// Takes stock of the band of `phi`, where the material has the displacement `rest` back to its place at rest (`Y(x) - x`, one vector a
     /// node). `basis` must have the rule of the flow. With `implicit_step`, a time step, the stiffness goes into the matrix.
@@ -181,8 +190,8 @@ fn strain<const D: usize>(
 }
 
 impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
-    fn cells(&self) -> Cells<'_> {
-        Cells::Some(self.band.cells())
+    fn support(&self) -> Support<'_, D> {
+        Support::Cells(Cells::Some(self.band.cells()))
     }
     fn force(&self, at: &At<D>) -> VectorForm<D> {
         let Some(b) = self.band.get(at).filter(|b| b.w > 0.0) else { return (SVector::zeros(), SMatrix::zeros()) };
@@ -191,9 +200,9 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
     }
-    fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    fn stiffness(&self, at: &At<D>, _: &SVector<f64, D>, grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
         let (Some(b), Some(dt)) = (self.band.get(at).filter(|b| b.w > 0.0), self.implicit_step) else {
-            return SMatrix::zeros();
+            return (SVector::zeros(), SMatrix::zeros());
         };
         let (n, [s, t]) = (&b.strain.normal, &b.strain.tangents);
         let (along_s, along_t) = (grad_u * s, grad_u * t);
@@ -202,6 +211,46 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
         let inside = b.stiffness.1 * a;
         let (column_s, column_t) =
             (s * inside[0] + t * inside[2] + n * out[0], s * inside[1] + t * inside[3] + n * out[1]);
-        (column_s * s.transpose() + column_t * t.transpose()) * (dt * b.w)
+        let form = column_s * s.transpose() + column_t * t.transpose();
+        (SVector::zeros(), form * (dt * b.w))
+    }
+}
+
+impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
+    fn begin(&mut self, _: &ImmersedInterface<D>, _: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
+        self.displacement = fields.backward_map(true);
+        Ok(())
+    }
+    fn term(&self) -> &dyn MomentumTerm<D> {
+        self
+    }
+    fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
+        let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
+        let rest = self.rest(at.space.nodes(), at.fields.vector(self.displacement));
+        ShearMembrane::prepare(self, at.basis, at.fields.scalar(of.level_set()), &rest, implicit);
+        Ok(())
+    }
+    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+        let rest = self.rest(at.space.nodes(), at.fields.vector(self.displacement));
+        Ok(ShearMembrane::energy(self, rule, at.fields.scalar(of.level_set()), &rest))
+    }
+    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        ShearMembrane::step_limit(self, viscosity, edge)
+    }
+    fn check_coupling(&self, coupling: Coupling) -> Result<()> {
+        coupling.refuse_semi_implicit(
+            "the semi-implicit scheme (3.62)-(3.64) predicts the level set, which knows nothing of shear",
+            "coupling = \"semi-implicit\"",
+            "take coupling = \"implicit\" or \"explicit\"",
+        )
+    }
+    fn rest_map(&self) -> Option<&RestMap<D>> {
+        self.map()
+    }
+    fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> Option<SurfaceStrain<D>> {
+        Some(ShearMembrane::strain(self, slope, gradient))
+    }
+    fn resists_shear(&self) -> bool {
+        true
     }
 }

@@ -1,7 +1,7 @@
 //! Energy of a membrane that resists changes of its area and shear, by `Z1` and `Z2`.
 
 use super::area_law::AreaLaw;
-use super::surface_strain::SurfaceStrain;
+use crate::structure::SurfaceStrain;
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// A law `E2(Z2)` of shear alone.

@@ -1,8 +1,8 @@
 //! Weak forms on a surface that cuts through the cells, given by quadrature points.
 
-use super::assembly::{At, VectorForm};
-use super::element::{Element, MAX_LOCAL};
-use super::numbering::Numbering;
+use super::assembly::At;
+use super::element::Element;
+use super::points::gradients;
 use super::space::Space;
 use crate::base::Result;
 use crate::linalg::{Factor, Ordering, SymmetricMatrix};
@@ -27,67 +27,6 @@ impl<const D: usize> SurfacePoint<D> {
     pub fn projection(&self) -> SMatrix<f64, D, D> {
         SMatrix::identity() - self.normal * self.normal.transpose()
     }
-}
-
-/// Gradients of the local basis functions at a point.
-fn gradients<const D: usize>(space: &Space<D>, element: Element, at: &At<D>) -> [SVector<f64, D>; MAX_LOCAL] {
-    let inverse = &space.mesh().map(at.cell).inverse;
-    element.reference_gradients::<D>(&at.barycentric).map(|g| inverse.tr_mul(&g))
-}
-
-/// Adds the linear form `f(point) = (f0, f1)`, which stands for `f0 . v + f1 : grad v`, summed over `points` with their weights, to
-/// `out` (one vector a node).
-pub fn add_surface_vector<const D: usize>(
-    space: &Space<D>,
-    points: &[SurfacePoint<D>],
-    out: &mut [SVector<f64, D>],
-    f: impl Fn(&SurfacePoint<D>) -> VectorForm<D>,
-) {
-    for point in points {
-        let at = &point.at;
-        let (n, g) = (space.element().values::<D>(&at.barycentric), gradients(space, space.element(), at));
-        let (f0, f1) = f(point);
-        for (a, &node) in space.cell_nodes(at.cell).iter().enumerate() {
-            out[node as usize] += (f0 * n[a] + f1 * g[a]) * at.weight;
-        }
-    }
-}
-
-/// Adds the symmetric form `f(point, grad u) : grad v`, summed over `points`, those of a cell one after the other, to the
-/// velocity block of `matrix`.
-///
-/// # Errors
-/// A cell whose unknowns the matrix does not couple.
-pub fn add_surface_matrix<const D: usize>(
-    space: &Space<D>,
-    numbering: &Numbering<D>,
-    points: &[SurfacePoint<D>],
-    matrix: &mut SymmetricMatrix,
-    f: impl Fn(&SurfacePoint<D>, &SMatrix<f64, D, D>) -> SMatrix<f64, D, D>,
-) -> Result<()> {
-    let nb = space.local_count();
-    let m = D * nb;
-    let (mut local, mut unknowns) = (vec![0.0; m * m], Vec::with_capacity(m));
-    for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
-        local.fill(0.0);
-        for point in group {
-            let g = gradients(space, space.element(), &point.at);
-            for (b, j) in (0..nb).flat_map(|b| (0..D).map(move |j| (b, j))) {
-                let mut grad = SMatrix::<f64, D, D>::zeros();
-                grad.set_row(j, &g[b].transpose());
-                let f1 = f(point, &grad) * point.at.weight;
-                for a in 0..nb {
-                    let v = f1 * g[a];
-                    (0..D).for_each(|i| local[(D * a + i) * m + D * b + j] += v[i]);
-                }
-            }
-        }
-        let nodes = space.cell_nodes(group[0].at.cell);
-        numbering.rotate_local(nodes, m, &mut local);
-        numbering.cell_unknowns(nodes, None, &mut unknowns);
-        matrix.add_group(&unknowns, &local)?;
-    }
-    Ok(())
 }
 
 /// What [`surface_solve`] integrates at a point.
@@ -236,18 +175,5 @@ mod tests {
             let cut: Vec<f64> = s.into_iter().filter(|s| s.is_finite()).collect();
             assert!(cut.len() >= 11 && cut.iter().all(|s| (s - 3.0).abs() < 1e-9), "{cut:?}");
         }
-    }
-
-    /// The matrix and the vector of the same form belong together: `F(v) = C(u, v)` for `f1 = P grad u P`.
-    #[test]
-    fn surface_vectors_sum_what_the_form_says() {
-        let space = space(6);
-        let points = line(&space, 0.41);
-        let mut out = vec![SVector::<f64, 2>::zeros(); space.len()];
-        add_surface_vector(&space, &points, &mut out, |p| (Point::<2>::new(p.at.x[0], 0.0), p.projection()));
-        // v = (x^2, y): int x^3 + d v_x / dx over the unit interval.
-        let v = space.interpolate(|x| Point::<2>::new(x[0] * x[0], x[1]));
-        let sum: f64 = out.iter().zip(&v).map(|(f, v)| f.dot(v)).sum();
-        assert!((sum - 1.25).abs() < 1e-13, "{sum}");
     }
 }

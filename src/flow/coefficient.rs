@@ -2,6 +2,15 @@
 
 use crate::fem::At;
 
+/// A Newtonian fluid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fluid {
+    /// Mass per volume; zero for all fluids stands for a flow without inertia.
+    pub density: f64,
+    /// Dynamic viscosity.
+    pub viscosity: f64,
+}
+
 /// A material coefficient: one number, or one number a quadrature point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coefficient {

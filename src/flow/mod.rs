@@ -1,6 +1,7 @@
 //! Incompressible flow with P2-P1 Taylor-Hood elements. Knows velocity and pressure only; whatever is immersed in it
 //! acts through a [`MomentumTerm`](term::MomentumTerm).
 
+pub mod block;
 mod boundary;
 mod coefficient;
 mod pressure;
@@ -9,7 +10,7 @@ mod step;
 pub mod term;
 
 pub use boundary::{Load, flux, kinetic_outflow, traction};
-pub use coefficient::Coefficient;
+pub use coefficient::{Coefficient, Fluid};
 pub use pressure::nodal_pressure;
 pub use solver::FlowSolver;
 pub use step::{BodyForce, FlowState, History, Step, StepReport};

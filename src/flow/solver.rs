@@ -11,6 +11,7 @@ use std::sync::Arc;
 mod balance;
 mod load;
 mod matrix;
+mod system;
 
 /// Assembles and solves the coupled system; keeps the factor while the matrix does not change.
 pub struct FlowSolver<const D: usize> {
@@ -44,6 +45,10 @@ pub struct FlowSolver<const D: usize> {
     /// Whether the step will change.
     expects_changes: bool,
     boundary_cells: Vec<u32>,
+    /// The system with unknowns of structures, where there are any.
+    blocks: Option<system::BlockSystem>,
+    /// Values of these unknowns in the last step.
+    block_values: Vec<Vec<f64>>,
     work: Work<D>,
     phases: Phases,
     /// How often the factor was read, each time twice.
@@ -132,6 +137,8 @@ impl<const D: usize> FlowSolver<D> {
             factored_plain: false,
             expects_changes: false,
             boundary_cells,
+            blocks: None,
+            block_values: Vec::new(),
             work,
             phases: Phases::default(),
             substitutions: 0,
@@ -307,21 +314,34 @@ impl<const D: usize> FlowSolver<D> {
             self.bring_in_boundary_values(step, work)?;
         }
         self.numbering.gather(&work.residual, &work.continuity, &mut work.rhs);
-        let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not factored")) };
-        if change == Change::Passing || factor.always_iterates() {
-            self.numbering.restrict(&state.u, &state.p, &work.lift, &mut work.x);
-        }
-        let report = factor.solve(&self.matrix, change, &work.rhs, &mut work.x).map_err(|e| {
+        let report = if step.blocks.is_empty() {
+            self.solve_flow(change, work, state)
+        } else {
+            self.solve_with_blocks(step, work, state)
+        };
+        let report = report.map_err(|e| {
             let place = format!("time {:.6}", step.time);
             if e.place().is_empty() { e.at(place) } else { e }
         })?;
-        self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         if !self.numbering.is_open() {
             let points = self.numbering.pressure_points();
             let mass: f64 = work.pressure_mass[..points].iter().sum();
             let mean = state.p.iter().zip(&work.pressure_mass).map(|(p, m)| p * m).sum::<f64>() / mass;
             state.p.iter_mut().take(points).for_each(|p| *p -= mean);
         }
+        Ok(report)
+    }
+
+    /// Solves for velocity and pressure alone, with the factor that is cheapest.
+    fn solve_flow(&mut self, change: Change, work: &mut Work<D>, state: &mut FlowState<D>) -> Result<LaggedReport> {
+        let Some(factor) = &mut self.factor else {
+            return Err(Error::internal("the flow matrix was not factored"));
+        };
+        if change == Change::Passing || factor.always_iterates() {
+            self.numbering.restrict(&state.u, &state.p, &work.lift, &mut work.x);
+        }
+        let report = factor.solve(&self.matrix, change, &work.rhs, &mut work.x)?;
+        self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         Ok(report)
     }
 }

@@ -1,5 +1,6 @@
 //! What goes into a step of the flow and what comes out.
 
+use super::block::Block;
 use super::term::MomentumTerm;
 use crate::linalg::SolveReport;
 use crate::mesh::Point;
@@ -51,6 +52,8 @@ pub struct Step<'a, const D: usize> {
     pub history: &'a [History<'a, D>],
     /// What acts on the flow.
     pub terms: &'a [&'a dyn MomentumTerm<D>],
+    /// Unknowns of structures.
+    pub blocks: &'a [&'a dyn Block<D>],
     /// The velocity that explicit forces of implicit terms were made with; `None` stands for zero.
     pub predicted: Option<&'a [SVector<f64, D>]>,
     /// Force per volume at position and new time.
@@ -68,6 +71,7 @@ impl<'a, const D: usize> Step<'a, D> {
             weight: 1.0,
             history,
             terms: &[],
+            blocks: &[],
             predicted: None,
             body_force: None,
             gravity: SVector::zeros(),

@@ -1,33 +1,59 @@
-//! What acts on the flow.
+//! Terms of the momentum equation beside those of the fluid itself.
 
-use crate::fem::{At, Cells, SurfacePoint, VectorForm};
+use crate::fem::{At, Cells, VectorForm};
 use nalgebra::{SMatrix, SVector};
+
+/// Support of a momentum term: the places where its forms are evaluated.
+#[derive(Clone, Copy)]
+pub enum Support<'a, const D: usize> {
+    /// The quadrature points of the flow's rule in these cells.
+    Cells(Cells<'a>),
+    /// Points with weights of their own, those of a cell one after the other: a surface that cuts
+    /// the cells, single points (weight 1), or a quadrature that follows an interface. `q` is the
+    /// index of a point in the list.
+    Points(&'a [At<D>]),
+}
+
+impl<'a, const D: usize> Support<'a, D> {
+    /// The cells; none if the support is on points.
+    pub fn cells(&self) -> Cells<'a> {
+        match *self {
+            Support::Cells(cells) => cells,
+            Support::Points(_) => Cells::Some(&[]),
+        }
+    }
+    /// The points; none if the support is in cells.
+    pub fn points(&self) -> &'a [At<D>] {
+        match *self {
+            Support::Cells(_) => &[],
+            Support::Points(points) => points,
+        }
+    }
+}
 
 /// A force on the flow, integrated weakly.
 ///
-/// A stress `sigma` acts through `F(v) = -(sigma, grad v)`, that is `f0 = 0`, `f1 = -sigma`. A term that can tell how its force
-/// changes with the velocity of the new time level adds a symmetric positive semi-definite form `C(u, v)` to the matrix:
-/// with `u` the new velocity and `u*` the one that the explicit part was made with, the force is `F(v) - C(u - u*, v)`.
+/// The force is the linear form `F(v) = sum w (f0 . v + f1 : grad v)` over the points of the
+/// [`support`](Self::support) with weights `w`. A stress `sigma` has `f0 = 0`, `f1 = -sigma`; a
+/// force per volume (or a force on a point) has `f1 = 0`.
+///
+/// An implicit term adds a symmetric positive semi-definite form `C(u, v)` to the matrix: with `u`
+/// the new velocity and `u*` the velocity that the explicit part was computed with (zero in schemes
+/// of order 1), the force is `F(v) - C(u - u*, v)`. A penalty has `F = 0` and `C(u, v) = (k u, v)`.
+///
+/// Every term counts in loads, reactions, the lift of boundary values and the power of walls.
 pub trait MomentumTerm<const D: usize>: Sync {
-    /// The cells where the term does not vanish.
-    fn cells(&self) -> Cells<'_>;
-    /// The explicit force at a quadrature point of the flow's rule: the pair tested with `(v, grad v)`.
+    /// The places where the term does not vanish.
+    fn support(&self) -> Support<'_, D>;
+    /// The explicit force at a point of the support: the pair `(f0, f1)` tested with `(v, grad v)`.
     fn force(&self, at: &At<D>) -> VectorForm<D>;
-    /// Whether [`stiffness`](Self::stiffness) is to be put into the matrix.
-    fn is_implicit(&self) -> bool;
-    /// `C(u, v)` at a quadrature point of any cell (zero outside [`cells`](Self::cells)): the tensor that is tested with `grad v`,
-    /// linear in `grad_u`.
-    fn stiffness(&self, at: &At<D>, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D>;
-    /// Points of a surface on which the term acts too, or instead, those of a cell one after the other.
-    fn surface(&self) -> &[SurfacePoint<D>] {
-        &[]
+    /// True if [`stiffness`](Self::stiffness) enters the matrix.
+    fn is_implicit(&self) -> bool {
+        false
     }
-    /// The explicit force per area of the surface, as [`force`](Self::force).
-    fn surface_force(&self, _: &SurfacePoint<D>) -> VectorForm<D> {
+    /// `C(u, v)` at a point: the pair tested with `(v, grad v)`, linear in `u` and `grad_u`. A term
+    /// on cells may be asked at points of any cell, and returns zero outside its support.
+    fn stiffness(&self, _at: &At<D>, _u: &SVector<f64, D>, _grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
         (SVector::zeros(), SMatrix::zeros())
-    }
-    /// `C(u, v)` per area of the surface, as [`stiffness`](Self::stiffness).
-    fn surface_stiffness(&self, _: &SurfacePoint<D>, _grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        SMatrix::zeros()
     }
 }

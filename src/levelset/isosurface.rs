@@ -69,7 +69,9 @@ impl Isosurface {
     pub fn quadrature(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE))
     }
-    /// The points of [`surface_in_space`].
+    /// Three points on every triangle, on the zero set of the P2 function, sorted by their cells and
+    /// numbered by `at.q`. Their normals, out of `phi < 0`, are those of the triangles: their sum over
+    /// a closed surface is 0.
     pub fn points_of_forms(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE_OF_FORMS))
     }
@@ -88,15 +90,6 @@ impl Isosurface {
     pub fn integrate(&self, space: &Space<3>, phi: &[f64], f: impl Fn(&SurfacePoint<3>) -> f64) -> f64 {
         self.quadrature(space, phi).iter().map(|p| p.at.weight * f(p)).sum()
     }
-}
-
-/// Quadrature points on `phi = 0`, three on every triangle of an [`Isosurface`], on the zero set of the P2 function, sorted by their
-/// cells and numbered by `at.q`. Their normals, out of `phi < 0`, are those of the triangles: their sum over a closed surface is 0.
-///
-/// # Errors
-/// Those of [`Isosurface::new`].
-pub fn surface_in_space(space: &Space<3>, phi: &[f64]) -> Result<Vec<SurfacePoint<3>>> {
-    Ok(Isosurface::new(space, phi)?.points_of_forms(space, phi))
 }
 
 /// What `work` appends for the items, in their order.
@@ -134,6 +127,7 @@ fn surface_point(space: &Space<3>, phi: &[f64], triangle: &Triangle, t: &[f64; 4
 mod tests {
     use super::*;
     use crate::fem::Element;
+    use crate::levelset::surface as surface_points;
     use crate::mesh::{Mesh, Point, box_mesh};
     use proptest::prelude::*;
     use std::collections::HashMap;
@@ -264,7 +258,7 @@ mod tests {
     #[test]
     fn points_for_weak_forms_are_sorted_and_their_normals_add_up_to_nothing() {
         let (space, phi, s) = surface(8, |x| (x - p(1.03, 0.98, 1.01)).norm() - 0.6);
-        let points = surface_in_space(&space, &phi).unwrap();
+        let points = surface_points(&space, &phi).unwrap();
         assert!(points.iter().enumerate().all(|(q, p)| p.at.q == q));
         assert!(points.is_sorted_by_key(|p| p.at.cell));
         let sum: Point<3> = points.iter().map(|p| p.normal * p.at.weight).sum();
@@ -291,7 +285,7 @@ mod tests {
         let phi = s.interpolate(|x| (7.0 * x[0]).sin() * (5.0 * x[1]).cos() + x[2] - 0.8);
         let run = |n| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-            pool.install(|| (Isosurface::new(&s, &phi).unwrap(), surface_in_space(&s, &phi).unwrap()))
+            pool.install(|| (Isosurface::new(&s, &phi).unwrap(), surface_points(&s, &phi).unwrap()))
         };
         let (one, two) = (run(1), run(2));
         assert!(one.0.triangles() == two.0.triangles() && one.1 == two.1);

@@ -3,7 +3,7 @@
 use super::contour::{Contour, Segment};
 use super::quadratic::{Quadratic, barycentric_direction};
 use crate::base::{Error, Result};
-use crate::fem::{Space, gauss_legendre};
+use crate::fem::{At, Space, gauss_legendre};
 use crate::mesh::Point;
 use nalgebra::SVector;
 
@@ -44,6 +44,14 @@ pub struct ContourPoint {
     pub normal: SVector<f64, 2>,
     /// Weight: a length.
     pub weight: f64,
+}
+
+impl ContourPoint {
+    /// The point with its number in a list.
+    pub(super) fn at(&self, q: usize) -> At<2> {
+        let (cell, barycentric) = (self.cell as usize, self.barycentric);
+        At { cell, q, barycentric, x: self.point, weight: self.weight }
+    }
 }
 
 impl Contour {

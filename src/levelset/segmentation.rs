@@ -216,7 +216,7 @@ pub fn parts_inside<const D: usize>(space: &Space<D>, phi: &[f64]) -> usize {
 mod tests {
     use super::*;
     use crate::fem::Element;
-    use crate::levelset::{Circle, Contour, Cutter, Redistance, Redistancing, signed_distance};
+    use crate::levelset::{Circle, Contour, Redistance, Redistancing, signed_distance};
     use crate::mesh::{Diagonals, rectangle};
     use crate::transport::Tracer;
 
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn a_circle_on_an_even_image_shrinks_by_its_curvature() {
         let space = space(20);
-        let how = Redistancing { method: Redistance::Exact, volume: false, cutter: Cutter::PLANE };
+        let how = Redistancing { method: Redistance::Exact, volume: false };
         let shrunk = |steps: usize| {
             let mut s = on(&space, WEIGHTS, |_| 0.5);
             let mut phi = circle(&space, 12.0);
@@ -304,7 +304,7 @@ mod tests {
         let space = self::space(20);
         let mut s = on(&space, WEIGHTS, |_| 0.5);
         let mut phi = circle(&space, 2.0);
-        let how = Redistancing { method: Redistance::Exact, volume: false, cutter: Cutter::PLANE };
+        let how = Redistancing { method: Redistance::Exact, volume: false };
         let gone = (0..20).find_map(|_| {
             let ended = s.step(2.0, &mut phi).err();
             how.apply(&Tracer::new(&space, &[]), &[], 1.0, &mut phi).unwrap();

@@ -1,14 +1,15 @@
 //! Meshes that follow the interfaces and the fields of a scene.
 
 use super::Scene;
-use super::model::{Draft, Model, edges_in_bands, wall_nodes};
+use super::placing::place;
 use super::schema::{Adapt, AdaptField};
-use crate::base::{Error, Result};
-use crate::fem::{self, Element, Space};
+use super::site::Site;
+use super::view::View;
+use crate::base::{Error, Result, same};
+use crate::fem::{self, Space};
 use crate::levelset::band_edges;
 use crate::mesh::adapt::{self, AdaptOptions, Metric};
 use crate::mesh::{self, Mesh};
-use crate::sim::{Simulation, Structure, Transfer};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -42,7 +43,7 @@ impl Lengths {
         let longest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(0.0, f64::max);
         let thickness = scene.numerics.thickness;
         let edge = adapt.edge.or(thickness.map(|eps| eps / EDGES));
-        let interfaces = scene.interfaces().next().is_some();
+        let interfaces = !scene.structures().is_empty();
         let edge = match edge {
             Some(edge) => edge,
             None if !interfaces => longest,
@@ -69,22 +70,30 @@ impl Lengths {
 ///
 /// # Errors
 /// Shapes that do not lie on the mesh.
-pub(super) fn adapted_start(scene: &Scene, given: Mesh<2>, lengths: &Lengths) -> Result<Mesh<2>> {
-    let Some(adapt) = &scene.adapt else { return Ok(given) };
+pub(super) fn adapted_start<const D: usize>(scene: &Scene, given: Mesh<D>, lengths: &Lengths) -> Result<Mesh<D>> {
     // Nothing is known of the fields yet: the mesh as given is as good as any.
-    if scene.interfaces().next().is_none() {
+    let Some(adapt) = scene.adapt.as_ref().filter(|_| !scene.structures().is_empty()) else {
         return Ok(given);
-    }
-    let conditions = super::model::conditions(scene, &given)?;
+    };
+    let plane = same::<_, Mesh<2>>(given).ok_or_else(solid)?;
+    same(adapted(scene, adapt, plane, lengths)?).ok_or_else(solid)
+}
+
+fn solid() -> Error {
+    Error::internal("a mesh of tetrahedra was adapted")
+}
+
+fn adapted(scene: &Scene, adapt: &Adapt, given: Mesh<2>, lengths: &Lengths) -> Result<Mesh<2>> {
     let mut mesh = Arc::new(given);
     for _ in 0..ROUNDS {
-        let space = Space::new(&mesh, Element::P2);
-        let pairs = fem::periodic_pairs(&mesh, &conditions).map_err(|e| scene.blame(&["boundary"], e))?;
-        let keep_boundary = !pairs.is_empty();
-        let draft = Draft { scene, mesh: &mesh, space: &space, pairs, warnings: Vec::new() };
-        let metric = Wanted { adapt, lengths, space: &space }.interfaces(&draft.all_distances()?)?;
+        let (quality, _) = mesh::check(&mesh);
+        let site = Site::new(scene, Arc::clone(&mesh), quality)?;
+        let placed = place(scene, &site)?.into_iter().flatten();
+        let distances: Vec<Vec<f64>> = placed.map(|p| p.nodal).collect();
+        let distances: Vec<&[f64]> = distances.iter().map(Vec::as_slice).collect();
+        let metric = Wanted { adapt, lengths, space: &site.space }.interfaces(&distances)?;
         let before = mesh.points().len();
-        mesh = Arc::new(made_anew(scene, &mesh, &metric, keep_boundary)?);
+        mesh = Arc::new(rebuilt(scene, &mesh, &metric, !site.pairs.is_empty())?);
         if mesh.points().len().abs_diff(before) * 50 < before {
             break;
         }
@@ -92,7 +101,7 @@ pub(super) fn adapted_start(scene: &Scene, given: Mesh<2>, lengths: &Lengths) ->
     Ok(Arc::unwrap_or_clone(mesh))
 }
 
-fn made_anew(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) -> Result<Mesh<2>> {
+fn rebuilt(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) -> Result<Mesh<2>> {
     let options = AdaptOptions { keep_boundary, ..AdaptOptions::default() };
     let adapted = adapt::adapt(mesh, metric, &options).map_err(|e| {
         scene.blame(&["mesh", "adapt"], e.remedy("take longer edges (mesh.adapt.edge, along, h_min) or a larger error"))
@@ -100,51 +109,45 @@ fn made_anew(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool
     Ok(adapted.mesh)
 }
 
-impl Model<2> {
-    /// Makes the mesh anew where it no longer fits interfaces or fields, and goes on upon it. Returns whether it did.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::on_mesh`].
-    pub(super) fn follow_fields(&mut self, scene: &Scene) -> Result<bool> {
-        let (Some(adapt), Some(lengths)) = (&scene.adapt, &self.lengths) else { return Ok(false) };
-        let sim = &self.simulation;
-        if adapt.fields.is_empty() && !self.is_outgrown(lengths) {
-            return Ok(false);
-        }
-        let wanted = Wanted { adapt, lengths, space: sim.space() };
-        let mut metric = wanted.interfaces(&sim.state().phi)?;
-        if let Some(fields) = wanted.fields(sim)? {
-            metric = metric.intersect(&fields)?;
-        }
-        let mesh = made_anew(scene, sim.space().mesh(), &metric, !sim.translations().is_empty())?;
-        self.go_on_upon(mesh, adapt.transfer)?;
-        Ok(true)
+/// The next mesh of a problem whose mesh no longer fits interfaces or fields; `None` where it still
+/// fits. `band_edges` are the shortest and longest edge in the bands when the mesh was built.
+///
+/// # Errors
+/// A mesh that cannot be built.
+pub(super) fn outgrown(
+    scene: &Scene,
+    lengths: Option<&Lengths>,
+    view: &View<'_, 2>,
+    band_edges: Option<[f64; 2]>,
+) -> Result<Option<Mesh<2>>> {
+    let (Some(adapt), Some(lengths)) = (&scene.adapt, lengths) else { return Ok(None) };
+    if adapt.fields.is_empty() && !is_outgrown(view, lengths, band_edges) {
+        return Ok(None);
     }
+    let wanted = Wanted { adapt, lengths, space: view.space() };
+    let mut metric = wanted.interfaces(&level_sets(view))?;
+    if let Some(fields) = wanted.fields(view)? {
+        metric = metric.intersect(&fields)?;
+    }
+    let keep_boundary = !view.carried.translations().is_empty();
+    rebuilt(scene, view.space().mesh(), &metric, keep_boundary).map(Some)
+}
 
-    /// Goes on upon another mesh of the domain.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::on_mesh`].
-    pub(super) fn go_on_upon(&mut self, mesh: Mesh<2>, transfer: Transfer) -> Result<()> {
-        self.simulation = self.simulation.on_mesh(&Arc::new(mesh), transfer)?;
-        let sim = &self.simulation;
-        let phi = sim.state().phi.iter().map(Vec::as_slice);
-        self.band_edges = edges_in_bands(sim.space(), sim.structures().iter().zip(phi));
-        (self.quality, _) = mesh::check(sim.space().mesh());
-        self.wall_nodes = wall_nodes(sim.space(), sim.translations());
-        Ok(())
-    }
+/// Level sets of all structures that have one.
+fn level_sets<'a>(view: &View<'a, 2>) -> Vec<&'a [f64]> {
+    let ids = view.carried.structures().iter().filter_map(|s| s.level_set());
+    ids.map(|id| view.state.fields.scalar(id)).collect()
+}
 
-    /// Whether some edge at an interface is too long.
-    fn is_outgrown(&self, lengths: &Lengths) -> bool {
-        let sim = &self.simulation;
-        let structures = sim.structures().iter().map(Structure::reach);
-        let reaches = structures.chain(sim.passive().iter().map(|_| lengths.width - lengths.edge));
-        let edges = sim.state().phi.iter().zip(reaches).filter_map(|(phi, reach)| band_edges(sim.space(), phi, reach));
-        let at_first = self.band_edges.map_or(0.0, |[_, largest]| largest);
-        let tolerated = (TOLERATED[0] * lengths.edge).max(TOLERATED[1] * at_first);
-        edges.into_iter().any(|e| e.largest > tolerated)
-    }
+/// True if some edge at an interface is too long.
+fn is_outgrown(view: &View<'_, 2>, lengths: &Lengths, at_first: Option<[f64; 2]>) -> bool {
+    let edges = view.carried.structures().iter().filter_map(|s| {
+        let reach = if s.acts() { s.reach() } else { lengths.width - lengths.edge };
+        band_edges(view.space(), view.state.fields.scalar(s.level_set()?), reach)
+    });
+    let at_first = at_first.map_or(0.0, |[_, largest]| largest);
+    let tolerated = (TOLERATED[0] * lengths.edge).max(TOLERATED[1] * at_first);
+    edges.into_iter().any(|e| e.largest > tolerated)
 }
 
 /// The metric that interfaces and fields ask for.
@@ -156,7 +159,7 @@ struct Wanted<'a> {
 
 impl Wanted<'_> {
     /// Edges of the wanted lengths across and along the interfaces, growing away from them.
-    fn interfaces(&self, level_sets: &[Vec<f64>]) -> Result<Metric> {
+    fn interfaces(&self, level_sets: &[&[f64]]) -> Result<Metric> {
         let mesh = self.space.mesh();
         // Sums of n n^T over the cells near an interface that meet at a point, and their number.
         let mut normals = vec![(SMatrix::<f64, 2, 2>::zeros(), 0.0); mesh.points().len()];
@@ -199,9 +202,9 @@ impl Wanted<'_> {
     }
 
     /// The metric of the fields of the scene; `None` while all are constant.
-    fn fields(&self, sim: &Simulation<2>) -> Result<Option<Metric>> {
-        let state = sim.state();
-        let pressure = sim.flow().map(|flow| flow.pressure().space());
+    fn fields(&self, view: &View<'_, 2>) -> Result<Option<Metric>> {
+        let state = view.state;
+        let pressure = view.flow.map(|flow| flow.pressure().space());
         let mut all: Vec<(&Space<2>, Vec<f64>)> = Vec::new();
         for field in &self.adapt.fields {
             match field {
@@ -209,7 +212,9 @@ impl Wanted<'_> {
                     all.extend((0..2).map(|i| (self.space, state.flow.u.iter().map(|u| u[i]).collect())));
                 }
                 AdaptField::Pressure => all.extend(pressure.map(|space| (&**space, state.flow.p.clone()))),
-                AdaptField::LevelSet => all.extend(state.phi.iter().map(|phi| (self.space, phi.clone()))),
+                AdaptField::LevelSet => {
+                    all.extend(level_sets(view).iter().map(|phi| (self.space, phi.to_vec())));
+                }
             }
         }
         let mut metric: Option<Metric> = None;

@@ -9,7 +9,7 @@ pub(super) fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
     let held = |b: &Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
     if scene.fluid.is_prescribed()
         || scene.has_inertia()
-        || scene.membranes.iter().any(|m| m.mass > 0.0)
+        || scene.structures().iter().any(|s| s.traits().mass > 0.0)
         || scene.boundaries.iter().any(held)
     {
         return Ok(());

@@ -1,30 +1,22 @@
 //! Errors of a run against the exact solution of its scene: columns of the series.
 
-use super::dimension::coordinates;
-use super::schema::Exact;
+use super::points::coordinates;
+use super::row::Row;
+use super::view::View;
 use crate::fem::{Basis, Cells, Rule, integrate, scalar_errors, vector_errors};
 use crate::mesh::Point;
-use crate::sim::Simulation;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
 /// Degree of the rule that takes the mean of the pressure off: that of the norms.
 const DEGREE: usize = 8;
 
-/// The names of the columns.
-pub(super) fn columns(exact: &Exact) -> impl Iterator<Item = String> {
-    let velocity = exact.velocity.iter().flat_map(|_| ["error_velocity_l2", "error_velocity_h1"]);
-    let pressure = exact.pressure.iter().map(|_| "error_pressure_l2");
-    velocity.chain(pressure).map(String::from).collect::<Vec<_>>().into_iter()
-}
-
-/// The norms over the whole mesh, now: of the velocity in L2, of its gradient in L2, of the pressure in L2, the latter up to a
-/// constant where no boundary is open.
-pub(super) fn row<const D: usize>(exact: &Exact, sim: &Simulation<D>) -> Vec<f64> {
-    let mut row = Vec::new();
-    let (state, t) = (sim.state(), sim.time());
+/// Measures the errors over the whole mesh, now: of the velocity in L2, of its gradient in L2, of the
+/// pressure in L2, the latter up to a constant where no boundary is open.
+pub(super) fn measure<const D: usize>(view: &View<'_, D>, row: &mut Row) {
+    let (exact, state, t) = (&view.tables.exact, view.state, view.state.time);
     if let Some(velocity) = &exact.velocity {
-        let errors = vector_errors(sim.space(), &state.flow.u, |x| {
+        let errors = vector_errors(view.space(), &state.flow.u, |x| {
             let mut value = SVector::<f64, D>::zeros();
             let mut gradient = SMatrix::<f64, D, D>::zeros();
             for (i, e) in velocity.iter().take(D).enumerate() {
@@ -34,9 +26,11 @@ pub(super) fn row<const D: usize>(exact: &Exact, sim: &Simulation<D>) -> Vec<f64
             }
             (value, gradient)
         });
-        row.extend([errors.l2, errors.h1]);
+        row.put("error_velocity_l2", errors.l2);
+        row.put("error_velocity_h1", errors.h1);
     }
-    if let Some((pressure, flow)) = exact.pressure.as_ref().zip(sim.flow()) {
+    let Some(pressure) = &exact.pressure else { return };
+    let error = view.flow.map_or(f64::NAN, |flow| {
         let space = flow.pressure().space();
         let at = |x: &Point<D>| pressure.eval(coordinates(x), t);
         let mut shift = 0.0;
@@ -45,7 +39,7 @@ pub(super) fn row<const D: usize>(exact: &Exact, sim: &Simulation<D>) -> Vec<f64
             let [sum, area] = integrate(&basis, Cells::All, |q| [basis.value(q, &state.flow.p) - at(&q.x), 1.0]);
             shift = sum / area;
         }
-        row.push(scalar_errors(space, &state.flow.p, |x| (at(x) + shift, SVector::zeros())).l2);
-    }
-    row
+        scalar_errors(space, &state.flow.p, |x| (at(x) + shift, SVector::zeros())).l2
+    });
+    row.put("error_pressure_l2", error);
 }

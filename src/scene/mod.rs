@@ -1,73 +1,81 @@
-//! Scenes: what a run shall do, read from TOML with every value checked and every error placed.
+//! Scenes: descriptions of a run, read from TOML with every value checked and every error placed.
 
 mod adapt;
+mod charts;
 mod checks;
-mod diagnostics;
-mod dimension;
-mod document;
-mod drops;
+mod cuts;
 mod errors;
 pub mod expression;
 mod geometry;
-mod image;
-mod item;
-mod model;
-pub(crate) mod nearest;
+pub mod keys;
+mod measure;
+mod meshing;
 mod overrides;
 mod pacing;
-mod passive;
+mod placing;
 mod plan;
+mod points;
+mod problem;
+pub mod problems;
+mod read;
 mod redistance;
 pub mod reference;
 mod refined;
 pub mod render;
+mod row;
 pub mod run;
 pub mod schema;
-mod sheared;
-mod survey;
+mod script;
+mod shapes;
+mod site;
+pub mod structures;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+mod view;
+mod words;
 
-pub use diagnostics::Diagnostics;
-pub use dimension::{Dimension, In};
 pub use expression::{Expression, ExpressionError};
-pub use model::Model;
-pub use schema::Settings;
-pub use survey::{Survey, explain};
+pub use problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn, explain, problem};
+pub use problems::{Advected, ImmersedFlow, Segmented};
+pub use read::KEYS;
+pub use row::Row;
+pub use script::Script;
+pub use structures::{StructureKind, Traits};
 
 use crate::base::{Error, Result, Snippet};
-use document::Document;
-use item::Item;
+use crate::flow::Fluid;
+use keys::{Document, Item};
 use std::path::{Path, PathBuf};
 
-/// A scene and where it was written.
+/// A scene: its tables, its structures, and where it was written.
 ///
-/// Gives access to its [`Settings`]. Scenes are equal when their settings are.
+/// Gives access to its [`Script`]. Scenes are equal when their tables and structures are.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    settings: Settings,
+    script: Script,
+    structures: Vec<Box<dyn StructureKind>>,
     path: PathBuf,
-    document: Document,
 }
 
 impl std::ops::Deref for Scene {
-    type Target = Settings;
-    fn deref(&self) -> &Settings {
-        &self.settings
+    type Target = Script;
+    fn deref(&self) -> &Script {
+        &self.script
     }
 }
 
 impl PartialEq for Scene {
     fn eq(&self, other: &Scene) -> bool {
-        self.settings == other.settings
+        self.script.tables == other.script.tables && self.structures == other.structures
     }
 }
 
 impl Scene {
     /// Reads a scene from the `text` of the file `path`, which itself is not opened.
     ///
-    /// Errors: of kind [`Scene`](crate::base::Kind::Scene), about the first thing that is wrong, with its place in the
-    /// text.
+    /// # Errors
+    /// Of kind [`Scene`](crate::base::Kind::Scene), about the first thing that is wrong, with its place in
+    /// the text.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
         Scene::parse_with(text, path, &[])
     }
@@ -75,15 +83,19 @@ impl Scene {
     /// Reads a scene and sets single values of it, each override written `key.sub=value`.
     ///
     /// The value is TOML, or else taken as text; `membrane.0.stretch` is the stretch of the first membrane.
+    ///
+    /// # Errors
+    /// As for [`parse`](Scene::parse).
     pub fn parse_with(text: &str, path: &Path, overrides: &[String]) -> Result<Scene> {
         Scene::read(Document::parse(text, &path.display().to_string())?, path, overrides)
     }
 
     /// The scene with single values of it set, each override written `key.sub=value`.
     ///
-    /// Errors: as for [`parse_with`](Scene::parse_with).
+    /// # Errors
+    /// As for [`parse_with`](Scene::parse_with).
     pub fn with(&self, overrides: &[String]) -> Result<Scene> {
-        Scene::read(self.document.clone(), &self.path, overrides)
+        Scene::read(self.script.document.clone(), &self.path, overrides)
     }
 
     fn read(mut document: Document, path: &Path, overrides: &[String]) -> Result<Scene> {
@@ -91,13 +103,15 @@ impl Scene {
             overrides::apply(&mut document, text)?;
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let settings = Settings::read(&Item::root(&document), folder, &scene_name(path))?;
-        Ok(Scene { settings, path: path.to_path_buf(), document })
+        let (tables, structures) = read::read(&Item::root(&document), folder, &scene_name(path))?;
+        Ok(Scene { script: Script { tables, document }, structures, path: path.to_path_buf() })
     }
 
     /// Reads the scene file `path` and sets single values of it.
     ///
-    /// Errors: as for [`parse_with`](Scene::parse_with); a file that cannot be read or is not UTF-8 is a wrong scene too.
+    /// # Errors
+    /// As for [`parse_with`](Scene::parse_with); a file that cannot be read or is not UTF-8 is a wrong
+    /// scene too.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
         let bytes = std::fs::read(path).map_err(|e| {
             Error::scene(format!("the scene cannot be read: {e}"))
@@ -111,10 +125,11 @@ impl Scene {
 
     /// The scene as TOML with every default written out; parses to an equal scene wherever it is kept.
     pub fn to_toml(&self) -> String {
-        self.settings.write()
+        read::write(&self.script.tables, &self.structures)
     }
 
-    /// The name of the scene in the file system: that of its file, or of its folder when the file is `scene.toml`.
+    /// Name of the scene in the file system: that of its file, or of its folder when the file is
+    /// `scene.toml`.
     pub fn name(&self) -> String {
         scene_name(&self.path)
     }
@@ -124,25 +139,60 @@ impl Scene {
         &self.path
     }
 
-    /// Dimensions of space: 2 or 3, those of the mesh.
-    pub fn dimension(&self) -> usize {
-        self.mesh.dimension()
+    /// The structures, in the order of their columns.
+    pub fn structures(&self) -> &[Box<dyn StructureKind>] {
+        &self.structures
+    }
+    /// Structures that act on the flow.
+    pub fn acting(&self) -> impl Iterator<Item = &dyn StructureKind> {
+        self.structures.iter().filter(|s| s.traits().acts).map(|s| &**s)
+    }
+    /// Names of the structures that have an interface.
+    pub fn interfaces(&self) -> impl Iterator<Item = &str> {
+        self.structures.iter().filter(|s| s.shape().is_some()).map(|s| s.name())
+    }
+    /// List of structure number `k` in the scene, and its number there.
+    pub fn structure_keys(&self, k: usize) -> [String; 2] {
+        let list = self.structures[k].list();
+        let number = self.structures[..k].iter().filter(|s| s.list() == list).count();
+        [list.to_string(), number.to_string()]
+    }
+    /// Fluid inside a structure, if it is another one than that outside: one that the structure names
+    /// (it may equal that outside, and lie in another drop), or that inside of `[fluid]`, which
+    /// belongs to the one structure of the scene.
+    pub fn inside(&self, structure: &dyn StructureKind) -> Option<Fluid> {
+        let (outside, traits) = (self.outside(), structure.traits());
+        if !traits.acts {
+            return None;
+        }
+        if let [density, viscosity] = traits.own_fluid
+            && (density.is_some() || viscosity.is_some())
+        {
+            return Some(Fluid {
+                density: density.unwrap_or(outside.density),
+                viscosity: viscosity.unwrap_or(outside.viscosity),
+            });
+        }
+        let (density, viscosity) = (self.fluid.density.inside, self.fluid.viscosity.inside);
+        let inside = Fluid { density, viscosity };
+        (inside != outside).then_some(inside)
+    }
+    /// All fluids, that outside of the structures first.
+    pub fn fluids(&self) -> impl Iterator<Item = Fluid> {
+        let inside = self.structures.iter().filter_map(|s| self.inside(&**s));
+        std::iter::once(self.outside()).chain(inside)
+    }
+    /// True if some fluid has mass; without it the Stokes equations are solved.
+    pub fn has_inertia(&self) -> bool {
+        self.fluids().any(|f| f.density > 0.0)
     }
 
-    /// Checks that the files the scene names can be read. Errors: of kind [`Input`](crate::base::Kind::Input).
+    /// Checks that the files the scene names can be read.
+    ///
+    /// # Errors
+    /// Of kind [`Input`](crate::base::Kind::Input).
     pub fn check_files(&self) -> Result<()> {
         self.mesh.check_readable().map_err(|e| self.blame(&["mesh", "file"], e))
-    }
-
-    /// Says of an error that it is about the value at `keys`, such as `["boundary", "inlet"]`, or about the innermost
-    /// table on the way there that is written.
-    pub fn blame(&self, keys: &[&str], error: Error) -> Error {
-        let placed = self.document.error(&self.document.locate(keys), &keys.join("."), "");
-        let error = error.at(placed.place());
-        match placed.source_snippet() {
-            Some(snippet) => error.snippet(snippet.clone()),
-            None => error,
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Overrides of single values of a scene: `time.step=1e-3`, `membrane.0.stretch=1.1`.
 
-use super::document::{Document, Entry, Node, Place, Source, Value, parse_value};
+use super::keys::{Document, Entry, Node, Place, Source, Value, parse_value};
 use crate::base::{Error, Result, Snippet};
 
 /// Sets one value. Tables on the way to it are made where they are missing; an array is entered by a number from 0.

@@ -1,10 +1,10 @@
 //! From a scene to steps that follow the error.
 
-use super::Scene;
+use super::script::Script;
 use crate::sim::Pacing;
 
 /// How the steps are chosen: the scene's bounds, and all times at which something is written.
-pub(super) fn pacing(scene: &Scene, tolerance: f64, [speed, length]: [f64; 2]) -> Pacing {
+pub(super) fn pacing(scene: &Script, tolerance: f64, [speed, length]: [f64; 2]) -> Pacing {
     let (time, output) = (&scene.time, &scene.output);
     let [least, most] = time.bounds();
     let mut instants = vec![time.end];

@@ -1,23 +1,18 @@
 //! Redistancing as a scene asks for it.
 
-use super::Scene;
-use super::dimension::{Dimension, In};
+use super::script::Script;
 use crate::levelset::{Redistance, Redistancing};
-use crate::sim::Simulation;
+use crate::sim::Carried;
 
-/// Lets the level sets of a simulation become distances again, if the scene says so.
-pub(super) fn redistance<const D: usize>(scene: &Scene, simulation: &mut Simulation<D>)
-where
-    In<D>: Dimension<D>,
-{
-    if let Some(r) = scene.numerics.redistance {
-        let how = Redistancing { method: r.method, volume: r.volume, cutter: In::<D>::CUTTER };
-        simulation.redistance_every(r.every, how);
+/// Redistances the level sets as the scene asks for.
+pub(super) fn redistance<const D: usize>(script: &Script, carried: &mut Carried<D>) {
+    if let Some(r) = script.numerics.redistance {
+        carried.redistance_every(r.every, Redistancing { method: r.method, volume: r.volume });
     }
 }
 
-/// What is done, for the plan.
-pub(super) fn in_words(scene: &Scene) -> Option<String> {
+/// The redistancing in words, for the plan.
+pub(super) fn in_words(scene: &Script) -> Option<String> {
     let r = scene.numerics.redistance?;
     let method = match r.method {
         Redistance::HamiltonJacobi { iterations } => {

@@ -1,8 +1,8 @@
 //! The reference of the scene format, as Markdown, from the descriptions by which scenes are read.
 
 use super::expression::functions;
-use super::nearest::advice;
-use super::schema::{Absent, KEYS, Key, Keys, Kind};
+use super::keys::{Absent, Key, Keys, Kind, advice};
+use super::read::KEYS;
 use crate::base::{Error, Result};
 
 /// A table and all places of the scene where it may stand.

@@ -1,7 +1,7 @@
 //! A mesh file refined as the scene asks for, its boundary moved onto the curves that the scene names.
 
-use super::Scene;
-use super::dimension::{Dimension, In};
+use super::script::Script;
+use super::shapes::shape;
 use crate::base::{Error, Result};
 use crate::levelset::Shape;
 use crate::mesh::{Mesh, Point, refine};
@@ -16,26 +16,23 @@ const OFF: f64 = 0.05;
 /// # Errors
 /// A boundary that the mesh does not have, one that does not lie on its shape, a cell that is turned over.
 pub(super) fn refined<const D: usize>(
-    scene: &Scene,
+    script: &Script,
     mesh: Mesh<D>,
     times: usize,
     geometry: &[(String, super::schema::Shape)],
-) -> Result<Mesh<D>>
-where
-    In<D>: Dimension<D>,
-{
+) -> Result<Mesh<D>> {
     let mut curves: Vec<(&str, Box<dyn Shape<D>>)> = Vec::new();
     let (low, high) = mesh.bounding_box();
     let room = (high - low) * 0.05;
     for (name, curve) in geometry {
-        let place = |e| scene.blame(&["mesh", "geometry", name], e);
-        let curve = In::<D>::shape(curve, (low - room, high + room)).map_err(place)?;
+        let place = |e| script.blame(&["mesh", "geometry", name], e);
+        let curve = shape(curve, (low - room, high + room)).map_err(place)?;
         check_lies_on(&mesh, name, curve.as_ref()).map_err(place)?;
         curves.push((name, curve));
     }
     let onto =
         |name: &str, x: &Point<D>| curves.iter().find(|c| c.0 == name).map(|(_, curve)| nearest(curve.as_ref(), *x));
-    (0..times).try_fold(mesh, |mesh, _| refine(&mesh, onto)).map_err(|e| scene.blame(&["mesh", "refine"], e))
+    (0..times).try_fold(mesh, |mesh, _| refine(&mesh, onto)).map_err(|e| script.blame(&["mesh", "refine"], e))
 }
 
 fn check_lies_on<const D: usize>(mesh: &Mesh<D>, name: &str, curve: &dyn Shape<D>) -> Result<()> {

@@ -8,12 +8,9 @@ pub use folder::Folder;
 pub use solves::Solves;
 
 use super::Scene;
-use super::diagnostics::Diagnostics;
-use super::dimension::{Dimension, In};
-use super::model::Model;
+use super::problem::{Problem, problem};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::output::Series;
-use crate::transport::Method;
 use cpu_time::ProcessTime;
 use record::Record;
 use std::path::PathBuf;
@@ -64,30 +61,19 @@ pub struct Outcome {
 /// Whatever is wrong with scene, mesh or folder; a computation that failed, its last good state and a summary being kept in the folder;
 /// [`Kind::Interrupted`] when `stop` was set, the state being kept for `resume`.
 pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome> {
-    match scene.dimension() {
-        2 => run_in::<2>(scene, options, observer),
-        _ => run_in::<3>(scene, options, observer),
-    }
-}
-
-fn run_in<const D: usize>(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome>
-where
-    In<D>: Dimension<D>,
-{
     let start = Clock::now();
     observer.phase("building the model");
     let folder = Folder::open(scene, options)?;
-    let mut model = Model::<D>::new(scene)?;
-    let plan = model.plan(scene)?;
+    let mut problem = problem(scene)?;
+    let plan = problem.plan()?;
     observer.plan(&plan);
-    for w in &model.warnings {
+    for w in problem.warnings() {
         observer.warning(w);
     }
-    let diagnostics = Diagnostics::new(scene, &model)?;
-    model.simulation.keep_reactions(!scene.output.forces.is_empty());
-    // Not before: a scene or a mesh that is wrong leaves no folder behind, and can be run again once it is mended.
+    // Not before: a scene or a mesh that is wrong leaves no folder behind, and can be run again once it
+    // is mended.
     folder.make(scene)?;
-    let mut run = Run::start(scene, &folder, options.resume, model, diagnostics, plan)?;
+    let mut run = Run::start(scene, &folder, options.resume, problem, plan)?;
     run.record.spent("setup", &start);
     let result = run.all_steps(options.stop, observer);
     run.finish(result)
@@ -103,65 +89,54 @@ impl Clock {
 }
 
 /// A run in progress.
-struct Run<'a, const D: usize> {
+struct Run<'a> {
     scene: &'a Scene,
     folder: &'a Folder,
-    model: Model<D>,
-    diagnostics: Diagnostics<'a, D>,
+    problem: Box<dyn Problem>,
     series: Series,
     record: Record,
     plan: String,
     saved: Instant,
 }
 
-impl<'a, const D: usize> Run<'a, D>
-where
-    In<D>: Dimension<D>,
-{
+impl<'a> Run<'a> {
     fn start(
         scene: &'a Scene,
         folder: &'a Folder,
         resume: bool,
-        mut model: Model<D>,
-        diagnostics: Diagnostics<'a, D>,
+        mut problem: Box<dyn Problem>,
         plan: String,
-    ) -> Result<Run<'a, D>> {
-        let columns = diagnostics.columns();
-        let names: Vec<&str> = columns.iter().map(String::as_str).collect();
-        let kept = if resume { folder.checkpoint(scene)? } else { None };
+    ) -> Result<Run<'a>> {
+        let first = problem.row()?;
+        let names: Vec<&str> = first.names().iter().map(String::as_str).collect();
+        let kept = if resume { folder.checkpoint()? } else { None };
         let (series, record) = match kept {
-            Some((record, mesh, state)) => {
-                if let (Some(mesh), Some(adapt)) = (mesh, &scene.adapt) {
-                    model.go_on(mesh, adapt.transfer)?;
-                }
-                model.simulation.restore(state)?;
-                model.band_edges = record.band_edges.or(model.band_edges);
-                (Series::resume(&folder.series(), &names, record.rows)?, record)
+            Some(kept) => {
+                folder.restore(scene, &kept, &mut *problem)?;
+                let rows = kept.record.rows;
+                (Series::resume(&folder.series(), &names, rows)?, kept.record)
             }
             None => (Series::create(&folder.series(), &names)?, Record::default()),
         };
         let fresh = record.rows == 0;
-        let diagnostics = if fresh { diagnostics } else { Diagnostics::new(scene, &model)? };
-        let mut run = Run { scene, folder, model, diagnostics, series, record, plan, saved: Instant::now() };
+        let mut run = Run { scene, folder, problem, series, record, plan, saved: Instant::now() };
         if fresh {
-            run.record.note_mesh(&run.model);
+            run.record.note_mesh(&*run.problem);
             run.sample(0)?;
         }
         Ok(run)
     }
 
-    /// Makes the mesh anew when it is time to look at it and it no longer fits.
+    /// Rebuilds the mesh when it is time to look at it and it no longer fits.
     fn follow(&mut self) -> Result<()> {
         let Some(every) = self.scene.adapt.as_ref().and_then(|a| a.every) else { return Ok(()) };
-        let due = (self.model.simulation.time() / every + 1e-9).floor() as u64;
+        let due = (self.problem.moment().time / every + 1e-9).floor() as u64;
         if due <= self.record.looks {
             return Ok(());
         }
-        self.record.note_costs(&mut self.model.simulation);
-        if self.model.follow(self.scene)? {
-            self.diagnostics = Diagnostics::new(self.scene, &self.model)?;
-            self.model.simulation.keep_reactions(!self.scene.output.forces.is_empty());
-            self.record.note_mesh(&self.model);
+        self.record.note_costs(&mut *self.problem);
+        if self.problem.follow()? {
+            self.record.note_mesh(&*self.problem);
         }
         self.record.looks = due;
         Ok(())
@@ -174,45 +149,46 @@ where
             if stop.load(Ordering::Relaxed) {
                 self.save()?;
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
-                    .at(format!("time {:.6}", self.model.simulation.time()))
+                    .at(format!("time {:.6}", self.problem.moment().time))
                     .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
             }
-            let before = self.model.simulation.state().energies.total();
-            let first = self.model.simulation.state().steps == 0;
+            let before = self.problem.energies().map_or(0.0, |(e, _)| e.total());
+            let first = self.problem.moment().steps == 0;
             self.timed("steps", |run| {
-                let report = run.model.simulation.step()?;
+                let report = run.problem.step()?;
                 run.record.solves.note(&report);
                 Ok(())
             })?;
             if first {
                 self.record.note_first_step();
             }
-            self.record.note_rise(before, &self.model.simulation);
-            self.timed("output", |run| run.sample(run.model.simulation.state().steps as usize))?;
-            let due = self.scene.output.checkpoint.is_some_and(|s| self.saved.elapsed().as_secs_f64() >= s);
+            self.record.note_rise(before, &*self.problem);
+            self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
+            let elapsed = self.saved.elapsed().as_secs_f64();
+            let due = self.scene.output.checkpoint.is_some_and(|s| elapsed >= s);
             if due && !self.is_done() {
                 self.timed("output", Run::save)?;
             }
             let [done, all] = self.progress();
-            observer.progress(done, all, self.model.simulation.time());
+            observer.progress(done, all, self.problem.moment().time);
         }
         Ok(())
     }
 
     fn is_done(&self) -> bool {
-        let sim = &self.model.simulation;
+        let moment = self.problem.moment();
         match self.scene.time.tolerance {
-            Some(_) => sim.is_done() || sim.time() >= self.scene.time.end,
-            None => sim.state().steps as usize >= self.scene.time.steps(),
+            Some(_) => moment.done || moment.time >= self.scene.time.end,
+            None => moment.steps as usize >= self.scene.time.steps(),
         }
     }
 
     /// Steps made and to be made, as far as they are known.
     fn progress(&self) -> [usize; 2] {
-        let (sim, time) = (&self.model.simulation, &self.scene.time);
-        let done = sim.state().steps as usize;
+        let (moment, time) = (self.problem.moment(), &self.scene.time);
+        let done = moment.steps as usize;
         match time.tolerance {
-            Some(_) => [done, done + ((time.end - sim.time()).max(0.0) / sim.settings().dt).ceil() as usize],
+            Some(_) => [done, done + ((time.end - moment.time).max(0.0) / moment.dt).ceil() as usize],
             None => [done, time.steps()],
         }
     }
@@ -226,86 +202,85 @@ where
 
     /// Writes what is due after `step`.
     fn sample(&mut self, step: usize) -> Result<()> {
-        let (output, time) = (&self.scene.output, &self.scene.time);
-        let now = self.model.simulation.time();
+        let (output, time, moment) = (&self.scene.output, &self.scene.time, self.problem.moment());
+        let now = moment.time;
         let (last, paced) = (self.is_done(), time.tolerance.is_some());
-        let at_instant = self.model.simulation.is_at_instant();
-        let near = |t: f64| at_instant && (now - t).abs() <= 1e-9 * time.end;
+        let near = |t: f64| moment.at_instant && (now - t).abs() <= 1e-9 * time.end;
         let due = |interval: f64| match paced {
             _ if last || step == 0 => true,
             true => near((now / interval).round() * interval),
-            false => time.step_at((step as f64 * time.step / interval + 1e-9).floor() * interval) == step,
+            false => {
+                let before = (step as f64 * time.step / interval + 1e-9).floor() * interval;
+                time.step_at(before) == step
+            }
         };
         if due(output.every) {
-            let row = self.diagnostics.row(&self.model)?;
-            self.series.append(now, &row)?;
+            let row = self.problem.row()?;
+            self.series.append(now, row.values())?;
             self.record.rows = self.series.rows();
-            self.record.note_walls(&self.model);
-            self.record.note_row(self.scene, &self.diagnostics.columns(), &row);
+            self.record.note_walls(&*self.problem);
+            self.record.note_row(self.scene, &row);
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
-            self.folder.write_fields(self.scene, &self.model.simulation, step)?;
+            self.problem.write_fields(&self.folder.fields(step))?;
             self.record.fields.push((step, now));
             self.folder.write_collection(&self.record)?;
         }
         for (k, p) in output.profiles.iter().enumerate() {
             if p.times.iter().any(|&t| if paced { near(t) } else { time.step_at(t) == step }) {
-                let values = self.diagnostics.profile(&self.model.simulation, k);
-                let columns = values.into_iter().map(|(suffix, v)| (format!("t={now}{suffix}"), v));
+                let values = self.problem.profile(k).into_iter();
+                let columns = values.map(|(suffix, v)| (format!("t={now}{suffix}"), v));
                 self.record.profiles.entry(p.name.clone()).or_default().extend(columns);
-                let points: Vec<_> = self.diagnostics.profile_points(k).copied().collect();
-                self.folder.write_profile(&p.name, &points, &self.record.profiles[&p.name])?;
+                let (points, written) = (self.problem.profile_points(k), &self.record.profiles[&p.name]);
+                self.folder.write_profile(&p.name, &points, written)?;
             }
         }
         Ok(())
     }
 
     fn save(&mut self) -> Result<()> {
-        self.record.note_costs(&mut self.model.simulation);
-        self.folder.save(self.scene, &self.record, &self.model.simulation)?;
+        self.record.note_costs(&mut *self.problem);
+        self.folder.save(self.scene, &self.record, &*self.problem)?;
         self.saved = Instant::now();
         Ok(())
     }
 
-    /// Writes the summary, whatever came of the run, and keeps the last good state.
+    /// Writes the summary, whatever the result of the run, and keeps the last good state.
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
         let result = result.and_then(|()| {
-            In::<D>::write_segmentation(self.scene, &self.model.simulation, self.folder.path())?;
+            self.problem.write_results(self.folder.path())?;
             self.save()
         });
-        self.record.note_costs(&mut self.model.simulation);
+        self.record.note_costs(&mut *self.problem);
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();
-        let steps = self.model.simulation.state().steps as usize;
-        let written = self.folder.write_summary(self.scene, &self.model, &self.record, &result, &alarms, &self.plan);
+        let steps = self.problem.moment().steps as usize;
+        let told = ((&self.record, &self.plan[..]), (&result, &alarms[..]));
+        let written = self.folder.write_summary(self.scene, &*self.problem, told.0, told.1);
         // What stopped the run comes first: a disk that is full stops the summary too.
         result.and(kept).and(written)?;
         Ok(Outcome { folder: self.folder.path().to_path_buf(), steps, alarms })
     }
 
     fn keep_last_state(&mut self) -> Result<()> {
-        let step = self.model.simulation.state().steps as usize;
-        self.folder.write_fields(self.scene, &self.model.simulation, step)?;
+        let moment = self.problem.moment();
+        let step = moment.steps as usize;
+        self.problem.write_fields(&self.folder.fields(step))?;
         if self.record.fields.last().is_none_or(|last| last.0 != step) {
-            self.record.fields.push((step, self.model.simulation.time()));
+            self.record.fields.push((step, moment.time));
             self.folder.write_collection(&self.record)?;
         }
         self.save()
     }
 
     fn alarms(&self) -> Vec<String> {
-        let mut alarms = Vec::new();
+        let (mut alarms, advice) = (Vec::new(), self.problem.advice());
         if self.record.worst_balance > ENERGY_ALARM {
-            let projected = self.model.simulation.settings().transport == Method::Projected;
-            let sharp = self.model.simulation.structures().iter().any(|s| s.sharp.is_some());
-            let band =
-                if sharp { "" } else { " a larger thickness over the edges of the mesh, numerics.band = \"carried\"," };
             alarms.push(format!(
-                "Energy balance: {:.1} % of the energy in play came from nowhere, so the motion is not to be trusted. \
-                 Take a larger numerics.grad_div,{band}{} or a smaller step.",
+                "Energy balance: {:.1} % of the energy in play came from nowhere, so the motion is not to be trusted. {}",
                 100.0 * self.record.worst_balance,
-                if projected { " transport = \"nodal\"," } else { "" }
+                advice.energy
             ));
         }
         for (name, time) in &self.record.at_wall {
@@ -315,11 +290,7 @@ where
         }
         for (name, change) in &self.record.area_change {
             if change.abs() > AREA_ALARM {
-                let remedy = match self.scene.fluid.is_prescribed() {
-                    true => "numerics.transport = \"composed\" or a finer mesh",
-                    false => "a larger numerics.grad_div or a finer mesh",
-                };
-                let [enclosed, _] = self.scene.extents();
+                let ([enclosed, _], remedy) = (self.scene.extents(), advice.area);
                 alarms.push(format!(
                     "Enclosed {enclosed}: that of `{name}` changed by {:+.2} %. Take {remedy}.",
                     100.0 * change

@@ -7,6 +7,12 @@ use proptest::prelude::*;
 use schema::*;
 
 mod reference;
+pub(crate) mod spring;
+
+/// The membrane number `k` of a scene.
+fn membrane(scene: &Scene, k: usize) -> &structures::Membrane {
+    scene.structures()[k].as_any().downcast_ref().unwrap()
+}
 
 const MEMBRANE: &str = r#"
 title = "Relaxing elliptical membrane"
@@ -109,11 +115,11 @@ fn the_book_s_membrane_reads_with_its_defaults() {
     assert_eq!(s.fluid.density, Contrast::uniform(1.0));
     assert!(s.has_inertia() && !s.fluid.has_force());
     assert_eq!((s.time.steps(), s.time.order), (200, 2));
-    let m = &s.membranes[0];
+    let m = membrane(&s, 0);
     assert_eq!((m.name.as_str(), m.stretch, m.mass), ("membrane", 1.2625316, 0.0));
     assert_eq!(m.shape, Shape::Ellipse { centre: [1.0, 1.0], semi_axes: [0.75, 0.5], angle: 0.0 });
     assert_eq!(m.area, AreaLaw::Linear { modulus: 10.0 });
-    assert_eq!(m.chords[0].direction, [1.0, 0.0]);
+    assert_eq!(m.cuts.chords[0].direction, [1.0, 0.0]);
     assert_eq!((s.numerics.thickness, s.numerics.coupling), (None, Coupling::Implicit));
     assert_eq!((s.output.every, s.output.fields, s.output.film), (0.02, Some(0.1), true));
 }
@@ -157,7 +163,7 @@ fn everything_written_is_read() {
     assert_eq!(s.fluid.density, Contrast { inside: 0.0, outside: 2.0 });
     assert_eq!(s.fluid.force[0].eval([0.5, 0.0, 0.0], 0.0), 1.0);
     assert_eq!(s.boundaries[2].condition, Condition::Periodic("bottom".into()));
-    assert!(matches!(&s.membranes[0].shape, Shape::Union(parts) if parts.len() == 5));
+    assert!(matches!(&membrane(&s, 0).shape, Shape::Union(parts) if parts.len() == 5));
     assert!(
         matches!(&s.mesh, MeshSource::File { path: p, .. } if p.is_absolute() && p.ends_with("case/meshes/a box.msh"))
     );
@@ -203,7 +209,7 @@ fn overrides_replace_add_and_reach_into_lists() {
         "fluid.initial_velocity.0=x^2",
     ])
     .unwrap();
-    assert_eq!(s.membranes[0].stretch, 1.1);
+    assert_eq!(membrane(&s, 0).stretch, 1.1);
     assert!(matches!(s.mesh, MeshSource::Rectangle { cells: [8, 9], .. }));
     assert_eq!((s.numerics.coupling, s.title.as_str()), (Coupling::Explicit, "a short one"));
     assert_eq!(s.output.probes[0].of, Quantity::Pressure);

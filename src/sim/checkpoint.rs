@@ -1,19 +1,19 @@
 //! A state as bytes, and back, bit by bit.
 
-use super::budget::{Budget, Energies};
-use super::clock::Clock;
-use super::setup::{Factored, Pace, State};
+use super::immersed::{Budget, Clock, Energies};
+use super::state::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
 use crate::linalg::Ledger;
-use crate::transport::CharacteristicMap;
+use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x04";
+const MAGIC: &[u8; 8] = b"immersa\x05";
 
 impl<const D: usize> State<D> {
-    /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each list after its length.
+    /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each
+    /// list after its length.
     pub fn to_bytes(&self, tag: u64) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());
         out.integer(tag);
@@ -28,23 +28,10 @@ impl<const D: usize> State<D> {
         out.vectors(&self.flow.u);
         out.vectors(&self.earlier_u);
         out.numbers(&self.flow.p);
-        out.integer(self.phi.len() as u64);
-        self.phi.iter().for_each(|phi| out.numbers(phi));
-        out.integer(self.stretch.len() as u64);
-        self.stretch.iter().for_each(|s| out.numbers(s));
-        out.vectors(&self.displacement);
-        let submaps = self.map.iter().flat_map(CharacteristicMap::submaps);
-        out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
-        submaps.for_each(|s| out.vectors(s));
-        out.integer(self.markers.len() as u64);
-        self.markers.iter().for_each(|m| out.vectors(m));
+        self.fields.write(&mut out);
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { phi, stretch, displacement, weight, dt, ledger: l }) = &self.factored {
-            for lists in [phi, stretch] {
-                out.integer(lists.len() as u64);
-                lists.iter().for_each(|list| out.numbers(list));
-            }
-            out.vectors(displacement);
+        if let Some(Factored { fields, weight, dt, ledger: l }) = &self.factored {
+            fields.write(&mut out);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
         let (e, b) = (self.energies, self.budget);
@@ -98,19 +85,14 @@ impl<const D: usize> State<D> {
             }
         };
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
-        let phi = from.list(Reader::numbers)?;
-        let stretch = from.list(Reader::numbers)?;
-        let displacement = from.vectors()?;
-        let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
-        let markers = from.list(Reader::vectors)?;
+        let fields = Fields::read(from)?;
         let factored = match from.integer()? {
             0 => None,
             _ => {
-                let (phi, stretch) = (from.list(Reader::numbers)?, from.list(Reader::numbers)?);
-                let displacement = from.vectors()?;
+                let fields = Fields::read(from)?;
                 let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
                 let ledger = Ledger { solves, spent, last, hold, failures };
-                Some(Factored { phi, stretch, displacement, weight, dt, ledger })
+                Some(Factored { fields, weight, dt, ledger })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
@@ -118,28 +100,25 @@ impl<const D: usize> State<D> {
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let budget = Budget { initial, dissipated, work, exchanged, transferred };
         let flow = FlowState { u, p };
-        Some(State {
-            steps,
-            time,
-            pace,
-            flow,
-            phi,
-            stretch,
-            displacement,
-            earlier_u,
-            map,
-            markers,
-            factored,
-            energies,
-            budget,
-        })
+        Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, budget })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structure::{Carry, Data, Declaration, Rule};
     use nalgebra::SVector;
+
+    fn fields(scale: f64) -> Fields<2> {
+        let kept = Fields::default();
+        let mut declared = Declaration::new(2, &kept);
+        let rule = || Rule { carry: Carry::ByOwner, acts: true };
+        declared.add("a.level_set", rule(), || Data::Scalar(vec![0.1 * scale, -0.0]));
+        declared.add("a.labels", rule(), || Data::Labels(vec![3, 1]));
+        declared.backward_map(true);
+        declared.finish().0
+    }
 
     fn state() -> State<2> {
         State {
@@ -150,16 +129,10 @@ mod tests {
                 earliest_u: vec![SVector::<f64, 2>::new(0.1, 0.2)],
             }),
             flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
-            phi: vec![vec![0.1, 0.2, 0.3]],
-            stretch: vec![vec![0.4], vec![]],
-            displacement: vec![SVector::<f64, 2>::new(-0.5, 0.125); 2],
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
-            map: CharacteristicMap::from_submaps(vec![vec![SVector::<f64, 2>::new(0.1, -0.2); 3]; 2]),
-            markers: vec![vec![SVector::<f64, 2>::new(0.5, 0.25)], vec![]],
+            fields: fields(1.0),
             factored: Some(Factored {
-                phi: vec![vec![0.5, -0.25]],
-                stretch: vec![vec![]],
-                displacement: vec![SVector::<f64, 2>::new(0.25, 0.0)],
+                fields: fields(3.0),
                 weight: 1.5,
                 dt: 0.1,
                 ledger: Ledger { spent: 9.0, ..Ledger::default() },

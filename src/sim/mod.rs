@@ -1,27 +1,21 @@
-//! A simulation: its state, its time step, its energy budget, its checkpoint. Knows no files and prints nothing.
+//! Problems in time: immersed flow, advection in a given velocity, segmentation of an image. Knows
+//! no files and no law of a structure.
 
-mod backward;
-mod budget;
-mod carrier;
+mod advection;
+mod carried;
 mod checkpoint;
-mod clock;
-mod lagged;
-mod markers;
-mod materials;
-mod passive;
-mod redistance;
-mod remesh;
-mod segment;
-mod setup;
-mod step;
-mod stepper;
-mod stretch;
+mod immersed;
+mod segmentation;
+mod state;
+mod strain;
+mod transfer;
 
+pub use crate::flow::Fluid;
 pub use crate::linalg::{Solving, Way};
-pub use budget::{Budget, Energies};
-pub use carrier::{InitialFunction, REMAP};
-pub use clock::{Clock, Pacing};
-pub use markers::{polygon_area, polygon_length};
-pub use remesh::Transfer;
-pub use setup::{Coupling, Factored, Fluid, LevelSet, Pace, Settings, State, Structure};
-pub use step::Simulation;
+pub use crate::structure::{Coupling, InitialFunction, LevelSet, REMAP, polygon_area, polygon_length};
+pub use advection::Advection;
+pub use carried::{Carried, Transport};
+pub use immersed::{Budget, Clock, Energies, Pacing, Settings, Simulation};
+pub use segmentation::Segmenting;
+pub use state::{Factored, Pace, State};
+pub use transfer::Transfer;

@@ -4,7 +4,7 @@ use super::twin::{Loop, Twin};
 use crate::base::{Error, Result, fnv1a};
 use crate::mesh::freefem;
 use crate::output::{Table, read_text, write_file};
-use crate::scene::{Model, Scene};
+use crate::scene::{Scene, problem};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::ErrorKind;
@@ -85,7 +85,7 @@ impl<'a> Case<'a> {
     /// A scene that cannot be run, or lacks a value that the twin takes.
     pub fn new(twin: &'a Twin, scene: &'a Scene) -> Result<Case<'a>> {
         let refused = [
-            (scene.membranes.iter().any(|m| m.is_sharp()), "force = \"sharp\"", "smeared"),
+            (scene.acting().any(|s| s.traits().sharp), "force = \"sharp\"", "smeared"),
             (scene.adapt.as_ref().is_some_and(|a| a.every.is_some()), "mesh.adapt.every", "a mesh that stays"),
             (scene.time.tolerance.is_some(), "time.tolerance", "steps of one length"),
         ];
@@ -103,12 +103,14 @@ impl<'a> Case<'a> {
                 .value(format!("{} dimensions", scene.dimension()))
                 .remedy("take a scene whose mesh is plane: rectangle, disc or a gmsh file of triangles"));
         }
-        let model = Model::new(scene)?;
-        let mesh = model.simulation.space().mesh();
+        let problem = problem(scene)?;
+        let Some(mesh) = problem.plane_mesh() else {
+            return Err(Error::internal("a scene of the plane has no mesh of the plane"));
+        };
         Ok(Case {
             twin,
             scene,
-            switches: twin.arguments(scene, &model)?,
+            switches: twin.arguments(scene, &*problem)?,
             mesh: freefem::text(mesh)?,
             size: format!("{} triangles, {} points", mesh.cell_count(), mesh.points().len()),
             labels: freefem::labels(mesh),

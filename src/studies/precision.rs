@@ -13,8 +13,8 @@ use super::trial::{Outcome, Trial};
 use super::twin::Twin;
 use crate::base::{Error, Kind, Result};
 use crate::output::Table;
-use crate::scene::nearest::advice;
-use crate::scene::{Scene, Survey};
+use crate::scene::keys::advice;
+use crate::scene::{Scene, problem};
 
 /// What a study of precision is told.
 #[derive(Clone, Debug, Default)]
@@ -170,7 +170,7 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
             .at("--quantity")
             .remedy("name a column of series.csv, with @TIME if it is not the end: --quantity membrane.area@0.4"));
     }
-    let columns = Survey::of(scene)?.columns;
+    let columns = problem(scene)?.row()?.names().to_vec();
     if let Some((column, _)) = quantities.iter().find(|q| !columns.contains(&q.0)) {
         return Err(Error::scene("the series has no such column")
             .at("--quantity")

@@ -18,7 +18,7 @@
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
-use crate::scene::{Model, Scene};
+use crate::scene::{Problem, Scene};
 use std::path::{Path, PathBuf};
 
 /// How deep files may include each other.
@@ -118,8 +118,8 @@ impl Twin {
     ///
     /// # Errors
     /// A switch that stands for a value which the scene does not have, or has as a table or a list.
-    pub(super) fn arguments(&self, scene: &Scene, model: &Model) -> Result<Vec<(String, String)>> {
-        let scene_values = resolved(scene, model)?;
+    pub(super) fn arguments(&self, scene: &Scene, problem: &dyn Problem) -> Result<Vec<(String, String)>> {
+        let scene_values = resolved(scene, problem)?;
         let declared = self.switches.iter().map(|(switch, key)| {
             let value = key.split('.').try_fold(&scene_values, child).and_then(plain);
             let value = value.ok_or_else(|| {
@@ -137,12 +137,11 @@ impl Twin {
 }
 
 /// All values of the scene, with those that the plan decides.
-fn resolved(scene: &Scene, model: &Model) -> Result<toml::Value> {
+fn resolved(scene: &Scene, problem: &dyn Problem) -> Result<toml::Value> {
     let mut table: toml::Table = toml::from_str(&scene.to_toml())
         .map_err(|e| Error::internal(format!("a resolved scene cannot be read: {e}")))?;
     if let Some(numerics) = table.get_mut("numerics").and_then(toml::Value::as_table_mut) {
-        numerics.insert("grad_div".into(), model.simulation.settings().grad_div.into());
-        numerics.extend(model.thickness.map(|eps| ("thickness".to_string(), eps.into())));
+        numerics.extend(problem.derived().into_iter().map(|(key, v)| (key.to_string(), v.into())));
     }
     Ok(toml::Value::Table(table))
 }
@@ -187,6 +186,7 @@ fn expanded(path: &Path, depth: usize) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::problem;
 
     fn listing() -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/listing/scene.toml")
@@ -199,12 +199,12 @@ mod tests {
         assert_eq!(names, ["expert", "listing"]);
         assert!(twin.settings().iter().any(|s| s == "numerics.coupling=explicit"), "from the included file");
         let scene = Scene::load(&listing(), twin.settings()).unwrap();
-        let arguments = twin.arguments(&scene, &Model::<2>::new(&scene).unwrap()).unwrap();
+        let arguments = twin.arguments(&scene, &*problem(&scene).unwrap()).unwrap();
         let value = |switch: &str| arguments.iter().find(|a| a.0 == switch).unwrap().1.as_str();
         assert_eq!((value("-dt"), value("-lambda"), value("-b"), value("-gd")), ("0.005", "1.0", "0.5", "1.0"));
         // What the scene leaves open is what the plan decides.
         let scene = scene.with(&["numerics.thickness=auto".into(), "numerics.grad_div=auto".into()]).unwrap();
-        let arguments = twin.arguments(&scene, &Model::<2>::new(&scene).unwrap()).unwrap();
+        let arguments = twin.arguments(&scene, &*problem(&scene).unwrap()).unwrap();
         let value = |switch: &str| arguments.iter().find(|a| a.0 == switch).unwrap().1.parse::<f64>().unwrap();
         assert!(value("-eps") > 0.1 && value("-gd") > 1.0);
     }
@@ -220,7 +220,7 @@ mod tests {
         let twin = Twin::read(&path).unwrap();
         assert_eq!(twin.loops(), [Loop::default()]);
         let scene = Scene::load(&listing(), &[]).unwrap();
-        let error = twin.arguments(&scene, &Model::<2>::new(&scene).unwrap()).unwrap_err();
+        let error = twin.arguments(&scene, &*problem(&scene).unwrap()).unwrap_err();
         assert!(error.what().contains("-k") && error.wrong_value() == "membrane.1.stretch", "{error}");
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::tools::point;
 use immersa::fem::{At, Cells, Condition, Conditions, Element, Rule, Space, VectorForm};
-use immersa::flow::term::MomentumTerm;
+use immersa::flow::term::{MomentumTerm, Support};
 use immersa::flow::{Coefficient, FlowSolver, History, Step};
 use immersa::levelset::heaviside;
 use immersa::mesh::{Diagonals, Location, Point, rectangle};
@@ -23,8 +23,8 @@ struct NeoHookean {
 }
 
 impl MomentumTerm<2> for NeoHookean {
-    fn cells(&self) -> Cells<'_> {
-        Cells::All
+    fn support(&self) -> Support<'_, 2> {
+        Support::Cells(Cells::All)
     }
     fn force(&self, at: &At<2>) -> VectorForm<2> {
         let (weight, b) = self.state[at.cell * self.points + at.q];
@@ -33,9 +33,9 @@ impl MomentumTerm<2> for NeoHookean {
     fn is_implicit(&self) -> bool {
         true
     }
-    fn stiffness(&self, at: &At<2>, grad_u: &SMatrix<f64, 2, 2>) -> SMatrix<f64, 2, 2> {
+    fn stiffness(&self, at: &At<2>, _: &SVector<f64, 2>, grad_u: &SMatrix<f64, 2, 2>) -> VectorForm<2> {
         let (weight, b) = self.state[at.cell * self.points + at.q];
-        grad_u * b * (weight * self.dt)
+        (SVector::zeros(), grad_u * b * (weight * self.dt))
     }
 }
 

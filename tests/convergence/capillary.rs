@@ -3,7 +3,7 @@
 use crate::prosperetti::CapillaryWave;
 use crate::tools::Study;
 use immersa::levelset::Contour;
-use immersa::scene::{Model, Scene};
+use immersa::scene::{ImmersedFlow, Scene};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -18,11 +18,11 @@ fn amplitudes(cells: usize, dt: f64, set: &[&str]) -> Vec<f64> {
     all.extend(set.iter().map(ToString::to_string));
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/capillary-wave/scene.toml");
     let scene = Scene::load(&path, &all).unwrap();
-    let mut sim = Model::<2>::new(&scene).unwrap().simulation;
+    let mut sim = ImmersedFlow::<2>::new(&scene).unwrap().simulation;
     let each = (SAMPLE / dt).round() as usize;
     assert!((each as f64 * dt - SAMPLE).abs() < 1e-9 && (scene.time.end * WAVE.frequency() - 25.0).abs() < 0.1);
     let amplitude = |sim: &immersa::sim::Simulation<2>| {
-        let contour = Contour::new(sim.space(), &sim.state().phi[0]).unwrap();
+        let contour = Contour::new(sim.space(), &sim.level_set(0)).unwrap();
         contour.measures().unwrap().extent_y
     };
     let mut found = vec![amplitude(&sim)];

@@ -3,7 +3,7 @@
 
 use immersa::base::{Error, Kind};
 use immersa::output::write_file;
-use immersa::scene::{Diagnostics, Model, Scene};
+use immersa::scene::{Problem, Scene, Segmented};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -19,14 +19,12 @@ fn ended(noise: f64, set: &[&str]) -> Result<[f64; 3], Error> {
     let text = include_str!("../../examples/active-contours/scene.toml");
     let set: Vec<String> = set.iter().map(ToString::to_string).collect();
     let scene = Scene::parse_with(text, &Path::new(folder.path()).join("scene.toml"), &set)?;
-    let mut model = Model::<2>::new(&scene)?;
+    let mut model = Segmented::<2>::new(&scene)?;
     for _ in 0..scene.time.steps() {
-        model.simulation.step()?;
+        model.step()?;
     }
-    let diagnostics = Diagnostics::new(&scene, &model)?;
-    let (columns, row) = (diagnostics.columns(), diagnostics.row(&model)?);
-    let found =
-        ["components", "area_error", "misclassified"].map(|c| row[columns.iter().position(|n| n == c).unwrap()]);
+    let row = model.row()?;
+    let found = ["components", "area_error", "misclassified"].map(|c| row.get(c).unwrap());
     println!("noise {noise} {set:?}: {found:?}");
     Ok(found)
 }

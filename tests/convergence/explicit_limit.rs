@@ -5,10 +5,9 @@ use crate::tools::point;
 use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::studies::stability::largest_stable_step;
-use immersa::transport::Method;
-use nalgebra::SVector;
 use std::sync::Arc;
 
 /// Whether `steps` steps neither fail nor bring the energy above 1.02 of the initial one or the speed above `speed`.
@@ -63,37 +62,23 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [n; 2], Diagonals::UnionJack).unwrap());
     let space = Space::new(&mesh, Element::P2);
     let height = |x: f64| 1e-3 * (std::f64::consts::TAU * x).sin() + 1e-4 * (std::f64::consts::PI * n as f64 * x).cos();
-    let structure = Structure {
-        name: "film".into(),
-        phi: space.interpolate(|x| x[1] - 0.5 - height(x[0])),
-        membrane: membrane.clone(),
-        sharp: None,
-        shear: None,
-        stretch: 1.0,
-        continuum: None,
-        inside: None,
-        surface_mass: 0.0,
-    };
+    let structure = Immersed::boxed(
+        ImmersedInterface::new("film", space.interpolate(|x| x[1] - 0.5 - height(x[0])), membrane.thickness())
+            .coupled(coupling),
+        membrane.clone(),
+    );
     let settings = Settings {
-        dt,
         order: 1,
-        transport: Method::Nodal,
-        coupling,
-        convection: true,
         grad_div: 1.0,
-        solve_tolerance: 1e-10,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![
-            ("left".into(), Condition::Periodic("right".into())),
-            ("bottom".into(), Condition::NoSlip),
-            ("top".into(), Condition::NoSlip),
-        ],
-        gravity: SVector::zeros(),
-        body_force: None,
+        ..Settings::new(
+            dt,
+            Fluid { density: 1.0, viscosity },
+            vec![
+                ("left".into(), Condition::Periodic("right".into())),
+                ("bottom".into(), Condition::NoSlip),
+                ("top".into(), Condition::NoSlip),
+            ],
+        )
     };
     Simulation::new(&mesh, settings, vec![structure], |_| point(0.0, 0.0)).unwrap()
 }

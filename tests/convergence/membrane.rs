@@ -3,9 +3,10 @@
 use crate::tools::point;
 use immersa::elastic::{AreaLaw, Band, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
-use immersa::levelset::{self, Contour, Ellipse, Measures, signed_distance};
+use immersa::levelset::{Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, Transport};
+use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -65,33 +66,21 @@ impl Case {
         } else {
             (AreaLaw::Linear { modulus: self.modulus }, Band::Renormalised)
         };
-        let structure = Structure {
-            name: "membrane".into(),
-            phi: signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect(),
-            membrane: Membrane::new(law, self.thickness).with_band(band, self.stretch),
-            sharp: self.sharp.then(|| SharpMembrane::new(law, self.viscosity, levelset::surface)),
-            shear: None,
-            stretch: self.stretch,
-            continuum: None,
-            inside: None,
-            surface_mass: 0.0,
+        let phi = signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect();
+        let interface =
+            ImmersedInterface::new("membrane", phi, self.thickness).stretched(self.stretch).coupled(self.coupling);
+        let structure = match self.sharp {
+            true => Immersed::boxed(interface, SharpMembrane::new(law, self.viscosity)),
+            false => {
+                let force = Membrane::new(law, self.thickness).with_band(band, self.stretch);
+                Immersed::boxed(interface, force)
+            }
         };
         let settings = Settings {
-            dt: self.dt,
             order: self.order,
-            transport: self.transport,
-            coupling: self.coupling,
-            convection: true,
             grad_div: self.grad_div,
-            solve_tolerance: 1e-10,
-            solving: Default::default(),
-            quadrature: 5,
-            fluid: Fluid { density: 1.0, viscosity: self.viscosity },
-            boussinesq: false,
-            pressure: Element::P1,
-            conditions: vec![],
-            gravity: SVector::zeros(),
-            body_force: None,
+            transport: Transport { method: self.transport, ..Transport::default() },
+            ..Settings::new(self.dt, Fluid { density: 1.0, viscosity: self.viscosity }, vec![])
         };
         Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
     }
@@ -115,7 +104,7 @@ pub fn advance(sim: &mut Simulation<2>, end: f64) {
 
 /// Half-chords of the membrane along x and y through the centre of the box.
 pub fn half_chords(sim: &Simulation<2>) -> [f64; 2] {
-    let phi = &sim.state().phi[0];
+    let phi = &sim.level_set(0);
     let contour = Contour::new(sim.space(), phi).unwrap();
     [point(1.0, 0.0), point(0.0, 1.0)]
         .map(|along| contour.half_chord(sim.space(), phi, &point(1.0, 1.0), &along).unwrap())
@@ -123,7 +112,7 @@ pub fn half_chords(sim: &Simulation<2>) -> [f64; 2] {
 
 /// Area, perimeter and the like.
 pub fn measures(sim: &Simulation<2>) -> Measures {
-    Contour::new(sim.space(), &sim.state().phi[0]).unwrap().measures().unwrap()
+    Contour::new(sim.space(), &sim.level_set(0)).unwrap().measures().unwrap()
 }
 
 /// Error of the enclosed area in per cent, for the ellipse .75 / .5.

@@ -2,9 +2,7 @@
 
 use crate::tools::{Study, size};
 use immersa::fem::{Element, Space};
-use immersa::levelset::{
-    Circle, Contour, Cutter, Ellipse, Ellipsoid, Isosurface, Redistance, Redistancing, Shape, Union,
-};
+use immersa::levelset::{Circle, Contour, Ellipse, Ellipsoid, Isosurface, Redistance, Redistancing, Shape, Union};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
 use immersa::transport::Tracer;
 use std::sync::Arc;
@@ -51,7 +49,6 @@ struct Case<'a, const D: usize> {
     mesh: Mesh<D>,
     shape: &'a dyn Shape<D>,
     function: &'a dyn Fn(&Point<D>) -> f64,
-    cutter: Cutter<D>,
     measure: Measure<D>,
 }
 
@@ -82,7 +79,7 @@ impl<const D: usize> Case<'_, D> {
             }
         };
         let before = errors(&phi);
-        let redistancing = Redistancing { method, volume, cutter: self.cutter };
+        let redistancing = Redistancing { method, volume };
         for _ in 0..times {
             redistancing.apply(&tracer, &[], 1.0, &mut phi).unwrap();
         }
@@ -97,7 +94,6 @@ fn ellipse(n: usize, method: Redistance, volume: bool, times: usize) -> [Errors;
         mesh: rectangle([-0.5; 2], [0.5; 2], [n; 2], Diagonals::Right).unwrap(),
         shape: &Ellipse::new(Point::<2>::new(0.011, 0.007), [a, b].into(), 0.0).unwrap(),
         function: &|x: &Point<2>| (((x[0] - 0.011) / a).powi(2) + ((x[1] - 0.007) / b).powi(2) - 1.0).exp_m1(),
-        cutter: Cutter::PLANE,
         measure: in_the_plane,
     };
     case.errors(method, volume, times)
@@ -111,7 +107,6 @@ fn discs(n: usize, method: Redistance, volume: bool, times: usize) -> [Errors; 2
         mesh: rectangle([-0.5; 2], [0.5; 2], [n; 2], Diagonals::Right).unwrap(),
         shape: &Union::new(vec![disc(-0.13), disc(0.14)]).unwrap(),
         function: &|x: &Point<2>| square(x, -0.13).min(square(x, 0.14)),
-        cutter: Cutter::PLANE,
         measure: in_the_plane,
     };
     case.errors(method, volume, times)
@@ -124,7 +119,6 @@ fn ellipsoid(n: usize, method: Redistance, volume: bool, times: usize) -> [Error
         mesh: box_mesh([-0.5; 3], [0.5; 3], [n; 3]).unwrap(),
         shape: &Ellipsoid::new(centre, axes, Point::<3>::zeros()).unwrap(),
         function: &|x: &Point<3>| ((x - centre).component_div(&axes).norm_squared() - 1.0).exp_m1(),
-        cutter: Cutter::SPACE,
         measure: in_space,
     };
     case.errors(method, volume, times)

@@ -28,7 +28,7 @@ pub fn divergence_form(case: Case, end: f64) -> (f64, f64) {
     let tracer = Tracer::new(&space, &[]);
     let law = AreaLaw::Linear { modulus: case.modulus };
     let mut membrane = Membrane::new(law, case.thickness);
-    let (mut state, mut phi) = (flow.at_rest(), start.state().phi[0].clone());
+    let (mut state, mut phi) = (flow.at_rest(), start.level_set(0).into_owned());
     let (mut feet, mut carried) = (Feet::default(), phi.clone());
     for k in 0..(end / case.dt).round() as usize {
         tracer.from_nodes(&state.u, case.dt, &mut feet);

@@ -3,8 +3,8 @@
 use crate::exact::{M, V};
 use crate::membrane::{Case, area_error, balance, half_chords};
 use immersa::elastic::{AreaLaw, SharpMembrane};
-use immersa::fem::{At, Cells, Condition, Element, Rule, Space, SurfacePoint, VectorForm, add_surface_vector};
-use immersa::flow::term::MomentumTerm;
+use immersa::fem::{At, Condition, Element, Rule, Space, VectorForm, add_point_vector};
+use immersa::flow::term::{MomentumTerm, Support};
 use immersa::flow::{FlowSolver, Step};
 use immersa::levelset::{Ellipse, Shape, surface};
 use immersa::mesh::{Diagonals, Point, rectangle};
@@ -52,7 +52,7 @@ fn the_force_is_the_derivative_of_the_energy() {
     for law in [AreaLaw::Linear { modulus: 2.0 }, AreaLaw::OneSided { modulus: 2.0 }, AreaLaw::Tension { tension: 0.7 }]
     {
         let energy = |s: f64| {
-            let mut membrane = SharpMembrane::new(law, 1e9, surface);
+            let mut membrane = SharpMembrane::new(law, 1e9);
             let mut log_r = stretch(s);
             membrane.grow(&space, &phi(s), &u, s, &mut log_r).unwrap();
             membrane.prepare(&space, &phi(s), &log_r, None).unwrap();
@@ -63,7 +63,7 @@ fn the_force_is_the_derivative_of_the_energy() {
         let slope = (energy(s).0 - energy(-s).0) / (2.0 * s);
         let membrane = energy(0.0).1;
         let mut load = vec![V::zeros(); space.len()];
-        add_surface_vector(&space, membrane.surface(), &mut load, |p: &SurfacePoint<2>| membrane.surface_force(p));
+        add_point_vector(&space, membrane.support().points(), &mut load, |at| membrane.force(at));
         let power: f64 = load.iter().zip(&u).map(|(f, u)| f.dot(u)).sum();
         println!("{law:?}: dE/dt {slope:+.6}, -F(u) {:+.6}", -power);
         // The length of an interpolated interface that moves through the mesh wavers by 2e-5.
@@ -120,25 +120,13 @@ fn an_oscillating_drop_keeps_the_balance_of_energy() {
 }
 
 /// A straight sheet under a uniform force along it.
-struct Sheet(Vec<SurfacePoint<2>>);
+struct Sheet(Vec<At<2>>);
 
 impl MomentumTerm<2> for Sheet {
-    fn cells(&self) -> Cells<'_> {
-        Cells::Some(&[])
+    fn support(&self) -> Support<'_, 2> {
+        Support::Points(&self.0)
     }
     fn force(&self, _: &At<2>) -> VectorForm<2> {
-        (V::zeros(), M::zeros())
-    }
-    fn is_implicit(&self) -> bool {
-        false
-    }
-    fn stiffness(&self, _: &At<2>, _: &M) -> M {
-        M::zeros()
-    }
-    fn surface(&self) -> &[SurfacePoint<2>] {
-        &self.0
-    }
-    fn surface_force(&self, _: &SurfacePoint<2>) -> VectorForm<2> {
         (V::new(1.0, 0.0), M::zeros())
     }
 }
@@ -154,15 +142,16 @@ fn lacking(n: usize, height: f64) -> f64 {
     let conditions = sides.map(|(name, condition)| (name.to_string(), condition)).to_vec();
     let rule = Arc::new(Rule::simplex(2, 5));
     let mut solver = FlowSolver::new(&space, &pressure, &rule, &conditions, 1.0).unwrap();
-    let sheet = Sheet(surface(&space, &space.interpolate(|x| x[1] - height)).unwrap());
+    let points = surface(&space, &space.interpolate(|x| x[1] - height)).unwrap();
+    let sheet = Sheet(points.iter().map(|p| p.at).collect());
     let mut state = solver.at_rest();
     let step = Step { weight: 0.0, terms: &[&sheet], ..Step::backward_euler(1.0, 1.0, &[]) };
     solver.step(&step, &mut state).unwrap();
     // Away from the sides, where the velocity is that of the interpolant.
-    let inner = sheet.0.iter().filter(|p| (0.5..1.5).contains(&p.at.x[0]));
+    let inner = sheet.0.iter().filter(|p| (0.5..1.5).contains(&p.x[0]));
     let (sum, length) = inner.fold((0.0, 0.0), |(s, l), p| {
-        let u = space.value(&state.u, p.at.cell, &p.at.barycentric);
-        (s + p.at.weight * (exact(&p.at.x) - u)[0], l + p.at.weight)
+        let u = space.value(&state.u, p.cell, &p.barycentric);
+        (s + p.weight * (exact(&p.x) - u)[0], l + p.weight)
     });
     sum / length
 }

@@ -3,11 +3,9 @@
 use crate::exact::EthierSteinman;
 use crate::space_order::pressure_error;
 use crate::tools::{Study, size};
-use immersa::fem::Element;
 use immersa::fem::{Condition, vector_errors};
 use immersa::mesh::{Mesh, box_mesh};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation};
-use immersa::transport::Method;
+use immersa::sim::{Fluid, Settings, Simulation};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -15,21 +13,12 @@ use std::sync::Arc;
 fn errors(exact: EthierSteinman, mesh: Mesh<3>, grad_div: f64, dt: f64, steps: usize) -> [f64; 3] {
     let mesh = Arc::new(mesh);
     let settings = Settings {
-        dt,
-        order: 2,
-        transport: Method::Nodal,
-        coupling: Coupling::Explicit,
-        convection: true,
         grad_div,
-        solve_tolerance: 1e-10,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: exact.viscosity },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![("walls".into(), Condition::Velocity(Arc::new(move |x, t| exact.velocity(x, t))))],
-        gravity: SVector::zeros(),
-        body_force: None,
+        ..Settings::new(
+            dt,
+            Fluid { density: 1.0, viscosity: exact.viscosity },
+            vec![("walls".into(), Condition::Velocity(Arc::new(move |x, t| exact.velocity(x, t))))],
+        )
     };
     let mut sim = Simulation::new(&mesh, settings, vec![], |x| exact.velocity(x, 0.0)).unwrap();
     for _ in 0..steps {
@@ -37,7 +26,7 @@ fn errors(exact: EthierSteinman, mesh: Mesh<3>, grad_div: f64, dt: f64, steps: u
     }
     let (time, flow) = (sim.time(), &sim.state().flow);
     let u = vector_errors(sim.space(), &flow.u, |x| (exact.velocity(x, time), exact.gradient(x, time)));
-    [u.l2, u.h1, pressure_error(sim.flow().unwrap().pressure().space(), &flow.p, |x| exact.pressure(x, time))]
+    [u.l2, u.h1, pressure_error(sim.flow().pressure().space(), &flow.p, |x| exact.pressure(x, time))]
 }
 
 #[test]

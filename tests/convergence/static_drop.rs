@@ -3,7 +3,7 @@
 use crate::tools::{Study, point};
 use immersa::fem::{Element, Space};
 use immersa::mesh::Locator;
-use immersa::scene::{Model, Scene};
+use immersa::scene::{ImmersedFlow, Scene};
 use std::path::Path;
 
 /// Largest speed, and error of the jump of the pressure over the exact one, on `cells` squares a side.
@@ -12,7 +12,7 @@ fn at_rest(cells: usize, set: &[&str]) -> [f64; 2] {
     all.extend(set.iter().map(ToString::to_string));
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/static-drop/scene.toml");
     let scene = Scene::load(&path, &all).unwrap();
-    let mut sim = Model::<2>::new(&scene).unwrap().simulation;
+    let mut sim = ImmersedFlow::<2>::new(&scene).unwrap().simulation;
     sim.step().unwrap();
     let mesh = sim.space().mesh();
     let (space, locator) = (Space::new(mesh, Element::P1), Locator::new(mesh));

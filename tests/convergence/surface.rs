@@ -3,11 +3,12 @@
 
 use crate::tools::Study;
 use immersa::elastic::{AreaFrom, AreaLaw, Band, ShearLaw, ShearMembrane, SurfaceLaw, SurfaceStrain};
-use immersa::fem::{At, Basis, Cells, Element, Rule, Space, integrate};
+use immersa::fem::{At, Basis, Cells, Element, Rule, Space, VelocityFunction, integrate};
 use immersa::flow::term::MomentumTerm;
 use immersa::levelset::zeta;
 use immersa::mesh::{Mesh, Point, box_mesh};
-use immersa::sim::{Coupling, Fluid, LevelSet, Settings, Simulation};
+use immersa::sim::{Advection, Transport};
+use immersa::structure::{DISPLACEMENT, LevelSet};
 use immersa::transport::Method;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
@@ -187,48 +188,27 @@ fn the_invariants_of_annex_a_come_from_p2_fields() {
     }
 }
 
-fn settings(dt: f64, transport: Method) -> Settings<3> {
-    Settings {
-        dt,
-        order: 2,
-        transport,
-        coupling: Coupling::Explicit,
-        convection: true,
-        grad_div: 0.0,
-        solve_tolerance: 0.0,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: 1.0 },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![],
-        gravity: V::zeros(),
-        body_force: None,
-    }
-}
-
 /// The cube without what the walls of the twists disturb.
 const REACH: f64 = 0.62;
 
 /// Errors after `Y` and the level set have been carried through the mesh to `t = 1` in `steps` steps.
-fn transported(case: &Case, n: usize, steps: usize, transport: Method, reach: f64) -> [f64; 2] {
+fn transported(case: &Case, n: usize, steps: usize, method: Method, reach: f64) -> [f64; 2] {
     let mesh = cube(n);
     let space = Arc::new(Space::new(&mesh, Element::P2));
     let level = case.level;
-    let passive = LevelSet {
-        name: "surface".into(),
-        phi: space.interpolate(level),
-        function: Some(Arc::new(level)),
-        markers: vec![],
-    };
+    let surface = LevelSet::new("surface", space.interpolate(level)).with_function(Arc::new(level));
     let velocity = case.velocity;
-    let wind = Arc::new(move |x: &Point<3>, _: f64| velocity(x));
-    let mut sim = Simulation::prescribed(&mesh, settings(1.0 / steps as f64, transport), wind, vec![passive]).unwrap();
-    sim.carry_backward_map();
+    let given: VelocityFunction<3> = Arc::new(move |x: &Point<3>, _: f64| velocity(x));
+    let (dt, transport) = (1.0 / steps as f64, Transport { method, backward_map: true, ..Transport::default() });
+    let mut flow = Advection::new(&mesh, (given, dt), (transport, &vec![]), vec![Box::new(surface)]).unwrap();
     for _ in 0..steps {
-        sim.step().unwrap();
+        flow.step().unwrap();
     }
-    errors(&space, &sim.state().displacement, &sim.level_set(0), reach, |x| (case.exact)(x, 1.0))
+    let displacement = {
+        let fields = &flow.state().fields;
+        fields.vector(fields.find(DISPLACEMENT).unwrap())
+    };
+    errors(&space, displacement, &flow.level_set(0), reach, |x| (case.exact)(x, 1.0))
 }
 
 /// Linear velocities keep `Y` linear and the level set quadratic, which nodal transport reproduces: the error is that of following the
@@ -359,7 +339,8 @@ fn virtual_power_is_the_change_of_the_energy_for_area_and_shear() {
             let (phi, rest) = fields(0.0);
             membrane.prepare(&basis, &phi, &rest, None);
             let u = space.interpolate(waves);
-            let [power] = integrate(&basis, membrane.cells(), |at| [membrane.force(at).1.dot(&basis.jacobian(at, &u))]);
+            let [power] =
+                integrate(&basis, membrane.support().cells(), |at| [membrane.force(at).1.dot(&basis.jacobian(at, &u))]);
             (rate + power) / rate
         };
         let places = [0.0, 0.3, 0.5, 0.8].map(|s: f64| V::new(s, 1.7 * s % 1.0, 2.3 * s % 1.0) * 0.08);
@@ -406,8 +387,9 @@ fn the_normal_forces_are_those_of_the_paper() {
                 membrane.prepare(&basis, &space.interpolate(level), &space.interpolate(|x| y(x) - x), None);
                 let normal = |x: &V| gradient(x).normalize() * psi(x);
                 let v = space.interpolate(|x| if x.norm() > 0.1 { normal(x) } else { V::zeros() });
-                let [weak] =
-                    integrate(&basis, membrane.cells(), |at| [membrane.force(at).1.dot(&basis.jacobian(at, &v))]);
+                let [weak] = integrate(&basis, membrane.support().cells(), |at| {
+                    [membrane.force(at).1.dot(&basis.jacobian(at, &v))]
+                });
                 let [strong] = integrate(&basis, Cells::All, |at: &At<3>| {
                     let phi = level(&at.x);
                     if phi.abs() >= eps || at.x.norm() < 0.1 {

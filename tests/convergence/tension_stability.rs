@@ -3,7 +3,7 @@
 
 use crate::explicit_limit::is_stable;
 use immersa::elastic::explicit_step_limit;
-use immersa::scene::{Model, Scene};
+use immersa::scene::{ImmersedFlow, Scene};
 use immersa::sim::Simulation;
 use immersa::studies::stability::largest_stable_step;
 use nalgebra::{Complex, Matrix2};
@@ -11,7 +11,7 @@ use std::path::Path;
 
 fn simulation(file: &str, set: &[String]) -> Simulation<2> {
     let scene = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file), set).unwrap();
-    Model::<2>::new(&scene).unwrap().simulation
+    ImmersedFlow::<2>::new(&scene).unwrap().simulation
 }
 
 const EXPLICIT: &str = "numerics.coupling=\"explicit\"";

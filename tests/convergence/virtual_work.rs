@@ -75,7 +75,7 @@ impl Band {
     }
     /// Integral of `f` over the cells of the band.
     fn over(&self, membrane: &Membrane<2>, f: impl Fn(&At<2>) -> f64 + Sync) -> f64 {
-        let [sum] = integrate(&self.basis, membrane.cells(), |at| [f(at)]);
+        let [sum] = integrate(&self.basis, membrane.support().cells(), |at| [f(at)]);
         sum
     }
     /// `F(v)` for a `v` of the given gradient.
@@ -108,7 +108,8 @@ impl Band {
         let force = |s: f64| self.force(&self.membrane(law, u, s), |x| v.gradient(x));
         let slope = (force(s) - force(-s)) / (2.0 * s);
         let (phi, membrane) = (self.carried(u, 0.0), self.membrane(law, u, 0.0));
-        let stiffness = self.over(&membrane, |at| membrane.stiffness(at, &u.gradient(&at.x)).dot(&v.gradient(&at.x)));
+        let stiffness = self
+            .over(&membrane, |at| membrane.stiffness(at, &V::zeros(), &u.gradient(&at.x)).1.dot(&v.gradient(&at.x)));
         let convected = self.force(&membrane, |x| {
             let (d, w) = (1e-5, u.velocity(x));
             v.gradient(x) * u.gradient(x) + (v.gradient(&(x + w * d)) - v.gradient(&(x - w * d))) / (2.0 * d)
@@ -179,11 +180,12 @@ fn check_form<const D: usize>(mesh: Mesh<D>, law: AreaLaw, stretch: f64, entries
     let mut membrane = Membrane::new(law, 0.15);
     membrane.prepare(&basis, &phi, Some(0.1));
     let [a, b] = entries.map(|e| SMatrix::<f64, D, D>::from_fn(|i, j| e[D * i + j]));
-    let Cells::Some(cells) = membrane.cells() else { panic!("a band is some of the cells") };
+    let Cells::Some(cells) = membrane.support().cells() else { panic!("a band is some of the cells") };
     let mut largest: f64 = 0.0;
     for at in cells.iter().flat_map(|&c| (0..basis.rule().len()).map(move |q| (c as usize, q))) {
         let at = basis.at(at.0, at.1);
-        let form = |u: &SMatrix<f64, D, D>, v: &SMatrix<f64, D, D>| membrane.stiffness(&at, u).dot(v);
+        let form =
+            |u: &SMatrix<f64, D, D>, v: &SMatrix<f64, D, D>| membrane.stiffness(&at, &SVector::zeros(), u).1.dot(v);
         let scale = (form(&a, &a) * form(&b, &b)).abs().sqrt().max(1e-12);
         assert!((form(&a, &b) - form(&b, &a)).abs() <= 1e-9 * scale.max(form(&a, &b).abs()));
         assert!(form(&a, &a) >= -1e-12 * scale && form(&a, &b).abs() <= scale * (1.0 + 1e-9));

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use immersa::levelset::band_edges;
-use immersa::scene::{Model, Scene};
+use immersa::scene::{ImmersedFlow, Problem, Scene};
 use std::path::Path;
 
 const MEMBRANE: &str = r#"
@@ -31,7 +31,7 @@ fn adapted(more: &[&str]) -> Case {
 }
 
 fn unknowns(case: &Case) -> usize {
-    case.model.simulation.flow().unwrap().numbering().order()
+    case.model.simulation.flow().numbering().order()
 }
 
 /// Steps to the end and looks at the mesh every `interval` steps; how often it was made anew.
@@ -39,7 +39,7 @@ fn follow(case: &mut Case, interval: usize) -> usize {
     let mut count = 0;
     for step in 0..case.scene.time.steps() {
         if step > 0 && step % interval == 0 {
-            count += usize::from(case.model.follow(&case.scene).unwrap());
+            count += usize::from(case.model.follow().unwrap());
         }
         case.steps(1);
     }
@@ -55,7 +55,7 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
     let eps = case.model.thickness.unwrap();
     let edges = |case: &Case| {
         let sim = &case.model.simulation;
-        band_edges(sim.space(), &sim.state().phi[0], eps).unwrap().largest
+        band_edges(sim.space(), &sim.level_set(0), eps).unwrap().largest
     };
     assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
     assert!(edges(&case) < 1.9 * 0.035, "{}", edges(&case));
@@ -83,7 +83,7 @@ fn transfer_changes_the_energy_by_less_than_a_ten_thousandth_whichever_way_field
         case.steps(10);
         let total = case.model.simulation.state().energies.total();
         let before = case.get("membrane.area");
-        assert!(case.model.follow(&case.scene).unwrap());
+        assert!(case.model.follow().unwrap());
         let [energy, area] = [case.get("energy_transferred") / total, case.get("membrane.area") / before - 1.0];
         assert!(energy != 0.0 && energy.abs() < 1e-4 && area.abs() < 1e-4, "{transfer}: {energy:e}, area {area:e}");
     }
@@ -94,7 +94,7 @@ fn what_cannot_be_adapted_is_refused_with_its_place() {
     let refused = |set: &[&str]| {
         let set: Vec<String> = set.iter().map(ToString::to_string).collect();
         let scene = Scene::parse_with(MEMBRANE, Path::new("scene.toml"), &set);
-        match scene.and_then(|scene| Model::<2>::new(&scene).map(drop)) {
+        match scene.and_then(|scene| ImmersedFlow::<2>::new(&scene).map(drop)) {
             Ok(()) => panic!("{set:?} was not refused"),
             Err(e) => {
                 assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");

@@ -188,6 +188,6 @@ fn the_explicit_coupling_never_exceeds_its_limit() {
 fn order_one_and_prescribed_velocities_are_refused() {
     let text = PULSE.replace("step = 0.01", "step = 0.01\norder = 1");
     let scene = immersa::scene::Scene::parse_with(&text, std::path::Path::new("scene.toml"), &[]).unwrap();
-    let e = immersa::scene::Model::<2>::new(&scene).err().unwrap().to_string();
+    let e = immersa::scene::ImmersedFlow::<2>::new(&scene).err().unwrap().to_string();
     assert!(e.contains("order 1") && e.contains("time.tolerance"), "{e}");
 }

@@ -24,7 +24,7 @@ fn ellipse(n: usize) -> (Basis<2>, Vec<f64>) {
 }
 
 fn visited<const D: usize>(membrane: &Membrane<D>) -> Vec<u32> {
-    match membrane.cells() {
+    match membrane.support().cells() {
         Cells::Some(cells) => cells.to_vec(),
         Cells::All => panic!("all cells are visited"),
     }

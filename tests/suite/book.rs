@@ -4,8 +4,8 @@
 //! a table, `FILE time=T COLUMN`, or an expression and the names in it, `EXPRESSION; NAME FILE time=T COLUMN; ...`. What no run of ours
 //! gives has `<!-- from WHERE -->`.
 
-use immersa::scene::schema::{KEYS, Keys, Kind};
-use immersa::scene::{Diagnostics, Expression, Model, Scene, reference};
+use immersa::scene::keys::{Keys, Kind};
+use immersa::scene::{Expression, KEYS, Scene, problem, reference};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -110,8 +110,7 @@ fn the_page_about_the_scene_is_the_reference() {
 
 /// The columns of the series of a scene.
 fn columns(scene: &Scene) -> Vec<String> {
-    let model = Model::<2>::new(scene).unwrap();
-    Diagnostics::new(scene, &model).unwrap().columns()
+    problem(scene).unwrap().row().unwrap().names().to_vec()
 }
 
 #[test]
@@ -224,8 +223,8 @@ fn every_scene_of_the_book_can_be_run_and_every_fragment_is_one() {
                 Some(file) => {
                     let scene = Scene::load(&page.path.parent().unwrap().join(file), &[])
                         .unwrap_or_else(|e| panic!("{place}\n{e}"));
-                    let model = Model::<2>::new(&scene).unwrap_or_else(|e| panic!("{place}\n{e}"));
-                    assert!(model.warnings.is_empty(), "{place}\n{:?}", model.warnings);
+                    let problem = problem(&scene).unwrap_or_else(|e| panic!("{place}\n{e}"));
+                    assert!(problem.warnings().is_empty(), "{place}\n{:?}", problem.warnings());
                 }
                 None => known(&block.parse().unwrap_or_else(|e| panic!("{place}\n{e}")), &KEYS, &place),
             }

@@ -2,7 +2,7 @@
 
 use crate::program::immersa;
 use immersa::output::{Cell, Grid, Table};
-use immersa::scene::{Model, Scene};
+use immersa::scene::{ImmersedFlow, Scene};
 use immersa::studies::convergence::{Halved, Settings, convergence};
 use immersa::studies::{Campaign, End, Findings, Listener, Outcome, Trial};
 use serde_json::Value;
@@ -181,7 +181,7 @@ pressure = "cos(3*x + y)"
 #[test]
 fn a_mesh_file_is_refined_onto_its_circle() {
     let area = |refine: &str| {
-        let model = Model::<2>::new(&scene(DISC, &[refine])).unwrap_or_else(|e| panic!("{e}"));
+        let model = ImmersedFlow::<2>::new(&scene(DISC, &[refine])).unwrap_or_else(|e| panic!("{e}"));
         let mesh = model.simulation.space().mesh();
         assert_eq!(mesh.boundary("wall").unwrap().len(), mesh.facets().len());
         assert!(
@@ -201,7 +201,7 @@ fn a_mesh_file_is_refined_onto_its_circle() {
         ("mesh.geometry.wall.circle.radius=1.1", "does not lie on the curve"),
         ("mesh.geometry.rim={ circle = { centre = [0, 0], radius = 1 } }", "no boundary of this name"),
     ] {
-        let error = Model::<2>::new(&scene(DISC, &[set])).err().unwrap();
+        let error = ImmersedFlow::<2>::new(&scene(DISC, &[set])).err().unwrap();
         assert!(error.to_string().contains(words) && error.place().contains("mesh.geometry"), "{error}");
     }
     let folder = tempfile::tempdir().unwrap();

@@ -113,7 +113,8 @@ fn fluids_are_those_of_the_drops() {
         let mesh = case.model.simulation.space().mesh();
         let place = immersa::mesh::Locator::new(mesh).locate(mesh, &V::new(x, 0.5)).unwrap();
         let (cell, l) = (place.cell as usize, place.barycentric);
-        [case.model.simulation.density_at(cell, &l), case.model.simulation.viscosity_at(cell, &l)]
+        let sim = &case.model.simulation;
+        [sim.density()(cell, &l), sim.viscosity()(cell, &l)]
     };
     let case = Case::new(text);
     let near = |case: &Case, expected: [[f64; 2]; 3]| {
@@ -134,7 +135,7 @@ fn the_boussinesq_form_is_the_limit_of_small_differences() {
         let density = format!("drop.0.density={density}");
         let mut case = case(&[&density, boussinesq, "fluid.gravity=[0, -1]", "drop.0.force=smeared"]);
         case.steps(10);
-        case.get("drop.velocity_y") / (1.0 - case.scene.inside(0).unwrap().density)
+        case.get("drop.velocity_y") / (1.0 - case.scene.inside(&*case.scene.structures()[0]).unwrap().density)
     };
     let difference =
         |density| (rise(density, "fluid.boussinesq=true") / rise(density, "fluid.boussinesq=false") - 1.0).abs();
@@ -212,7 +213,7 @@ fn a_drop_in_a_drop_has_its_own_fluid() {
     let mesh = case.model.simulation.space().mesh();
     let density = |x: f64| {
         let place = immersa::mesh::Locator::new(mesh).locate(mesh, &V::new(x, 0.5)).unwrap();
-        case.model.simulation.density_at(place.cell as usize, &place.barycentric)
+        case.model.simulation.density()(place.cell as usize, &place.barycentric)
     };
     assert!((density(0.5) - 1.0).abs() < 1e-12 && (density(0.725) - 0.1).abs() < 1e-12, "{}", density(0.5));
 }

@@ -36,6 +36,7 @@ fn stokes<'a, const D: usize>() -> Step<'a, D> {
         weight: 0.0,
         history: &[],
         terms: &[],
+        blocks: &[],
         predicted: None,
         body_force: None,
         gravity: SVector::zeros(),

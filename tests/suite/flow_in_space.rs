@@ -33,6 +33,7 @@ fn stokes<'a>(force: &'a BodyForce<3>) -> Step<'a, 3> {
         weight: 0.0,
         history: &[],
         terms: &[],
+        blocks: &[],
         predicted: None,
         body_force: Some(force),
         gravity: V::zeros(),

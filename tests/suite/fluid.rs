@@ -2,7 +2,7 @@
 
 use crate::case::{Case, V};
 use immersa::fem::{Basis, Cells, integrate};
-use immersa::scene::Diagnostics;
+use immersa::scene::Problem;
 use std::f64::consts::PI;
 
 #[test]
@@ -131,7 +131,7 @@ fn an_open_outlet_sets_the_level_of_the_pressure() {
     // The kinetic energy that enters and leaves is in the balance.
     assert!(case.get("energy_balance").abs() < 1e-3, "{}", case.get("energy_balance"));
     // A profile of the velocity has a column for each component.
-    let profile = Diagnostics::new(&case.scene, &case.model).unwrap().profile(&case.model.simulation, 0);
+    let profile = case.model.profile(0);
     assert_eq!(profile.iter().map(|c| c.0).collect::<Vec<_>>(), ["_x", "_y"]);
     assert!((profile[0].1[1] - 0.1875).abs() < 1e-5 && profile[1].1.iter().all(|v| v.abs() < 1e-5));
 }
@@ -300,9 +300,10 @@ fn a_heavy_membrane_keeps_mass_and_momentum() {
     );
     let totals = |case: &Case| {
         let sim = &case.model.simulation;
+        let density = sim.density();
         let basis = Basis::new(sim.space(), &std::sync::Arc::new(immersa::fem::Rule::simplex(2, 8)));
         integrate(&basis, Cells::All, |at| {
-            let rho = sim.density_at(at.cell, &at.barycentric);
+            let rho = density(at.cell, &at.barycentric);
             let u = basis.value(at, case.velocity());
             [rho, rho * u[0], rho * u[1]]
         })
@@ -334,7 +335,8 @@ fn a_band_that_reaches_a_wall_is_refused_and_one_that_reaches_a_periodic_side_is
         )
     };
     let parse = |text: &str| immersa::scene::Scene::parse(text, std::path::Path::new("scene.toml")).unwrap();
-    let refused = immersa::scene::Model::<2>::new(&parse(&scene("boundary.walls.no_slip = true"))).err().unwrap();
+    let refused =
+        immersa::scene::ImmersedFlow::<2>::new(&parse(&scene("boundary.walls.no_slip = true"))).err().unwrap();
     assert!(refused.to_string().contains("reaches the boundary"), "{refused}");
     Case::new(&scene("boundary.walls.no_slip = true\nboundary.left.periodic = \"right\"")).steps(2);
 }

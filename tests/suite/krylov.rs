@@ -3,8 +3,8 @@
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Element, Space};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
-use immersa::transport::Method;
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -18,33 +18,18 @@ fn squeezed<const D: usize>(mesh: Mesh<D>, coupling: Coupling, tolerance: f64, d
         d[0] *= 1.3;
         d.norm() - 0.28
     };
-    let structure = Structure {
-        name: "skin".into(),
-        phi: space.nodes().iter().map(|x| 1.1 * squeeze(x)).collect(),
-        membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.15),
-        sharp: None,
-        shear: None,
-        stretch: 1.1,
-        continuum: None,
-        inside: Some(Fluid { density: 1.0, viscosity: 0.1 }),
-        surface_mass: 0.0,
-    };
+    let structure = Immersed::boxed(
+        ImmersedInterface::new("skin", space.nodes().iter().map(|x| 1.1 * squeeze(x)).collect(), 0.15)
+            .stretched(1.1)
+            .coupled(coupling)
+            .filled(Fluid { density: 1.0, viscosity: 0.1 }),
+        Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.15),
+    );
     let settings = Settings {
-        dt,
-        order: 2,
-        transport: Method::Nodal,
-        coupling,
-        convection: true,
         grad_div: 1.0,
         solve_tolerance: tolerance,
-        solving: Default::default(),
         quadrature: 4,
-        fluid: Fluid { density: 1.0, viscosity: 0.01 },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![],
-        gravity: SVector::zeros(),
-        body_force: None,
+        ..Settings::new(dt, Fluid { density: 1.0, viscosity: 0.01 }, vec![])
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }

@@ -36,3 +36,4 @@ mod shear;
 mod solvers;
 mod space;
 mod studies;
+mod terms;

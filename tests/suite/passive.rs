@@ -1,10 +1,9 @@
 //! Scenes with a prescribed velocity, passive level sets, markers, and composed transport in scenes.
 
-use super::case::{Case, refused};
+use super::case::{Built, Case, refused};
 use super::program::immersa;
 use immersa::output::{GreyImage, Table};
-use immersa::scene::Scene;
-use immersa::sim::State;
+use immersa::scene::{Advected, ImmersedFlow, Problem, Scene};
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
@@ -48,15 +47,16 @@ transport = "composed"
 
 #[test]
 fn a_prescribed_velocity_leaves_the_flow_out() {
-    let mut case = Case::new(VORTEX);
-    let plan = case.model.plan(&case.scene).unwrap();
+    let mut case = Case::<Advected>::of(VORTEX, &[]);
+    let plan = case.model.plan().unwrap();
     for line in
         ["no flow: the velocity is prescribed as", "no matrix of a flow", "500 markers follow it", "backward map"]
     {
         assert!(plan.contains(line), "{line} is missing in\n{plan}");
     }
-    assert!(case.model.simulation.flow().is_none() && case.model.simulation.state().flow.p.is_empty());
-    assert_eq!(case.model.simulation.factor_bytes(), 0);
+    let facts = case.model.facts();
+    assert!(case.model.advection.state().flow.p.is_empty() && facts.unknowns[..2] == [0, 0]);
+    assert!(facts.factor.is_none() && case.model.energies().is_none());
     case.steps(8);
     // Area and length of the markers' polygon, which inscribes the filament.
     assert!((case.get("disc.area") / (PI * 0.0225) - 1.0).abs() < 2e-3);
@@ -118,20 +118,19 @@ fn composed_transport_is_refused_where_fluid_comes_in() {
 /// The state is saved, read and gone on with in a new model: every bit is the same, the chain of submaps and the markers included.
 #[test]
 fn a_composed_run_goes_on_bit_by_bit() {
-    for (text, half) in [(VORTEX, 4), (MEMBRANE, 10)] {
-        let mut whole = Case::new(text);
+    fn check<P: Built>(text: &str, half: usize, passive: usize) {
+        let mut whole = Case::<P>::of(text, &[]);
         whole.steps(half);
-        let bytes = whole.model.simulation.state().to_bytes(7);
-        let mut resumed = Case::new(text);
-        resumed.model.simulation.restore(State::from_bytes(&bytes, 7).unwrap()).unwrap();
+        let bytes = whole.bytes();
+        let mut resumed = Case::<P>::of(text, &[]);
+        resumed.resume(&bytes);
         whole.steps(half);
         resumed.steps(half);
-        assert_eq!(whole.model.simulation.state().to_bytes(7), resumed.model.simulation.state().to_bytes(7));
-        assert_eq!(
-            whole.model.simulation.level_set(1 - usize::from(text == VORTEX)),
-            resumed.model.simulation.level_set(1 - usize::from(text == VORTEX))
-        );
+        assert_eq!(whole.bytes(), resumed.bytes());
+        assert_eq!(whole.model.level_set(passive), resumed.model.level_set(passive));
     }
+    check::<Advected>(VORTEX, 4, 0);
+    check::<ImmersedFlow>(MEMBRANE, 10, 1);
 }
 
 #[test]
@@ -161,10 +160,10 @@ fn a_stream_through_periodic_sides_brings_everything_back() {
         "time.step=0.1",
         "numerics.remap=0.001",
     ];
-    let mut case = Case::with(VORTEX, &set);
-    let before = case.model.simulation.level_set(0).into_owned();
+    let mut case = Case::<Advected>::of(VORTEX, &set);
+    let before = case.model.level_set(0).into_owned();
     case.steps(20);
-    let after = case.model.simulation.level_set(0);
+    let after = case.model.level_set(0);
     let worst = before.iter().zip(after.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-12, "{worst}");
     assert!(case.get("map_error") < 1e-12);
@@ -173,11 +172,12 @@ fn a_stream_through_periodic_sides_brings_everything_back() {
 /// The interface is cut from the map, not from what its values at the nodes of a coarse mesh make of it.
 #[test]
 fn a_filament_thinner_than_the_mesh_keeps_its_area() {
-    let case = Case::with(VORTEX, &["time.end=4", "mesh.rectangle.cells=[24, 24]", "time.step=0.0625"]).run();
+    let set = ["time.end=4", "mesh.rectangle.cells=[24, 24]", "time.step=0.0625"];
+    let case = Case::<Advected>::of(VORTEX, &set).run();
     let area = PI * 0.0225;
     assert!((case.get("disc.area") / area - 1.0).abs() < 5e-3, "{}", case.get("disc.area"));
-    let sim = &case.model.simulation;
-    let nodal = immersa::levelset::Contour::new(sim.space(), &sim.level_set(0)).unwrap().measures().unwrap().area;
+    let (space, phi) = (case.model.space(), case.model.level_set(0));
+    let nodal = immersa::levelset::Contour::new(space, &phi).unwrap().measures().unwrap().area;
     assert!((nodal / area - 1.0).abs() > 0.02, "{nodal}");
 }
 

@@ -1,9 +1,8 @@
 //! Scenes that redistance their level sets.
 
-use super::case::{Case, refused};
+use super::case::{Built, Case, refused};
 use immersa::levelset::Contour;
-use immersa::scene::{Model, Scene};
-use immersa::sim::State;
+use immersa::scene::{Advected, ImmersedFlow, Problem, Scene};
 use std::path::Path;
 
 const METHODS: [&str; 3] = ["hamilton-jacobi", "fast-marching", "exact"];
@@ -47,9 +46,8 @@ every = 4
 "#;
 
 /// Mean slope on the interface of level set number `k`, and its root mean square deviation from the mean.
-fn slope(case: &Case, k: usize) -> [f64; 2] {
-    let sim = &case.model.simulation;
-    let (space, phi) = (sim.space(), sim.level_set(k));
+fn slope<P: Built>(case: &Case<P>, k: usize) -> [f64; 2] {
+    let (space, phi) = (case.model.space(), case.model.level_set(k));
     let contour = Contour::new(space, &phi).unwrap();
     let gradient = |c: u32, l: &[f64; 4]| space.gradient(&phi, c as usize, l).norm();
     let mean = contour.integrate(space, &phi, |c, l, _| gradient(c, l)) / contour.perimeter();
@@ -61,12 +59,12 @@ fn slope(case: &Case, k: usize) -> [f64; 2] {
 fn the_slope_is_one_again_and_the_plan_says_so() {
     let without = {
         let text = VORTEX.split("[numerics").next().unwrap();
-        slope(&Case::new(text).run(), 0)
+        slope(&Case::<Advected>::of(text, &[]).run(), 0)
     };
     assert!(without[1] > 0.3, "{without:?}");
     for method in METHODS {
-        let mut case = Case::with(VORTEX, &[&format!("numerics.redistance.method={method}")]);
-        let plan = case.model.plan(&case.scene).unwrap();
+        let mut case = Case::<Advected>::of(VORTEX, &[&format!("numerics.redistance.method={method}")]);
+        let plan = case.model.plan().unwrap();
         assert!(
             plan.contains("level sets redistanced after every step") && !plan.contains("redistancing: the slope"),
             "{plan}"
@@ -81,33 +79,35 @@ fn the_slope_is_one_again_and_the_plan_says_so() {
 #[test]
 fn the_count_of_steps_decides_and_the_area_is_kept() {
     let set = ["numerics.redistance.every=4", "numerics.redistance.volume=true"];
-    let (mut with, mut without) = (Case::with(VORTEX, &set), Case::new(VORTEX.split("[numerics").next().unwrap()));
+    let mut with = Case::<Advected>::of(VORTEX, &set);
+    let mut without = Case::<Advected>::of(VORTEX.split("[numerics").next().unwrap(), &[]);
     with.steps(3);
     without.steps(3);
-    assert_eq!(with.model.simulation.state().phi, without.model.simulation.state().phi);
+    assert_eq!(with.model.level_set(0), without.model.level_set(0));
     with.steps(1);
     without.steps(1);
     let [a, b] = [&with, &without].map(|c| c.get("disc.area"));
     assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
-    assert!(with.model.simulation.state().phi != without.model.simulation.state().phi);
+    assert!(with.model.level_set(0) != without.model.level_set(0));
 }
 
 #[test]
 fn a_resumed_run_goes_on_with_the_same_bits() {
-    for (text, set, half) in [(VORTEX, "numerics.redistance.every=3", 8), (DROP, "numerics.redistance.every=4", 6)] {
+    fn check<P: Built>(text: &str, every: &str, half: usize) {
         for method in METHODS {
-            let set = [set, &format!("numerics.redistance.method={method}")];
-            let mut whole = Case::with(text, &set);
+            let set = [every, &format!("numerics.redistance.method={method}")];
+            let mut whole = Case::<P>::of(text, &set);
             whole.steps(half);
-            let bytes = whole.model.simulation.state().to_bytes(7);
+            let bytes = whole.bytes();
             whole.steps(half);
-            let mut resumed = Case::with(text, &set);
-            resumed.model.simulation.restore(State::from_bytes(&bytes, 7).unwrap()).unwrap();
+            let mut resumed = Case::<P>::of(text, &set);
+            resumed.resume(&bytes);
             resumed.steps(half);
-            let bytes = |c: &Case| c.model.simulation.state().to_bytes(7);
-            assert!(bytes(&whole) == bytes(&resumed), "{set:?}");
+            assert!(whole.bytes() == resumed.bytes(), "{set:?}");
         }
     }
+    check::<Advected>(VORTEX, "numerics.redistance.every=3", 8);
+    check::<ImmersedFlow>(DROP, "numerics.redistance.every=4", 6);
 }
 
 #[test]
@@ -140,11 +140,11 @@ fn a_ball_in_space_is_redistanced() {
     for method in METHODS {
         let set = [format!("numerics.redistance.method={method}")];
         let scene = Scene::parse_with(text, Path::new("scene.toml"), &set).unwrap();
-        let mut model = Model::<3>::new(&scene).unwrap();
+        let mut model = Advected::<3>::new(&scene).unwrap();
         for _ in 0..4 {
-            model.simulation.step().unwrap();
+            model.advection.step().unwrap();
         }
-        let (space, phi) = (model.simulation.space(), model.simulation.level_set(0));
+        let (space, phi) = (model.advection.space(), model.advection.level_set(0));
         let surface = immersa::levelset::Isosurface::new(space, &phi).unwrap();
         let slope = surface.integrate(space, &phi, |p| space.gradient(&phi, p.at.cell, &p.at.barycentric).norm());
         assert!((slope / surface.area() - 1.0).abs() < 0.1, "{method}: {}", slope / surface.area());

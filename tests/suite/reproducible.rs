@@ -2,9 +2,10 @@
 
 use immersa::elastic::{AreaLaw, Force, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
-use immersa::levelset::{Ellipse, signed_distance, surface};
+use immersa::levelset::{Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Point, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, State, Structure};
+use immersa::sim::{Coupling, Fluid, Settings, Simulation, State, Transport};
+use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::transport::Method;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -14,33 +15,22 @@ fn simulation((transport, coupling, order, force): (Method, Coupling, usize, For
     let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [24; 2], Diagonals::UnionJack).unwrap());
     let space = Space::new(&mesh, Element::P2);
     let shape = Ellipse::new(Point::<2>::new(1.0, 1.1), Point::<2>::new(0.6, 0.4), 20.0).unwrap();
-    let structure = Structure {
-        name: "skin".into(),
-        phi: signed_distance(&space, &shape).iter().map(|d| 1.2 * d).collect(),
-        membrane: Membrane::new(LAW, 0.2),
-        shear: None,
-        sharp: (force == Force::Sharp).then(|| SharpMembrane::new(LAW, 0.1, surface)),
-        stretch: 1.2,
-        continuum: None,
-        inside: Some(Fluid { density: 2.0, viscosity: 0.1 }),
-        surface_mass: 0.1,
+    let phi = signed_distance(&space, &shape).iter().map(|d| 1.2 * d).collect();
+    let interface = ImmersedInterface::new("skin", phi, 0.2)
+        .stretched(1.2)
+        .coupled(coupling)
+        .filled(Fluid { density: 2.0, viscosity: 0.1 })
+        .heavy(0.1);
+    let structure = match force {
+        Force::Sharp => Immersed::boxed(interface, SharpMembrane::new(LAW, 0.1)),
+        Force::Smeared => Immersed::boxed(interface, Membrane::new(LAW, 0.2)),
     };
     let settings = Settings {
-        dt: 5e-3,
         order,
-        transport,
-        coupling,
-        convection: true,
         grad_div: 1.0,
-        solve_tolerance: 1e-10,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: 0.05 },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![],
         gravity: SVector::<f64, 2>::new(0.0, -1.0),
-        body_force: None,
+        transport: Transport { method: transport, ..Transport::default() },
+        ..Settings::new(5e-3, Fluid { density: 1.0, viscosity: 0.05 }, vec![])
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }

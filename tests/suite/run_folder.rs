@@ -1,13 +1,12 @@
 //! Run folders for tests: a short true simulation, written as a run writes it.
 
-use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
-use immersa::fem::Element;
+use immersa::elastic::{AreaLaw, Membrane};
 use immersa::levelset::{Contour, Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Locator, Point, rectangle};
 use immersa::output::{FieldData, Series, Table, write_pvd, write_vtu};
 use immersa::scene::Scene;
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
-use immersa::transport::Method;
+use immersa::sim::{Fluid, Settings, Simulation};
+use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::fs;
 use std::path::Path;
@@ -64,34 +63,16 @@ fn simulation(cells: usize) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
     let space = immersa::fem::Space::new(&mesh, immersa::fem::Element::P2);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), AXES.into(), 0.0).unwrap();
-    let settings = Settings {
-        dt: STEP,
-        order: 2,
-        transport: Method::Nodal,
-        coupling: Coupling::Implicit,
-        convection: true,
-        grad_div: 5.0,
-        solve_tolerance: 1e-10,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: 0.01 },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: Vec::new(),
-        gravity: SVector::zeros(),
-        body_force: None,
-    };
-    let structure = Structure {
-        name: "membrane".into(),
-        phi: signed_distance(&space, &ellipse).iter().map(|d| STRETCH * d).collect(),
-        membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, THICKNESS),
-        sharp: None,
-        shear: None,
-        stretch: 1.0,
-        continuum: None,
-        inside: None,
-        surface_mass: 0.0,
-    };
+    let settings =
+        Settings { grad_div: 5.0, ..Settings::new(STEP, Fluid { density: 1.0, viscosity: 0.01 }, Vec::new()) };
+    let structure = Immersed::boxed(
+        ImmersedInterface::new(
+            "membrane",
+            signed_distance(&space, &ellipse).iter().map(|d| STRETCH * d).collect(),
+            THICKNESS,
+        ),
+        Membrane::new(AreaLaw::Linear { modulus: 1.0 }, THICKNESS),
+    );
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
@@ -123,16 +104,16 @@ const COLUMNS: [&str; 23] = [
 
 /// The row of the series for the state of now.
 fn row(sim: &Simulation<2>) -> Vec<f64> {
-    let (space, state, phi) = (sim.space(), sim.state(), &sim.state().phi[0]);
+    let (space, state, phi) = (sim.space(), sim.state(), &sim.level_set(0));
     let contour = Contour::new(space, phi).unwrap();
     let m = contour.measures().unwrap();
     let centre = Point::<2>::new(1.0, 1.0);
     let chord = |x, y| contour.half_chord(space, phi, &centre, &SVector::<f64, 2>::new(x, y)).unwrap();
     let e = state.energies;
-    let limit = explicit_step_limit(0.01, THICKNESS, sim.structures()[0].membrane.largest_tension(), 0.1);
+    let limit = sim.structures()[0].step_limit(0.01, 0.1);
     let at = Locator::new(space.mesh()).locate(space.mesh(), &centre).unwrap();
     let u = space.value(&state.flow.u, at.cell as usize, &at.barycentric);
-    let p = sim.flow().unwrap().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
+    let p = sim.flow().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
     let mut row = vec![m.area, m.perimeter, m.centroid[0], m.centroid[1], m.axis_1, m.axis_2, m.angle];
     row.extend([m.extent_x, m.extent_y, chord(1.0, 0.0), chord(0.0, 1.0)]);
     row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.budget.residual(&e), state.budget.work]);
@@ -142,7 +123,7 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
 
 /// The pressure along `y = 1`.
 fn profile(sim: &Simulation<2>) -> Vec<f64> {
-    let space = sim.flow().unwrap().pressure().space();
+    let space = sim.flow().pressure().space();
     let locator = Locator::new(space.mesh());
     let value = |x: f64| {
         let at = locator.locate(space.mesh(), &Point::<2>::new(x, 1.0)).unwrap();
@@ -179,7 +160,7 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
             let fields = [
                 ("velocity", FieldData::Vector(&state.flow.u)),
                 ("pressure", FieldData::Scalar(&state.flow.p)),
-                ("membrane.level_set", FieldData::Scalar(&state.phi[0])),
+                ("membrane.level_set", FieldData::Scalar(&sim.level_set(0))),
             ];
             write_vtu(&folder.join(&name), sim.space(), sim.time(), &fields).unwrap();
             list.push((sim.time(), name));

@@ -3,8 +3,7 @@
 use super::case::Case;
 use super::program::immersa;
 use immersa::output::{GreyImage, Table};
-use immersa::scene::{Diagnostics, Model, Scene};
-use immersa::sim::State;
+use immersa::scene::{Scene, Segmented, problem};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -57,16 +56,13 @@ impl Images {
         let set: Vec<String> = set.iter().map(ToString::to_string).collect();
         Scene::parse_with(SCENE, &self.folder.path().join("scene.toml"), &set)
     }
-    fn case(&self, set: &[&str]) -> Case {
+    fn case(&self, set: &[&str]) -> Case<Segmented> {
         let scene = self.scene(set).unwrap_or_else(|e| panic!("{e}"));
-        let model = Model::<2>::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let model = Segmented::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         Case { scene, model }
     }
     fn refused(&self, set: &[&str]) -> String {
-        let made = self.scene(set).and_then(|s| {
-            let model = Model::<2>::new(&s)?;
-            Diagnostics::new(&s, &model).map(drop)
-        });
+        let made = self.scene(set).and_then(|s| problem(&s).map(drop));
         match made {
             Ok(()) => panic!("{set:?} was not refused"),
             Err(e) => {
@@ -128,12 +124,12 @@ fn a_segmentation_goes_on_bit_by_bit() {
     let set = ["image.rebuild=3"];
     let mut whole = images.case(&set);
     whole.steps(10);
-    let bytes = whole.model.simulation.state().to_bytes(7);
+    let bytes = whole.bytes();
     let mut resumed = images.case(&set);
-    resumed.model.simulation.restore(State::from_bytes(&bytes, 7).unwrap()).unwrap();
+    resumed.resume(&bytes);
     whole.steps(10);
     resumed.steps(10);
-    assert_eq!(whole.model.simulation.state().to_bytes(7), resumed.model.simulation.state().to_bytes(7));
+    assert_eq!(whole.bytes(), resumed.bytes());
 }
 
 /// The contour is measured as other level sets are; its scene reads back whatever stands in it.

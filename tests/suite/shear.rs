@@ -1,13 +1,13 @@
 //! Membranes that resist shear: scenes through the program, and what must hold for any of them.
 
 use super::program::*;
-use immersa::elastic::{AreaLaw, Membrane, RestMap, ShearLaw, ShearMembrane, SurfaceLaw};
+use immersa::elastic::{AreaLaw, RestMap, ShearLaw, ShearMembrane, SurfaceLaw};
 use immersa::fem::{Condition, Element, Space};
 use immersa::levelset::{Circle, signed_distance};
 use immersa::mesh::{Point, box_mesh};
 use immersa::scene::Scene;
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Structure};
-use immersa::transport::Method;
+use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::f64::consts::PI;
 use std::fs;
@@ -224,33 +224,16 @@ fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt:
     let space = Space::new(&mesh, Element::P2);
     let shape = Circle::<3>::new(Point::<3>::zeros(), 0.45).unwrap();
     let shear = ShearMembrane::new(law, 0.5, 1.0);
-    let structure = Structure {
-        name: "sphere".into(),
-        phi: signed_distance(&space, &shape),
-        membrane: Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.5),
-        sharp: None,
-        shear: Some(if let Some(map) = map { shear.with_map(map) } else { shear }),
-        stretch: 1.0,
-        continuum: None,
-        inside: None,
-        surface_mass: 0.0,
-    };
+    let structure = Immersed::boxed(
+        ImmersedInterface::new("sphere", signed_distance(&space, &shape), 0.5).coupled(coupling),
+        match map {
+            Some(map) => shear.with_map(map),
+            None => shear,
+        },
+    );
     let settings = Settings {
-        dt,
-        order: 2,
-        transport: Method::Nodal,
-        coupling,
-        convection: true,
         grad_div: 5.0,
-        solve_tolerance: 1e-10,
-        solving: Default::default(),
-        quadrature: 5,
-        fluid: Fluid { density: 1.0, viscosity: 0.05 },
-        boussinesq: false,
-        pressure: Element::P1,
-        conditions: vec![("walls".into(), Condition::NoSlip)],
-        gravity: SVector::zeros(),
-        body_force: None,
+        ..Settings::new(dt, Fluid { density: 1.0, viscosity: 0.05 }, vec![("walls".into(), Condition::NoSlip)])
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }

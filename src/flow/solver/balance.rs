@@ -1,8 +1,9 @@
 //! Forces on walls and energies.
 
 use super::FlowSolver;
+use super::load::{cell_terms, stiffness_of};
 use crate::base::parallel;
-use crate::fem::{Cells, assemble_vector};
+use crate::fem::{Cells, add_point_vector, assemble_vector};
 use crate::flow::step::{FlowState, Step};
 use nalgebra::SVector;
 
@@ -44,9 +45,11 @@ impl<const D: usize> FlowSolver<D> {
         let form = self.form(step.weight / step.dt);
         assemble_vector(velocity, cells, r, scratch, |at| {
             let grad = velocity.jacobian(at, &state.u);
-            let (f0, mut f1) = form(at, &velocity.value(at, &state.u), &grad);
-            for term in step.terms.iter().filter(|t| t.is_implicit()) {
-                f1 += term.stiffness(at, &grad);
+            let u = velocity.value(at, &state.u);
+            let (mut f0, mut f1) = form(at, &u, &grad);
+            for term in cell_terms(step) {
+                let (g0, g1) = term.stiffness(at, &u, &grad);
+                (f0, f1) = (f0 + g0, f1 + g1);
             }
             let p = pressure.value(at, &state.p);
             for i in 0..D {
@@ -54,6 +57,11 @@ impl<const D: usize> FlowSolver<D> {
             }
             (f0, f1)
         });
+        for term in step.terms.iter().filter(|t| t.is_implicit()) {
+            let space = velocity.space();
+            add_point_vector(space, term.support().points(), r, |at| stiffness_of(*term, space, at, &state.u));
+        }
+        self.add_block_forces(step.blocks, r);
     }
 
     /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,

@@ -2,8 +2,9 @@
 
 use super::{FlowSolver, Work};
 use crate::base::{Error, Phase, Result};
-use crate::fem::{Cells, Space, add_surface_vector, assemble_scalar, assemble_source, assemble_vector};
+use crate::fem::{At, Cells, Space, VectorForm, add_point_vector, assemble_scalar, assemble_source, assemble_vector};
 use crate::flow::step::Step;
+use crate::flow::term::{MomentumTerm, Support};
 use crate::mesh::Mesh;
 use nalgebra::SVector;
 
@@ -25,21 +26,19 @@ impl<const D: usize> FlowSolver<D> {
             });
         }
         self.phases.end(Phase::Assembly);
-        for term in step.terms {
-            assemble_vector(velocity, term.cells(), load, scratch, |at| {
-                let (f0, mut f1) = term.force(at);
-                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
-                    f1 += term.stiffness(at, &velocity.jacobian(at, u));
-                }
-                (f0, f1)
-            });
-            add_surface_vector(space, term.surface(), load, |p| {
-                let (f0, mut f1) = term.surface_force(p);
-                if let (true, Some(u)) = (term.is_implicit(), step.predicted) {
-                    f1 += term.surface_stiffness(p, &space.jacobian(u, p.at.cell, &p.at.barycentric));
-                }
-                (f0, f1)
-            });
+        for &term in step.terms {
+            let predicted = step.predicted.filter(|_| term.is_implicit());
+            match term.support() {
+                Support::Cells(cells) => assemble_vector(velocity, cells, load, scratch, |at| {
+                    let Some(u) = predicted else { return term.force(at) };
+                    let grad = velocity.jacobian(at, u);
+                    plus(term.force(at), term.stiffness(at, &velocity.value(at, u), &grad))
+                }),
+                Support::Points(points) => add_point_vector(space, points, load, |at| {
+                    let Some(u) = predicted else { return term.force(at) };
+                    plus(term.force(at), stiffness_of(term, space, at, u))
+                }),
+            }
         }
         self.phases.end(Phase::Force);
     }
@@ -83,12 +82,19 @@ impl<const D: usize> FlowSolver<D> {
         let form = self.form(step.weight / step.dt);
         assemble_vector(velocity, cells, &mut work.residual, &mut work.vectors, |at| {
             let grad = velocity.jacobian(at, g);
-            let (f0, mut f1) = form(at, &velocity.value(at, g), &grad);
-            for term in step.terms.iter().filter(|t| t.is_implicit()) {
-                f1 += term.stiffness(at, &grad);
+            let (mut f0, mut f1) = form(at, &velocity.value(at, g), &grad);
+            for term in cell_terms(step) {
+                let (g0, g1) = term.stiffness(at, &velocity.value(at, g), &grad);
+                (f0, f1) = (f0 + g0, f1 + g1);
             }
             (-f0, -f1)
         });
+        for term in step.terms.iter().filter(|t| t.is_implicit()) {
+            add_point_vector(space, term.support().points(), &mut work.residual, |at| {
+                let (f0, f1) = stiffness_of(*term, space, at, g);
+                (-f0, -f1)
+            });
+        }
         assemble_scalar(&self.pressure, cells, &mut work.continuity, &mut work.scalars, |at| {
             (velocity.jacobian(at, g).trace(), SVector::zeros())
         });
@@ -110,6 +116,27 @@ impl<const D: usize> FlowSolver<D> {
         }
         Ok(())
     }
+}
+
+/// Implicit terms on cells: part of the form of every cell.
+pub(super) fn cell_terms<'a, const D: usize>(step: &Step<'a, D>) -> impl Iterator<Item = &'a dyn MomentumTerm<D>> {
+    let on_cells = |t: &&dyn MomentumTerm<D>| matches!(t.support(), Support::Cells(_));
+    step.terms.iter().copied().filter(|t| t.is_implicit()).filter(on_cells)
+}
+
+/// `C(u, v)` of a term at a point, for a velocity of the space.
+pub(super) fn stiffness_of<const D: usize>(
+    term: &dyn MomentumTerm<D>,
+    space: &Space<D>,
+    at: &At<D>,
+    u: &[SVector<f64, D>],
+) -> VectorForm<D> {
+    let (cell, l) = (at.cell, &at.barycentric);
+    term.stiffness(at, &space.value(u, cell, l), &space.jacobian(u, cell, l))
+}
+
+fn plus<const D: usize>(a: VectorForm<D>, b: VectorForm<D>) -> VectorForm<D> {
+    (a.0 + b.0, a.1 + b.1)
 }
 
 /// Integrals of `|g . n|` and `|g|` over the boundary, by the mean over the nodes of each facet: scales to judge the net flux with.

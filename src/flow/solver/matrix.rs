@@ -2,8 +2,8 @@
 
 use super::FlowSolver;
 use crate::base::{Error, Phase, Result};
-use crate::fem::{At, Cells, VectorForm, add_surface_matrix, assemble_flow_matrix, assemble_scalar_matrix};
-use crate::flow::term::MomentumTerm;
+use crate::fem::{At, Cells, VectorForm, add_point_matrix, assemble_flow_matrix, assemble_scalar_matrix};
+use crate::flow::term::{MomentumTerm, Support};
 use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Ledger, Multipliers, Saddle, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
 
@@ -119,19 +119,22 @@ impl<const D: usize> FlowSolver<D> {
         let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
         self.matrix.copy_values_from(base)?;
         for term in terms.iter().filter(|t| t.is_implicit()) {
-            assemble_flow_matrix(
-                &self.velocity,
-                None,
-                &self.numbering,
-                term.cells(),
-                &mut self.matrix,
-                &mut self.work.scalars,
-                |at, _, grad| (SVector::zeros(), term.stiffness(at, grad)),
-            )?;
-            let (space, numbering) = (self.velocity.space(), &self.numbering);
-            add_surface_matrix(space, numbering, term.surface(), &mut self.matrix, |p, grad| {
-                term.surface_stiffness(p, grad)
-            })?;
+            let form = |at: &At<D>, u: &SVector<f64, D>, grad: &SMatrix<f64, D, D>| term.stiffness(at, u, grad);
+            match term.support() {
+                Support::Cells(cells) => assemble_flow_matrix(
+                    &self.velocity,
+                    None,
+                    &self.numbering,
+                    cells,
+                    &mut self.matrix,
+                    &mut self.work.scalars,
+                    form,
+                )?,
+                Support::Points(points) => {
+                    let space = self.velocity.space();
+                    add_point_matrix(space, &self.numbering, points, &mut self.matrix, form)?;
+                }
+            }
         }
         self.fill_operators(weight)?;
         self.phases.end(Phase::Assembly);

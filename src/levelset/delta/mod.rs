@@ -7,8 +7,7 @@ mod towers;
 
 pub use smeared::{Smeared, Width};
 
-use super::contour::Contour;
-use super::isosurface::Isosurface;
+use super::interface::{enclosed, quadrature};
 use super::sign::cut_cells;
 use crate::base::Result;
 use crate::fem::{At, Space};
@@ -30,89 +29,33 @@ pub enum Delta {
     Cut,
 }
 
-/// The zero set of P2 functions in one number of dimensions, for [`Delta::Cut`].
-pub trait CutInterface<const D: usize> {
-    /// Points and weights on the zero set.
-    ///
-    /// # Errors
-    /// A value of `phi` that is not finite.
-    fn cut_points(&self, phi: &[f64]) -> Result<Vec<At<D>>>;
-    /// Area or volume of the set `phi < 0`.
-    ///
-    /// # Errors
-    /// A value of `phi` that is not finite.
-    fn cut_inside(&self, phi: &[f64]) -> Result<f64>;
-}
-
-impl CutInterface<2> for Space<2> {
-    fn cut_points(&self, phi: &[f64]) -> Result<Vec<At<2>>> {
-        let points = Contour::new(self, phi)?.quadrature(self, phi).into_iter().enumerate();
-        let at = |(q, p): (usize, super::ContourPoint)| At {
-            cell: p.cell as usize,
-            q,
-            barycentric: p.barycentric,
-            x: p.point,
-            weight: p.weight,
-        };
-        Ok(points.map(at).collect())
-    }
-    fn cut_inside(&self, phi: &[f64]) -> Result<f64> {
-        let contour = Contour::new(self, phi)?;
-        if contour.is_empty() { Ok(uncut(self, phi)) } else { Ok(contour.measures()?.area) }
-    }
-}
-
-impl CutInterface<3> for Space<3> {
-    fn cut_points(&self, phi: &[f64]) -> Result<Vec<At<3>>> {
-        Ok(Isosurface::new(self, phi)?.quadrature(self, phi).into_iter().map(|p| p.at).collect())
-    }
-    fn cut_inside(&self, phi: &[f64]) -> Result<f64> {
-        let surface = Isosurface::new(self, phi)?;
-        if surface.is_empty() { Ok(uncut(self, phi)) } else { Ok(surface.measures()?.volume) }
-    }
-}
-
-/// What lies inside where there is no interface: nothing or all.
-fn uncut<const D: usize>(space: &Space<D>, phi: &[f64]) -> f64 {
-    if phi.first().is_some_and(|v| *v < 0.0) { space.mesh().volume() } else { 0.0 }
-}
-
 impl Delta {
     /// Points and weights of the level set `phi`, a function of the P2 `space`, numbered by `at.q`. Points at nodes name one of the cells of the
     /// node; there is one a node.
     ///
     /// # Errors
     /// A space that is not P2, a value of `phi` that is not finite.
-    pub fn points<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Vec<At<D>>>
-    where
-        Space<D>: CutInterface<D>,
-    {
+    pub fn points<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Vec<At<D>>> {
         match self {
             Delta::Smeared(smeared) => smeared.points(space, phi),
             Delta::Smereka1 => smereka::points(space, phi, false),
             Delta::Smereka2 => smereka::points(space, phi, true),
             Delta::Towers => towers::points(space, phi),
-            Delta::Cut => space.cut_points(phi),
+            Delta::Cut => quadrature(space, phi),
         }
     }
     /// The integral of `f` over the interface.
     ///
     /// # Errors
     /// Those of [`Delta::points`].
-    pub fn integrate<const D: usize>(&self, space: &Space<D>, phi: &[f64], f: impl Fn(&At<D>) -> f64) -> Result<f64>
-    where
-        Space<D>: CutInterface<D>,
-    {
+    pub fn integrate<const D: usize>(&self, space: &Space<D>, phi: &[f64], f: impl Fn(&At<D>) -> f64) -> Result<f64> {
         Ok(self.points(space, phi)?.iter().map(|at| at.weight * f(at)).sum())
     }
     /// Length (in the plane) or area (in space) of the interface.
     ///
     /// # Errors
     /// Those of [`Delta::points`].
-    pub fn measure<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<f64>
-    where
-        Space<D>: CutInterface<D>,
-    {
+    pub fn measure<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<f64> {
         self.integrate(space, phi, |_| 1.0)
     }
     /// Whether there is a Heaviside function that belongs to this delta; Smereka's have none.
@@ -123,15 +66,12 @@ impl Delta {
     ///
     /// # Errors
     /// Those of [`Delta::points`].
-    pub fn inside<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Option<f64>>
-    where
-        Space<D>: CutInterface<D>,
-    {
+    pub fn inside<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Option<f64>> {
         Ok(match self {
             Delta::Smeared(smeared) => Some(smeared.inside(space, phi)?),
             Delta::Smereka1 | Delta::Smereka2 => None,
             Delta::Towers => Some(towers::inside(space, phi)?),
-            Delta::Cut => Some(space.cut_inside(phi)?),
+            Delta::Cut => Some(enclosed(space, phi)?),
         })
     }
 }

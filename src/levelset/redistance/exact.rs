@@ -1,8 +1,8 @@
 //! The distance to the zero set of a P2 function.
 
 use super::super::distance::Tree;
+use super::super::interface::Pieces;
 use super::super::quadratic::{Quadratic, barycentric_direction};
-use super::cut::Pieces;
 use crate::base::parallel;
 use crate::fem::{Space, Translation, image_shifts};
 use crate::mesh::{NONE, Point};

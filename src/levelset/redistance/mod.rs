@@ -4,15 +4,13 @@
 //! interface is elastic, and redistancing destroys it; where nobody asks for the slope it may be straightened, at the price of a
 //! displacement of the interface, because the new P2 function interpolates the distance and has another zero set.
 
-mod cut;
 mod exact;
 mod fast_marching;
 mod hamilton_jacobi;
 mod lattice;
 mod volume;
 
-pub use cut::Cutter;
-
+use super::interface::{extents, pieces};
 use crate::base::Result;
 use crate::fem::{Numbering, Translation};
 use crate::transport::Tracer;
@@ -33,25 +31,23 @@ pub enum Redistance {
     Exact,
 }
 
-/// A way to redistance level sets of `D` dimensions.
-#[derive(Clone, Copy)]
-pub struct Redistancing<const D: usize> {
+/// A way to redistance level sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Redistancing {
     /// How the distance is found.
     pub method: Redistance,
     /// Whether a constant is added so that the cut interface encloses what it did before.
     pub volume: bool,
-    /// How interfaces are cut.
-    pub cutter: Cutter<D>,
 }
 
-impl<const D: usize> Redistancing<D> {
+impl Redistancing {
     /// Makes `phi`, a function of the space of `tracer`, `slope` times the signed distance to its zero set; `translations` are the pairs of
     /// facets on periodic sides, through which distances are measured too. A function of one sign is left as it is. Signs at the nodes
     /// stay, except with [`Redistance::HamiltonJacobi`] and the correction of the volume.
     ///
     /// # Errors
     /// A space that is not P2, a value that is not finite.
-    pub fn apply(
+    pub fn apply<const D: usize>(
         &self,
         tracer: &Tracer<D>,
         translations: &[Translation<D>],
@@ -59,11 +55,11 @@ impl<const D: usize> Redistancing<D> {
         phi: &mut Vec<f64>,
     ) -> Result<()> {
         let space = tracer.space();
-        let pieces = (self.cutter.pieces)(space, phi)?;
+        let pieces = pieces(space, phi)?;
         if pieces.cells.is_empty() {
             return Ok(());
         }
-        let before = if self.volume { Some((self.cutter.extents)(space, phi)?) } else { None };
+        let before = if self.volume { Some(extents(space, phi)?) } else { None };
         let unknowns = || Numbering::scalar_unknowns(space, translations);
         match self.method {
             Redistance::HamiltonJacobi { iterations } => {
@@ -80,7 +76,7 @@ impl<const D: usize> Redistancing<D> {
             }
         }
         match before {
-            Some([enclosed, _]) => volume::restore(&self.cutter, space, enclosed, slope, phi),
+            Some([enclosed, _]) => volume::restore(space, enclosed, slope, phi),
             None => Ok(()),
         }
     }

@@ -12,7 +12,7 @@ fn plane(n: usize) -> Arc<Space<2>> {
     Arc::new(Space::new(&Arc::new(mesh), Element::P2))
 }
 fn apply(space: &Arc<Space<2>>, method: Redistance, volume: bool, slope: f64, phi: &mut Vec<f64>) {
-    let how = Redistancing { method, volume, cutter: Cutter::PLANE };
+    let how = Redistancing { method, volume };
     how.apply(&Tracer::new(space, &[]), &[], slope, phi).unwrap();
 }
 
@@ -25,7 +25,7 @@ fn a_function_of_one_sign_is_left_alone_and_one_that_is_not_finite_is_an_error()
             apply(&space, method, true, 1.0, &mut phi);
             assert!(phi.iter().all(|v| *v == value), "{method:?}");
         }
-        let how = Redistancing { method, volume: false, cutter: Cutter::PLANE };
+        let how = Redistancing { method, volume: false };
         let mut phi = vec![f64::NAN; space.len()];
         assert!(how.apply(&Tracer::new(&space, &[]), &[], 1.0, &mut phi).is_err());
     }
@@ -85,7 +85,7 @@ fn distances_go_through_periodic_sides() {
         part(x[0]) + part(x[1]) - 0.5
     };
     for method in ALL {
-        let how = Redistancing { method, volume: false, cutter: Cutter::PLANE };
+        let how = Redistancing { method, volume: false };
         let result = |c: f64| {
             let mut phi = space.interpolate(|x| bump(x, c));
             how.apply(&tracer, &pairs, 1.0, &mut phi).unwrap();
@@ -118,7 +118,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut phi = space.interpolate(|x| (x - Point::<3>::repeat(0.51)).norm_squared() - 0.1);
-            let how = Redistancing { method, volume: true, cutter: Cutter::SPACE };
+            let how = Redistancing { method, volume: true };
             pool.install(|| how.apply(&Tracer::new(&space, &[]), &[], 1.0, &mut phi).unwrap());
             phi
         };

@@ -1,6 +1,6 @@
 //! What an interface encloses, kept by a constant.
 
-use super::cut::Cutter;
+use super::super::interface::extents;
 use crate::base::Result;
 use crate::fem::Space;
 
@@ -14,20 +14,14 @@ const MOST_CUTS: usize = 20;
 ///
 /// # Errors
 /// Those of the cut.
-pub(super) fn restore<const D: usize>(
-    cutter: &Cutter<D>,
-    space: &Space<D>,
-    wanted: f64,
-    slope: f64,
-    phi: &mut [f64],
-) -> Result<()> {
+pub(super) fn restore<const D: usize>(space: &Space<D>, wanted: f64, slope: f64, phi: &mut [f64]) -> Result<()> {
     let mut shifted = phi.to_vec();
     let mut last: Option<(f64, f64)> = None;
     let mut best = (f64::INFINITY, 0.0);
     let mut c = 0.0;
     for _ in 0..MOST_CUTS {
         shifted.iter_mut().zip(phi.iter()).for_each(|(s, v)| *s = v + c);
-        let [enclosed, area] = (cutter.extents)(space, &shifted)?;
+        let [enclosed, area] = extents(space, &shifted)?;
         let miss = enclosed - wanted;
         if miss.abs() < best.0 {
             best = (miss.abs(), c);

@@ -37,7 +37,7 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         segmentation::largest_rise(run).map(per_cent),
         "0 or less",
     );
-    for (name, _) in run.scene.interfaces().filter(|_| run.scene.image.is_none()) {
+    for name in run.scene.interfaces().filter(|_| run.scene.image.is_none()) {
         let enclosed = run.words().enclosed;
         let area = run.column_of(name, enclosed);
         let changes: Option<Vec<f64>> = area.map(|a| a.iter().map(|v| v / a[0] - 1.0).collect());
@@ -60,7 +60,7 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
         ),
         ("step_over_limit", "step over the explicit limit (1.54)", "at most 1 when the coupling is explicit"),
     ] {
-        if column != "step_over_limit" || !run.scene.membranes.is_empty() {
+        if column != "step_over_limit" || run.scene.acting().next().is_some() {
             row(what.into(), end(column), most(column), says);
         }
     }

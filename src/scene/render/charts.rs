@@ -1,50 +1,10 @@
 //! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
 
-use super::drops;
 use super::folder::RunFolder;
 use super::segmentation;
-use crate::output::{Chart, Curve, Stroke, Table, rounded};
-use crate::scene::schema::{Membrane, Probe, Profile, Quantity};
-
-/// A chart and its words.
-pub(super) struct Drawn {
-    /// Name of its file, without ending.
-    pub name: String,
-    pub title: String,
-    pub svg: String,
-    pub caption: String,
-}
-
-/// The curves of a chart in the making.
-pub(super) struct Sheet<'a> {
-    pub x_label: &'static str,
-    pub x: &'a [f64],
-    pub curves: Vec<(String, Vec<f64>, Stroke)>,
-}
-
-impl<'a> Sheet<'a> {
-    fn add(&mut self, name: impl Into<String>, y: Option<Vec<f64>>, stroke: Stroke) {
-        self.curves.extend(y.map(|y| (name.into(), y, stroke)));
-    }
-    pub fn line(&mut self, name: impl Into<String>, y: Option<&[f64]>) {
-        self.add(name, y.map(<[f64]>::to_vec), Stroke::Line);
-    }
-    /// The chart, if there is anything to draw on it.
-    pub fn draw(
-        self,
-        name: impl Into<String>,
-        [title, y_label]: [&str; 2],
-        caption: impl Into<String>,
-    ) -> Option<Drawn> {
-        if self.curves.is_empty() {
-            return None;
-        }
-        let curves =
-            self.curves.iter().map(|(name, y, stroke)| Curve { name, x: self.x, y, stroke: *stroke, colour: None });
-        let chart = Chart { title, x_label: self.x_label, y_label, curves: curves.collect(), ..Chart::default() };
-        Some(Drawn { name: name.into(), title: format!("{title}."), svg: chart.svg(), caption: caption.into() })
-    }
-}
+use crate::output::{Stroke, Table, rounded};
+use crate::scene::charts::{Drawn, Sheet};
+use crate::scene::schema::{Probe, Profile, Quantity};
 
 /// All charts that the folder has values for, in the order of the page.
 pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
@@ -54,13 +14,8 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     }
     if let Some(time) = run.column("time") {
         let sheet = || Sheet { x_label: "time", x: time, curves: Vec::new() };
-        for m in &run.scene.membranes {
-            charts.extend(axes(run, m, sheet()));
-            charts.extend(chords(run, m, sheet()));
-            charts.extend(drops::velocity(run, &m.name, sheet()));
-            charts.extend(drops::roundness(run, &m.name, sheet()));
-        }
-        charts.extend(run.scene.level_sets.iter().filter_map(|s| length(run, &s.name, sheet())));
+        let columns = run.columns();
+        charts.extend(run.scene.structures().iter().flat_map(|s| s.charts(&columns)));
         let common = [stretch, area, map, energies, balance, speed, steps, fluxes];
         charts.extend(common.iter().filter_map(|chart| chart(run, sheet())));
         charts.extend(run.scene.output.probes.iter().filter_map(|p| probe(run, p, sheet())));
@@ -70,75 +25,21 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     charts
 }
 
-/// The radius of the circle of the enclosed area (in space: of the sphere of the volume).
-fn round_radius(run: &RunFolder, name: &str) -> Option<Vec<f64>> {
-    let words = run.words();
-    Some(run.column_of(name, words.enclosed)?.iter().map(|v| (words.radius)(*v)).collect())
-}
-
-fn axes(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
-    let (name, words) = (&m.name, run.words());
-    words.axes.iter().for_each(|(column, what)| sheet.line(*what, run.column_of(name, column)));
-    if !sheet.curves.is_empty() {
-        sheet.add(words.round, round_radius(run, name), Stroke::Dashed);
-    }
-    let title = format!("Semi-axes of {name}");
-    // A membrane that resists shear need not be round at rest.
-    let end = match (m.surface, words.axes.len()) {
-        (Some(_), _) => String::new(),
-        (None, 2) => ", the shape at rest in a fluid at rest; both axes end there when nothing drives the flow".into(),
-        (None, _) => {
-            String::from(", the shape at rest in a fluid at rest; all axes end there when nothing drives the flow")
-        }
-    };
-    sheet.draw(
-        format!("axes-{name}"),
-        [&title, "length"],
-        format!(
-            "Semi-axes of the {} that has the second moments of the inside. Dashed: the radius of the {} of the same \
-             {}{end}. A zigzag from row to row would mean that the time step is too large for the stiffness of the membrane.",
-            words.oval, words.round, words.enclosed,
-        ),
-    )
-}
-
-/// The chords that the scene asks for, or else the extents.
-fn chords(run: &RunFolder, m: &Membrane, mut sheet: Sheet) -> Option<Drawn> {
-    let (name, words) = (&m.name, run.words());
-    m.chords.iter().for_each(|c| sheet.line(c.name.as_str(), run.column_of(name, &c.name)));
-    let title = format!("Half-chords of {name}");
-    if !sheet.curves.is_empty() {
-        let caption = format!(
-            "Half the distance of the two points where a line of the scene crosses the {cut}: on a centred {oval} \
-             along the axes, its semi-axis. Where a chord parts from the semi-axis the shape is no {oval}. A gap \
-             means that the line misses the {cut}.",
-            cut = words.cut,
-            oval = words.oval
-        );
-        return sheet.draw(format!("chords-{name}"), [&title, "length"], caption);
-    }
-    words.extents.iter().for_each(|(column, what)| sheet.line(*what, run.column_of(name, column)));
-    let title = format!("Extents of {name}");
-    let caption = format!(
-        "{} of the {}. On an {oval} along the axes they are its semi-axes; \
-         where they part from them the shape is turned, or no {oval}.",
-        words.widths,
-        words.cut,
-        oval = words.oval
-    );
-    sheet.draw(format!("extents-{name}"), [&title, "length"], caption)
-}
-
 /// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over the stretch there.
 fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
-    let (alone, words) = (run.scene.membranes.len() == 1, run.words());
+    let (alone, words) = (run.scene.acting().count() == 1, run.words());
     // Of a passive level set the length itself is drawn.
     // With a map the area at rest is not that at the start over a number.
-    for m in run.scene.membranes.iter().filter(|m| m.map.is_empty() && m.drop.is_none()) {
-        let Some(perimeter) = run.column_of(&m.name, words.own) else { continue };
-        let rest = perimeter.first().map_or(f64::NAN, |p| p / m.stretch);
-        sheet.add(m.name.as_str(), Some(perimeter.iter().map(|p| p / rest).collect()), Stroke::Line);
-        let least = round_radius(run, &m.name).filter(|_| alone);
+    for s in run.scene.acting() {
+        let (name, traits) = (s.name(), s.traits());
+        let mapped = traits.not_periodic.is_some_and(|(key, _)| key == "map");
+        if mapped || traits.is_drop {
+            continue;
+        }
+        let Some(perimeter) = run.column_of(name, words.own) else { continue };
+        let rest = perimeter.first().map_or(f64::NAN, |p| p / traits.slope);
+        sheet.add(name, Some(perimeter.iter().map(|p| p / rest).collect()), Stroke::Line);
+        let least = run.columns().round_radius(name).filter(|_| alone);
         let size = |r: Vec<f64>| r.iter().map(|r| (words.round_size)(*r) / rest).collect();
         sheet.add(words.round, least.map(size), Stroke::Dashed);
     }
@@ -157,27 +58,6 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-/// The length of a passive interface, and that of the polygon of its markers.
-fn length(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
-    if run.scene.dimension() == 3 {
-        return surface(run, name, sheet);
-    }
-    sheet.line("interface", run.column_of(name, "perimeter"));
-    sheet.add("markers", run.column_of(name, "markers_length").map(<[f64]>::to_vec), Stroke::Dashed);
-    let title = format!("Length of {name}");
-    let caption = "The length of the interface, and (dashed) that of the closed polygon of markers that are carried with it, if there are any: \
-                   the truth, as long as neighbours are near each other. Where the interface is shorter, thin parts of it have been lost.";
-    sheet.draw(format!("length-{name}"), [&title, "length"], caption)
-}
-
-/// The area of a passive interface in space.
-fn surface(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
-    sheet.line("interface", run.column_of(name, "surface"));
-    let title = format!("Surface of {name}");
-    let caption = "The area of the interface. It falls where thin parts of the interface are lost to the mesh.";
-    sheet.draw(format!("surface-{name}"), [&title, "area"], caption)
-}
-
 /// The error of the backward map, by its determinant.
 fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     sheet.line("rms(det grad Y - 1)", run.column("map_error"));
@@ -191,7 +71,7 @@ fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
 
 fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     let enclosed = run.words().enclosed;
-    for (name, _) in run.scene.interfaces() {
+    for name in run.scene.interfaces() {
         let change = |a: &[f64]| a.iter().map(|v| 100.0 * (v / a[0] - 1.0)).collect();
         sheet.add(name, run.column_of(name, enclosed).map(change), Stroke::Line);
     }
@@ -267,11 +147,11 @@ fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
 fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     sheet.line("Courant number", run.column("cfl"));
     let mut caption = "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
-    if !run.scene.membranes.is_empty() {
+    if run.scene.acting().next().is_some() {
         sheet.line("step / explicit limit", run.column("step_over_limit"));
         caption += " And the step over the largest one that explicit coupling allows (1.54): above 1 explicit coupling is \
                     unstable, while implicit coupling is not.";
-        if run.scene.membranes.iter().any(|m| m.surface.is_some()) {
+        if run.scene.acting().any(|s| s.traits().resists_shear) {
             caption += " With shear this limit is on the safe side: steps of 1.4 to 3.8 times it were found stable.";
         }
     }
@@ -332,7 +212,7 @@ fn profile(run: &RunFolder, profile: &Profile, table: &Table) -> Option<Drawn> {
     columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));
     let point = |x: &[f64]| x.iter().map(|v| rounded(*v, 6)).collect::<Vec<_>>().join(", ");
     let mut caption = format!("The {of} along the line from ({}) to ({}).", point(&profile.from), point(&profile.to));
-    if profile.of == Quantity::Pressure && !run.scene.membranes.is_empty() {
+    if profile.of == Quantity::Pressure && run.scene.acting().next().is_some() {
         caption += " A membrane makes it jump over the thickness of its band; wiggles away from the band would mean that the \
                     mesh is too coarse for it.";
     }

@@ -4,7 +4,9 @@ use super::summary::Summary;
 use crate::base::{Error, Result, Warning};
 use crate::output::{Table, read_pvd};
 use crate::scene::Scene;
+use crate::scene::charts::Columns;
 use crate::scene::schema::Profile;
+use crate::scene::words::Words;
 use std::path::{Path, PathBuf};
 
 /// The folder of a run.
@@ -81,12 +83,20 @@ impl RunFolder {
 
     /// A column of the series, if it has one of this name and any row.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.series.column(name).ok().filter(|c| !c.is_empty())
+        self.columns().column(name)
     }
 
-    /// The columns of what `structure` has measured.
+    /// The columns over time.
+    pub fn columns(&self) -> Columns<'_> {
+        Columns { series: &self.series, dimension: self.scene.dimension() }
+    }
+    /// Words for the dimension of the scene.
+    pub fn words(&self) -> &'static Words {
+        self.columns().words()
+    }
+    /// A column of a structure.
     pub fn column_of(&self, structure: &str, quantity: &str) -> Option<&[f64]> {
-        self.column(&format!("{structure}.{quantity}"))
+        self.columns().column_of(structure, quantity)
     }
 
     /// The last value of a column.

@@ -4,7 +4,6 @@
 
 mod balances;
 mod charts;
-mod drops;
 mod folder;
 mod page;
 mod pictures;
@@ -12,7 +11,6 @@ mod segmentation;
 mod summary;
 #[cfg(test)]
 mod tests;
-mod words;
 
 pub use summary::{Balance, Summary};
 

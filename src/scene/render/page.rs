@@ -1,11 +1,12 @@
 //! The report page of a run.
 
 use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases, solves, steps};
-use super::charts::Drawn;
 use super::folder::RunFolder;
 use super::pictures::Gallery;
 use crate::base::Warning;
 use crate::output::{Content, Figure, Listing, Number, Report, Section, rounded};
+use crate::scene::StructureKind;
+use crate::scene::charts::Drawn;
 
 /// The page.
 pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Drawn>) -> Report {
@@ -75,14 +76,20 @@ fn ending(run: &RunFolder) -> Option<String> {
     }
 }
 
+/// Structures that have an interface.
+fn with_interface(run: &RunFolder) -> impl Iterator<Item = &dyn StructureKind> {
+    run.scene.structures().iter().filter(|s| s.shape().is_some()).map(|s| &**s)
+}
+
 fn headline(run: &RunFolder) -> Vec<Number> {
     let number = |label: &str, value: String, note: String| Number { label: label.into(), value, note };
     let mut numbers = Vec::new();
     let several = run.scene.interfaces().count() > 1;
-    for (k, (name, _)) in run.scene.interfaces().take(MOST_MEMBRANES).enumerate() {
+    for structure in with_interface(run).take(MOST_MEMBRANES) {
+        let name = structure.name();
         let of = if several { format!(" of {name}") } else { String::new() };
         let last = |quantity: &str| run.last(&format!("{name}.{quantity}"));
-        let elastic = k < run.scene.membranes.len();
+        let elastic = structure.traits().acts;
         let words = run.words();
         let (enclosed, round) = (words.enclosed, words.round);
         let axes: Option<Vec<f64>> = words.axes.iter().map(|(column, _)| last(column)).collect();
@@ -183,10 +190,10 @@ fn grouped(n: u64) -> String {
 fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
     let pressure = if run.scene.fluid.is_prescribed() { ["", ""] } else { [", pressure", " or `pressure`"] };
     let fields = match run.scene.interfaces().next() {
-        Some((name, _)) if run.scene.image.is_some() => {
+        Some(name) if run.scene.image.is_some() => {
             format!("the image and the level set `{name}.level_set` for ParaView; the contour is its zero line")
         }
-        Some((name, _)) => format!(
+        Some(name) => format!(
             "velocity{} and level sets for ParaView: File > Open, Apply, then colour by `velocity`{}. The \
              interface: Filters > Contour by `{name}.level_set` at 0. In Python: meshio.read of a .vtu",
             pressure[0], pressure[1]

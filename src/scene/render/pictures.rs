@@ -130,7 +130,7 @@ impl Painter {
             quantity: picture.field,
             mesh: picture.mesh,
             size: picture.size,
-            interfaces: run.scene.interfaces().map(|(name, _)| name.to_string()).collect(),
+            interfaces: run.scene.interfaces().map(str::to_string).collect(),
             scale: Scale::of::<2>(FieldData::Scalar(&[])),
             fastest: None,
             view: picture.view,

@@ -1,12 +1,12 @@
 //! What the page of a run says that has segmented an image.
 
-use super::charts::{Drawn, Sheet};
 use super::folder::RunFolder;
+use crate::scene::charts::{Drawn, Sheet};
 
 /// All charts of a segmentation.
 pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     let Some(time) = run.column("time") else { return Vec::new() };
-    let name = run.scene.interfaces().map(|(name, _)| name.to_string()).next().unwrap_or_default();
+    let name = run.scene.interfaces().map(str::to_string).next().unwrap_or_default();
     let (area, perimeter) = (format!("{name}.area"), format!("{name}.perimeter"));
     let chart = |file: &str, words: [&str; 2], curves: &[(&str, &str)], caption: &str| {
         let mut sheet = Sheet { x_label: "time", x: time, curves: Vec::new() };

@@ -3,17 +3,18 @@
 use super::Options;
 use super::record::{Column, Record};
 use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
-use crate::flow::nodal_pressure;
-use crate::mesh::{Mesh, Point};
-use crate::output::{FieldData, Table, write_file, write_pvd, write_vtu};
-use crate::scene::{Model, Scene, geometry};
-use crate::sim::{Simulation, State};
-use nalgebra::SVector;
+use crate::output::{Table, write_file, write_pvd};
+use crate::scene::Scene;
+use crate::scene::problem::{Facts, Problem};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// What a checkpoint holds, if there is one: the record, the mesh where it is adapted, and the state.
-type Kept<const D: usize> = Option<(Record, Option<Mesh<D>>, State<D>)>;
+/// Content of a checkpoint: the record, and mesh and state as [`Problem::save`] gave them.
+pub(super) struct Kept {
+    pub record: Record,
+    pub mesh: Vec<u8>,
+    pub state: Vec<u8>,
+}
 
 /// The folder of a run, with the scene as resolved in it.
 pub struct Folder(PathBuf);
@@ -74,24 +75,25 @@ impl Folder {
         self.0.join("checkpoint").join("latest.bin")
     }
 
-    /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole: the length of the record and its
-    /// hash, 8 bytes each, the record as JSON; the same of the mesh, which is empty unless it is adapted; the state.
-    pub(super) fn save<const D: usize>(&self, scene: &Scene, record: &Record, sim: &Simulation<D>) -> Result<()> {
+    /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole: the
+    /// length of the record and its hash, 8 bytes each, the record as JSON; the same of the mesh, which
+    /// is empty unless it is adapted; the state.
+    pub(super) fn save(&self, scene: &Scene, record: &Record, problem: &dyn Problem) -> Result<()> {
         let record =
             serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
-        let mesh = if scene.adapt.is_some() { sim.space().mesh().to_bytes() } else { Vec::new() };
+        let [mesh, state] = problem.save(tag(scene));
         let mut bytes = Vec::new();
         for part in [record, mesh] {
             bytes.extend((part.len() as u64).to_le_bytes());
             bytes.extend(fnv1a(&part).to_le_bytes());
             bytes.extend(part);
         }
-        bytes.extend(sim.state().to_bytes(tag(scene)));
+        bytes.extend(state);
         write_file(&self.latest(), &bytes)
     }
 
-    /// The state that was kept last, if there is one, and the mesh that it lives on where the scene adapts it.
-    pub(super) fn checkpoint<const D: usize>(&self, scene: &Scene) -> Result<Kept<D>> {
+    /// The checkpoint that was kept last, if there is one.
+    pub(super) fn checkpoint(&self) -> Result<Option<Kept>> {
         let path = self.latest();
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -111,35 +113,19 @@ impl Folder {
         let (record, rest) = part(&bytes).ok_or_else(damaged)?;
         let (mesh, state) = part(rest).ok_or_else(damaged)?;
         let record = serde_json::from_slice(record).map_err(|_| damaged())?;
-        let mesh = if mesh.is_empty() { None } else { Some(Mesh::<D>::from_bytes(mesh).ok_or_else(damaged)?) };
-        let state = State::from_bytes(state, tag(scene)).map_err(|e| e.at(path.display().to_string()))?;
-        Ok(Some((record, mesh, state)))
+        Ok(Some(Kept { record, mesh: mesh.to_vec(), state: state.to_vec() }))
     }
 
-    /// Writes velocity, pressure and level sets of the current state.
-    pub(super) fn write_fields<const D: usize>(&self, scene: &Scene, sim: &Simulation<D>, step: usize) -> Result<()> {
-        let state = sim.state();
-        let names: Vec<String> = names(sim).map(|name| format!("{name}.level_set")).collect();
-        let level_sets: Vec<_> = (0..names.len()).map(|k| sim.level_set(k)).collect();
-        let pressure = sim.flow().map_or(Vec::new(), |flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
-        let mut fields = vec![match sim.image() {
-            Some(image) => ("image", FieldData::Scalar(image)),
-            None => ("velocity", FieldData::Vector(&state.flow.u)),
-        }];
-        if !sim.is_prescribed() {
-            fields.push(("pressure", FieldData::Scalar(&pressure)));
-        }
-        for (name, phi) in names.iter().zip(&level_sets) {
-            fields.push((name, FieldData::Scalar(phi)));
-        }
-        let mut made = strained(sim);
-        if scene.output.curvature {
-            made.extend(curvatures(sim));
-        }
-        for (name, data) in &made {
-            fields.push((name, data.as_field()));
-        }
-        write_vtu(&self.0.join(field_file(step)), sim.space(), sim.time(), &fields)
+    /// Continues a problem from a checkpoint.
+    pub(super) fn restore(&self, scene: &Scene, kept: &Kept, problem: &mut dyn Problem) -> Result<()> {
+        let saved = [&kept.mesh[..], &kept.state[..]];
+        let restored = problem.restore(saved, tag(scene), kept.record.band_edges);
+        restored.map_err(|e| if e.place().is_empty() { e.at(self.latest().display().to_string()) } else { e })
+    }
+
+    /// The file of the fields after `step` steps.
+    pub(super) fn fields(&self, step: usize) -> PathBuf {
+        self.0.join(field_file(step))
     }
 
     pub(super) fn write_collection(&self, record: &Record) -> Result<()> {
@@ -147,70 +133,61 @@ impl Folder {
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
-    pub(super) fn write_profile<const D: usize>(
-        &self,
-        name: &str,
-        points: &[Point<D>],
-        values: &[Column],
-    ) -> Result<()> {
-        let column = |f: &dyn Fn(&Point<D>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
-        let distance = column(&|p| (p - points[0]).norm());
-        let places: Vec<Vec<f64>> = (0..D).map(|i| column(&|p| p[i])).collect();
+    /// Writes a profile: its points, by their coordinates, and its columns.
+    pub(super) fn write_profile(&self, name: &str, points: &[Vec<f64>], values: &[Column]) -> Result<()> {
+        let column = |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
+        let square = |p: &Vec<f64>| p.iter().zip(&points[0]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let distance = column(&|p| square(p).sqrt());
+        let dimension = points.first().map_or(0, Vec::len);
+        let places: Vec<Vec<f64>> = (0..dimension).map(|i| column(&|p| p[i])).collect();
         let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance)];
         columns.extend(["x", "y", "z"].into_iter().zip(places.iter().map(Vec::as_slice)));
         columns.extend(values.iter().map(|(name, v)| (name.as_str(), v.as_slice())));
         Table::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
     }
 
-    #[allow(clippy::too_many_arguments, reason = "a summary is about everything")]
-    pub(super) fn write_summary<const D: usize>(
+    /// Writes `summary.json`.
+    pub(super) fn write_summary(
         &self,
         scene: &Scene,
-        model: &Model<D>,
-        record: &Record,
-        result: &Result<()>,
-        alarms: &[String],
-        plan: &str,
+        problem: &dyn Problem,
+        (record, plan): (&Record, &str),
+        (result, alarms): (&Result<()>, &[String]),
     ) -> Result<()> {
-        let sim = &model.simulation;
-        let numbering = sim.flow().map(|flow| flow.numbering());
-        let velocity = numbering.map_or(0, |n| n.first_pressure());
-        let level_sets = sim.structures().len() + sim.passive().len();
+        let (facts, moment) = (problem.facts(), problem.moment());
+        let [velocity, pressure, level_set] = facts.unknowns;
         let status = match result {
             Ok(()) => "finished",
             Err(e) if e.kind() == Kind::Interrupted => "interrupted",
             Err(_) => "failed",
         };
+        let energies = problem.energies();
         let summary = json!({
             "title": scene.title,
             "version": env!("CARGO_PKG_VERSION"),
             "status": status,
             "error": result.as_ref().err().filter(|e| e.kind() != Kind::Interrupted).map(ToString::to_string),
-            "steps": sim.state().steps,
-            "rejected_steps": sim.state().pace.as_ref().map(|p| p.clock.rejected),
-            "end_time": sim.time(),
-            "cells": sim.space().mesh().cell_count(),
-            "edge": model.quality.greatest_diameter.value,
-            "memory": sim.bytes(),
-            "unknowns": {
-                "velocity": velocity,
-                "pressure": numbering.map_or(0, |n| n.order()) - velocity,
-                "level_set": sim.space().len() * level_sets,
-            },
-            "meshes": model.lengths.is_some().then_some(&record.meshes),
-            "factor_entries": sim.flow().and_then(|flow| flow.solver_size()).map(|(_, size)| size.entries),
+            "steps": moment.steps,
+            "rejected_steps": moment.rejected,
+            "end_time": moment.time,
+            "cells": facts.cells,
+            "edge": facts.edge,
+            "memory": facts.memory,
+            "unknowns": { "velocity": velocity, "pressure": pressure, "level_set": level_set },
+            "meshes": facts.adapted.then_some(&record.meshes),
+            "factor_entries": facts.factor.map(|(entries, _)| entries),
             "solves": record.solves,
             "seconds": record.seconds,
             "cpu_seconds": record.cpu_seconds,
             "step_seconds": record.step_seconds,
-            "bandwidth": bandwidth(sim, record),
+            "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
-            "warnings": model.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "warnings": problem.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
             "balance": {
-                "energy": (!sim.is_prescribed()).then(|| sim.state().budget.residual(&sim.state().energies)),
-                "largest_energy": (!sim.is_prescribed()).then_some(record.worst_balance),
-                "largest_rise": (!sim.is_prescribed()).then_some(record.largest_rise),
+                "energy": energies.map(|(energies, budget)| budget.residual(&energies)),
+                "largest_energy": energies.map(|_| record.worst_balance),
+                "largest_rise": energies.map(|_| record.largest_rise),
                 scene.extents()[0]: record.area_change,
             },
             "final": record.last,
@@ -221,63 +198,6 @@ impl Folder {
     }
 }
 
-/// The names of all interfaces, in their order.
-fn names<const D: usize>(sim: &Simulation<D>) -> impl Iterator<Item = &String> {
-    sim.structures().iter().map(|s| &s.name).chain(sim.passive().iter().map(|s| &s.name))
-}
-
-/// A field that is made for a file.
-enum Made<const D: usize> {
-    Scalar(Vec<f64>),
-    Vector(Vec<SVector<f64, D>>),
-}
-
-impl<const D: usize> Made<D> {
-    fn as_field(&self) -> FieldData<'_, D> {
-        match self {
-            Made::Scalar(values) => FieldData::Scalar(values),
-            Made::Vector(values) => FieldData::Vector(values),
-        }
-    }
-}
-
-/// What backward characteristics tell: the displacement `Y(x) - x` to the place at rest of each structure that resists shear, that to the place at
-/// time 0, and in space area and shear about each interface.
-fn strained<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
-    let mut fields = Vec::new();
-    if !sim.has_backward_map() {
-        return fields;
-    }
-    for (k, name) in names(sim).enumerate() {
-        if sim.structures().get(k).is_some_and(|s| s.shear.is_some()) {
-            fields.push((format!("{name}.displacement"), Made::Vector(sim.rest_displacement(k).into_owned())));
-        }
-        if D == 3 {
-            let reach = sim.structures().get(k).map_or_else(|| thinnest(sim), |s| s.membrane.thickness());
-            let [area, shear] = sim.nodal_strain(k, reach);
-            fields.push((format!("{name}.area_change"), Made::Scalar(area)));
-            fields.push((format!("{name}.shear"), Made::Scalar(shear)));
-        }
-    }
-    fields.push(("displacement".into(), Made::Vector(sim.state().displacement.clone())));
-    fields
-}
-
-/// The curvatures of each interface.
-fn curvatures<const D: usize>(sim: &Simulation<D>) -> Vec<(String, Made<D>)> {
-    let of = |(k, name): (usize, &String)| {
-        let fields = geometry::fields(sim, k).into_iter();
-        fields.map(|(end, values)| (format!("{name}.{end}"), Made::Scalar(values))).collect::<Vec<_>>()
-    };
-    names(sim).enumerate().flat_map(of).collect()
-}
-
-/// Two edges of the finest cell.
-fn thinnest<const D: usize>(sim: &Simulation<D>) -> f64 {
-    let mesh = sim.space().mesh();
-    2.0 * (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min)
-}
-
 /// The part at the front that `Folder::save` wrote with its length and hash, and what follows; `None` when it is damaged.
 fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (size, rest) = bytes.split_first_chunk::<8>()?;
@@ -286,11 +206,11 @@ fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     (fnv1a(part) == u64::from_le_bytes(*check)).then_some((part, rest))
 }
 
-/// What the substitutions read of the factor, and how fast a large block of memory is copied on this machine, in bytes a second; not
-/// for a run so short that the measurement would show in its time.
-fn bandwidth<const D: usize>(sim: &Simulation<D>, record: &Record) -> serde_json::Value {
+/// Bytes that the substitutions read of the factor in a second, and speed at which a large block of
+/// memory is copied on this machine; not for a run so short that the measurement would show in its time.
+fn bandwidth(facts: &Facts, record: &Record) -> serde_json::Value {
     let solve = record.step_seconds.get("solve").copied().unwrap_or_default();
-    let factor = sim.flow().and_then(|flow| flow.solver_size()).map_or(0, |(_, size)| size.value_bytes());
+    let factor = facts.factor.map_or(0, |(_, bytes)| bytes);
     if solve < LONG_ENOUGH || factor == 0 {
         return serde_json::Value::Null;
     }

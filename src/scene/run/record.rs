@@ -3,8 +3,9 @@
 use super::Clock;
 use super::solves::Solves;
 use crate::base::PHASES;
-use crate::scene::{Model, Scene};
-use crate::sim::Simulation;
+use crate::scene::Scene;
+use crate::scene::problem::Problem;
+use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -71,15 +72,15 @@ pub(super) struct MeshRecord {
 
 impl Record {
     /// Notes the mesh of a run that adapts it.
-    pub(super) fn note_mesh<const D: usize>(&mut self, model: &Model<D>) {
-        let sim = &model.simulation;
-        if model.lengths.is_some() {
-            self.band_edges = model.band_edges;
+    pub(super) fn note_mesh(&mut self, problem: &dyn Problem) {
+        let facts = problem.facts();
+        if facts.adapted {
+            self.band_edges = problem.limits().band_edges;
             self.meshes.push(MeshRecord {
-                time: sim.time(),
-                cells: sim.space().mesh().cell_count(),
-                unknowns: sim.flow().map_or(0, |flow| flow.numbering().order()),
-                energy_transferred: sim.state().budget.transferred,
+                time: problem.moment().time,
+                cells: facts.cells,
+                unknowns: facts.unknowns[0] + facts.unknowns[1],
+                energy_transferred: problem.energies().map_or(0.0, |(_, budget)| budget.transferred),
             });
         }
     }
@@ -90,14 +91,14 @@ impl Record {
         *self.cpu_seconds.entry(phase.to_string()).or_default() += start.1.elapsed().as_secs_f64();
     }
 
-    /// Counts what the steps cost since this was called last.
-    pub(super) fn note_costs<const D: usize>(&mut self, sim: &mut Simulation<D>) {
-        let (seconds, substitutions) = sim.take_costs();
+    /// Counts the costs of the steps since this was called last.
+    pub(super) fn note_costs(&mut self, problem: &mut dyn Problem) {
+        let (seconds, substitutions) = problem.take_costs();
         for ((_, name), s) in PHASES.iter().zip(seconds) {
             *self.step_seconds.entry(name.to_string()).or_default() += s;
         }
         self.substitutions += substitutions;
-        let factor = sim.flow().and_then(|flow| flow.solver_size()).map_or(0, |(_, size)| size.value_bytes());
+        let factor = problem.facts().factor.map_or(0, |(_, bytes)| bytes);
         self.factor_bytes_read += 2.0 * factor as f64 * substitutions as f64;
     }
 
@@ -107,10 +108,10 @@ impl Record {
         self.cpu_seconds.insert("first_step".to_string(), spent);
     }
 
-    /// Notes a rise of the energy in the step that was just made.
-    pub(super) fn note_rise<const D: usize>(&mut self, before: f64, sim: &Simulation<D>) {
-        let (e, budget) = (sim.state().energies, sim.state().budget);
-        let put_in = e.power.max(0.0) * sim.settings().dt;
+    /// Notes a rise of the energy, `before` it, in the step that was just made.
+    pub(super) fn note_rise(&mut self, before: f64, problem: &dyn Problem) {
+        let Some((e, budget)) = problem.energies() else { return };
+        let put_in = e.power.max(0.0) * problem.moment().dt;
         if budget.initial > 0.0 {
             self.largest_rise = self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
@@ -118,21 +119,20 @@ impl Record {
     }
 
     /// Notes the structures whose bands reach the boundary.
-    pub(super) fn note_walls<const D: usize>(&mut self, model: &Model<D>) {
-        for (k, s) in model.simulation.structures().iter().enumerate() {
-            if model.band_is_cut(k) {
-                self.at_wall.entry(s.name.clone()).or_insert(model.simulation.time());
-            }
+    pub(super) fn note_walls(&mut self, problem: &dyn Problem) {
+        for name in problem.cut_bands() {
+            self.at_wall.entry(name).or_insert(problem.moment().time);
         }
     }
 
     /// Notes a row of the series.
-    pub(super) fn note_row(&mut self, scene: &Scene, columns: &[String], row: &[f64]) {
+    pub(super) fn note_row(&mut self, scene: &Scene, row: &Row) {
         // JSON knows no NaN: what could not be measured is left out.
-        self.last = columns.iter().cloned().zip(row.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+        self.last =
+            row.names().iter().cloned().zip(row.values().iter().copied()).filter(|(_, v)| v.is_finite()).collect();
         let [enclosed, _] = scene.extents();
         // Where an image is segmented nothing keeps the area.
-        for (name, _) in scene.interfaces().filter(|_| scene.image.is_none()) {
+        for name in scene.interfaces().filter(|_| scene.image.is_none()) {
             // An interface that is gone has no area.
             let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);
             let first = *self.area.entry(name.to_string()).or_insert(area);

@@ -1,9 +1,9 @@
 //! `[mesh.adapt]`: a mesh that follows the interfaces and the fields.
 
-use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::write::{Writer, list, name, number};
 use crate::base::Result;
-use crate::scene::item::{Item, Table};
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
+use crate::scene::keys::{Item, Table};
+use crate::scene::keys::{Writer, list, name, number};
 use crate::sim::Transfer;
 
 /// How a mesh is adapted.
@@ -62,7 +62,7 @@ const DEFAULT_ANISOTROPY: f64 = 20.0;
 /// More points exceed any memory.
 const MOST_VERTICES: usize = 2_000_000;
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "A mesh that follows the interfaces and, if wanted, fields. The mesh of `[mesh]` gives the domain and its names.",
     keys: &[
         row(
@@ -143,7 +143,7 @@ pub(super) static KEYS: Keys = Keys {
 
 impl Adapt {
     /// Reads `[mesh.adapt]`.
-    pub(super) fn read(item: &Item) -> Result<Adapt> {
+    pub(in crate::scene) fn read(item: &Item) -> Result<Adapt> {
         let table = item.table(&KEYS)?;
         let positive = |key: &str| table.optional(key, Item::positive);
         let adapt = Adapt {
@@ -167,7 +167,7 @@ impl Adapt {
     }
 
     /// Checks that the scene has what the mesh is to follow.
-    pub(super) fn check_use(&self, item: &Item, has_interfaces: bool, is_prescribed: bool) -> Result<()> {
+    pub(in crate::scene) fn check_use(&self, item: &Item, has_interfaces: bool, is_prescribed: bool) -> Result<()> {
         let table = item.open_table()?;
         if let (Some(item), true) = (table.get("fields"), is_prescribed && self.fields.contains(&AdaptField::Pressure))
         {
@@ -226,7 +226,7 @@ impl Adapt {
     }
 
     /// Writes the table `[mesh.adapt]`.
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[mesh.adapt]");
         let lengths = [
             ("every", self.every),

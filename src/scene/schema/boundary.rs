@@ -1,10 +1,10 @@
 //! `[boundary.NAME]`: what happens on the named parts of the boundary.
 
-use super::keys::{Absent::OneOf, Keys, Kind::Value, row};
-use super::write::{Writer, expressions, key, text};
 use crate::base::Result;
 use crate::scene::expression::Expression;
-use crate::scene::item::{Context, Item};
+use crate::scene::keys::{Absent::OneOf, Keys, Kind::Value, row};
+use crate::scene::keys::{Context, Item};
+use crate::scene::keys::{Writer, expressions, key, text};
 
 /// The name that stands for the whole boundary.
 pub const WALLS: &str = "walls";
@@ -33,7 +33,7 @@ pub enum Condition {
     Periodic(String),
 }
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "What holds on a boundary of the mesh: exactly one of these. `walls` stands for all sides that have no entry; without any entry, \
         no slip holds on the whole boundary.",
     keys: &[
@@ -52,7 +52,7 @@ pub(super) static KEYS: Keys = Keys {
 };
 
 /// All entries, in the order of the scene; without any, no slip on the whole boundary, or nothing where the velocity is `prescribed`.
-pub(super) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
+pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
     let Some(item) = item else {
         if prescribed {
             return Ok(Vec::new());
@@ -134,7 +134,7 @@ fn check_pair(item: &Item, boundaries: &[Boundary]) -> Result<()> {
     }
 }
 
-pub(super) fn write(boundaries: &[Boundary], out: &mut Writer) {
+pub(in crate::scene) fn write(boundaries: &[Boundary], out: &mut Writer) {
     for b in boundaries {
         out.header(&format!("[boundary.{}]", key(&b.name)));
         b.condition.write(out);

@@ -1,10 +1,10 @@
 //! `[exact]`: a solution that is known, against which the run measures itself.
 
-use super::keys::{Absent::Optional, Keys, Kind::Value, row};
-use super::write::{Writer, expression, expressions};
 use crate::base::Result;
 use crate::scene::expression::Expression;
-use crate::scene::item::{Context, Item};
+use crate::scene::keys::{Absent::Optional, Keys, Kind::Value, row};
+use crate::scene::keys::{Context, Item};
+use crate::scene::keys::{Writer, expression, expressions};
 
 /// The exact solution; what is not known is not compared.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Exact {
     pub pressure: Option<Expression>,
 }
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "A solution that is known: its errors become columns of the series.",
     keys: &[
         row("velocity", Value("two expressions of x, y, t"), "m/s", Optional, "The velocity."),
@@ -30,7 +30,7 @@ pub(super) static KEYS: Keys = Keys {
 };
 
 impl Exact {
-    pub(super) fn read(item: &Item, context: &Context) -> Result<Exact> {
+    pub(in crate::scene) fn read(item: &Item, context: &Context) -> Result<Exact> {
         let table = item.table(&KEYS)?;
         Ok(Exact {
             velocity: table.optional("velocity", |i| i.components(context))?,
@@ -39,7 +39,7 @@ impl Exact {
     }
 
     /// Writes the table, if anything is known.
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         if self.velocity.is_none() && self.pressure.is_none() {
             return;
         }

@@ -1,11 +1,10 @@
 //! `[fluid]`: what flows, and what drives it.
 
-use super::keys::{Absent::Default, Absent::OneOf, Absent::Required, Keys, Kind::Either, Kind::Value, row};
-use super::membrane::Membrane;
-use super::write::{Writer, expressions, number, vector};
 use crate::base::Result;
 use crate::scene::expression::Expression;
-use crate::scene::item::{Context, Item};
+use crate::scene::keys::{Absent::Default, Absent::OneOf, Absent::Required, Keys, Kind::Either, Kind::Value, row};
+use crate::scene::keys::{Context, Item};
+use crate::scene::keys::{Writer, expressions, number, vector};
 
 /// A property that differs between the two sides of a structure, by (3.19).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +48,7 @@ pub struct Fluid {
 /// All keys but `prescribed_velocity`.
 const SOLVED: [&str; 6] = ["density", "viscosity", "boussinesq", "gravity", "force", "initial_velocity"];
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "What flows, and what drives it.",
     keys: &[
         row(
@@ -97,7 +96,8 @@ static CONTRAST: Keys = Keys {
 };
 
 impl Fluid {
-    pub(super) fn read(item: &Item, structures: &[Membrane], context: &Context) -> Result<Fluid> {
+    /// `structures` are the names of those that hold a fluid, each with true if it names that fluid.
+    pub(in crate::scene) fn read(item: &Item, structures: &[(String, bool)], context: &Context) -> Result<Fluid> {
         let table = item.table(&KEYS)?;
         let zero = vec![Expression::constant(0.0); context.dimension];
         if let Some(velocity) = table.optional("prescribed_velocity", |i| i.components(context))? {
@@ -129,7 +129,7 @@ impl Fluid {
     }
 
     /// Nothing flows: the velocity is zero at all times.
-    pub(super) fn none(dimension: usize) -> Fluid {
+    pub(in crate::scene) fn none(dimension: usize) -> Fluid {
         let zero = vec![Expression::constant(0.0); dimension];
         Fluid::prescribed(zero)
     }
@@ -158,7 +158,7 @@ impl Fluid {
         self.force.iter().any(|f| f.is_constant() != Some(0.0))
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[fluid]");
         if let Some(velocity) = &self.prescribed_velocity {
             return out.entry("prescribed_velocity", expressions(velocity));
@@ -185,7 +185,7 @@ fn initial(item: &Item, context: &Context) -> Result<Vec<Expression>> {
 /// A number or `{ inside, outside }`, each read by `value`; the latter needs exactly one structure.
 fn read_contrast<'a>(
     item: &Item<'a>,
-    structures: &[Membrane],
+    structures: &[(String, bool)],
     value: impl Fn(&Item<'a>) -> Result<f64>,
 ) -> Result<Contrast> {
     if !item.is_table() {
@@ -197,13 +197,9 @@ fn read_contrast<'a>(
         inside: table.required("inside", remedy, &value)?,
         outside: table.required("outside", remedy, &value)?,
     };
-    let own = |m: &&Membrane| m.drop.is_some_and(|d| d.density.is_some() || d.viscosity.is_some());
-    if let Some(drop) = structures.iter().find(own) {
+    if let Some((drop, _)) = structures.iter().find(|(_, own)| *own) {
         return Err(item
-            .key_error(format!(
-                "`{}` differs inside and outside, and so does what the drop `{}` says",
-                item.key, drop.name
-            ))
+            .key_error(format!("`{}` differs inside and outside, and so does what the drop `{drop}` says", item.key))
             .remedy("give one number, that outside, and the drop its own density or viscosity"));
     }
     if structures.len() != 1 {

@@ -1,8 +1,8 @@
 //! What `[output]` asks of the geometry of interfaces: delta functions, curvatures, curves between them.
 
-use super::keys::{Absent::*, Keys, Kind::*, row};
 use crate::base::Result;
-use crate::scene::item::{Context, Item};
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row};
+use crate::scene::keys::{Context, Item};
 
 /// A delta function that interfaces are measured with, beside the cut one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ const DELTAS: [(&str, DeltaName); 4] = [
     ("towers", DeltaName::Towers),
 ];
 /// The values of the list, in words.
-pub(super) const DELTA_LIST: &str = "list of \"smeared\", \"smereka1\", \"smereka2\", \"towers\"";
+pub(in crate::scene) const DELTA_LIST: &str = "list of \"smeared\", \"smereka1\", \"smereka2\", \"towers\"";
 
 /// The curve in which two interfaces meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,13 +42,13 @@ pub struct Curve {
     pub of: [String; 2],
 }
 
-pub(super) static CURVE: Keys = Keys {
+pub(in crate::scene) static CURVE: Keys = Keys {
     about: "The curve in which two interfaces meet: its length, curvature and torsion, in `series.csv`.",
     keys: &[row("of", Value("list of two names"), "", Required, "The membranes, drops or level sets.")],
 };
 
 /// The list of delta functions, each once.
-pub(super) fn deltas(item: &Item) -> Result<Vec<DeltaName>> {
+pub(in crate::scene) fn deltas(item: &Item) -> Result<Vec<DeltaName>> {
     let mut found = Vec::new();
     for item in item.list()? {
         let delta = item.choice(&DELTAS)?;
@@ -61,7 +61,7 @@ pub(super) fn deltas(item: &Item) -> Result<Vec<DeltaName>> {
 }
 
 /// A curve of two of the interfaces of a scene.
-pub(super) fn curve(name: String, item: &Item, interfaces: &[&str], context: &Context) -> Result<Curve> {
+pub(in crate::scene) fn curve(name: String, item: &Item, interfaces: &[&str], context: &Context) -> Result<Curve> {
     if context.dimension != 3 {
         return Err(item
             .key_error("interfaces of the plane meet in points, not in curves")

@@ -1,12 +1,12 @@
 //! `[image]`: an image that level sets cut into two grey levels, in place of a flow.
 
-use super::keys::{Absent::*, Keys, Kind::Value, row};
 use super::mesh::{MeshSource, absolute};
-use super::write::{Writer, number, text};
 use crate::base::Result;
 use crate::mesh::Diagonals;
 use crate::output::{GreyImage, Pixels};
-use crate::scene::item::{Item, Table};
+use crate::scene::keys::{Absent::*, Keys, Kind::Value, row};
+use crate::scene::keys::{Item, Table};
+use crate::scene::keys::{Writer, number, text};
 use std::path::{Path, PathBuf};
 
 /// An image and the energy of a contour on it.
@@ -33,7 +33,7 @@ const MOST_STEPS: usize = 1_000_000;
 /// A mesh of more pixels is not made by itself: its matrix has as many unknowns as the image has pixels.
 const MOST_PIXELS: usize = 1 << 20;
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "An image that the one level set of the scene cuts into two grey levels, in place of a flow: it descends along `fidelity` times the \
         misfit plus `length` times its length, and the time is that of this descent. Grey levels are from 0 (black) to 1 (white). The lower left \
         corner of the image is the origin.",
@@ -79,7 +79,7 @@ pub(super) static KEYS: Keys = Keys {
 };
 
 impl Image {
-    pub(super) fn read(item: &Item, folder: &Path) -> Result<Image> {
+    pub(in crate::scene) fn read(item: &Item, folder: &Path) -> Result<Image> {
         let table = item.table(&KEYS)?;
         let path = |i: &Item| match i.text()? {
             "" => Err(i.error("the name of the image is empty").remedy("name a PNG file: file = \"shapes.png\"")),
@@ -104,7 +104,7 @@ impl Image {
     }
 
     /// The mesh of a scene that gives none: a rectangle over the image with squares of two pixels, so that P2 nodes are where pixels meet.
-    pub(super) fn mesh(&self, item: &Item) -> Result<MeshSource> {
+    pub(in crate::scene) fn mesh(&self, item: &Item) -> Result<MeshSource> {
         let file = item.open_table()?.get("file");
         let size = GreyImage::size(&self.path).map_err(|e| file.as_ref().unwrap_or(item).blame(e))?;
         if size[0] * size[1] > MOST_PIXELS {
@@ -120,7 +120,7 @@ impl Image {
         })
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[image]");
         out.entry("file", text(&self.path.to_string_lossy()));
         out.entry("pixel", number(self.pixel));
@@ -132,7 +132,7 @@ impl Image {
 }
 
 /// An image is segmented by one level set in the plane, and nothing else happens.
-pub(super) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result<()> {
+pub(in crate::scene) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result<()> {
     if dimension != 2 {
         return Err(image
             .key_error("an image is plane, and the mesh has 3 dimensions")

@@ -1,11 +1,11 @@
 //! `[mesh]`: where the mesh comes from.
 
-use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::shape::Shape;
-use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::{Error, Result};
 use crate::mesh::{self, Diagonals, Mesh, gmsh};
-use crate::scene::item::{Context, Item, Table};
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
+use crate::scene::keys::{Context, Item, Table};
+use crate::scene::keys::{Writer, key, list, name, number, text, vector};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -75,7 +75,7 @@ const DIAGONALS: [(&str, Diagonals); 3] =
     [("right", Diagonals::Right), ("left", Diagonals::Left), ("union-jack", Diagonals::UnionJack)];
 const DIAGONAL_WORDS: [&str; 3] = words(&DIAGONALS);
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "Where the mesh comes from: exactly one of file, rectangle, disc, box and ball_in_box.",
     keys: &[
         row(
@@ -192,7 +192,7 @@ const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
     /// Reads `[mesh]`. Without a word from the scene a mesh file has the dimension `assumed`, or that which it says, or 2.
-    pub(super) fn read(
+    pub(in crate::scene) fn read(
         item: &Item,
         folder: &Path,
         constants: &BTreeMap<String, f64>,
@@ -293,7 +293,7 @@ impl MeshSource {
         if about.is_dir() { Err(failed(std::io::ErrorKind::IsADirectory.into())) } else { Ok(()) }
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[mesh]");
         match self {
             MeshSource::File { path, dimension, refine, geometry } => {
@@ -370,6 +370,6 @@ fn above<const N: usize>(item: &Item, min: &[f64; N]) -> Result<[f64; N]> {
 }
 
 /// The path from the root of the file system.
-pub(super) fn absolute(path: &Path) -> PathBuf {
+pub(in crate::scene) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }

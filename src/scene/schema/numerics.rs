@@ -1,13 +1,13 @@
 //! `[numerics]`: how the equations are solved.
 
-use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::redistance::{self, Redistance};
-use super::write::{Writer, name, number, or_auto};
 use crate::base::Result;
 use crate::elastic::Band;
 use crate::fem::Element;
 use crate::levelset::{Kernel, Norm};
-use crate::scene::item::Item;
+use crate::scene::keys::Item;
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
+use crate::scene::keys::{Writer, name, number, or_auto};
 use crate::sim::{Coupling, Solving, Way};
 use crate::transport::Method;
 
@@ -88,7 +88,7 @@ const MOST_DEGREE: usize = 20;
 const SOLVE_TOLERANCE: f64 = 1e-10;
 const LARGEST_SOLVE_TOLERANCE: f64 = 1e-6;
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "How the equations are solved. What \"auto\" stands for is printed by `immersa explain SCENE`.",
     keys: &[
         row(
@@ -224,7 +224,7 @@ impl Numerics {
         self.surface_tension.is_some_and(|s| s.continuum)
     }
 
-    pub(super) fn read(item: Option<Item>) -> Result<Numerics> {
+    pub(in crate::scene) fn read(item: Option<Item>) -> Result<Numerics> {
         let mut numerics = Numerics {
             thickness: None,
             band: None,
@@ -273,7 +273,7 @@ impl Numerics {
         Ok(numerics)
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[numerics]");
         out.entry("thickness", or_auto(self.thickness, number));
         out.entry("band", or_auto(self.band, |b| name(b, &BANDS).to_string()));

@@ -2,13 +2,13 @@
 
 use super::fluid::Fluid;
 use super::geometry::{CURVE, Curve, DELTA_LIST, DeltaName, curve, deltas};
-use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::names::named;
 use super::picture::Picture;
 use super::time::Time;
-use super::write::{Writer, key, list, name, number, text, vector};
 use crate::base::Result;
-use crate::scene::item::{Context, Item, Table};
+use crate::scene::keys::named;
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
+use crate::scene::keys::{Context, Item, Table};
+use crate::scene::keys::{Writer, key, list, name, number, text, vector};
 
 /// What a run writes.
 ///
@@ -130,7 +130,7 @@ const QUANTITIES: [(&str, Quantity); 6] = [
 ];
 const QUANTITY_WORDS: [&str; QUANTITIES.len()] = words(&QUANTITIES);
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "What is written, and when. What is wanted every `d` is written at the start and at the first step at or after each multiple of `d`.",
     keys: &[
         row(
@@ -263,7 +263,7 @@ const CHECKPOINT: f64 = 30.0;
 
 impl Output {
     /// `interfaces` are the names of membranes and level sets; `sheared` tells whether some membrane resists shear.
-    pub(super) fn read(
+    pub(in crate::scene) fn read(
         item: Option<Item>,
         time: &Time,
         interfaces: &[&str],
@@ -306,7 +306,7 @@ impl Output {
         Ok(output)
     }
 
-    pub(super) fn write(&self, out: &mut Writer, dimension: usize) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer, dimension: usize) {
         let interval = |v: Option<f64>| v.map_or_else(|| "false".to_string(), number);
         out.header("[output]");
         out.entry("every", number(self.every));
@@ -347,7 +347,7 @@ impl Output {
 
 /// What moves interfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(in crate::scene) enum Motion {
     /// A flow that is solved.
     Flow,
     /// A velocity that is given.
@@ -367,15 +367,15 @@ impl Motion {
 }
 
 /// The table `[output]`, if there is one, and what its values must agree with.
-pub(super) struct Source<'a> {
+pub(in crate::scene) struct Source<'a> {
     table: Option<Table<'a>>,
     time: &'a Time,
-    pub(super) interfaces: &'a [&'a str],
+    pub(in crate::scene) interfaces: &'a [&'a str],
     /// Whether there is a flow.
-    pub(super) motion: Motion,
+    pub(in crate::scene) motion: Motion,
     /// Whether backward characteristics are carried.
-    pub(super) has_map: bool,
-    pub(super) context: &'a Context,
+    pub(in crate::scene) has_map: bool,
+    pub(in crate::scene) context: &'a Context,
 }
 
 /// Rows of the series of steps that follow the error, where the scene does not say.
@@ -403,7 +403,7 @@ impl<'a> Source<'a> {
     }
 
     /// A quantity that the scene has.
-    pub(super) fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
+    pub(in crate::scene) fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
         let n = self.interfaces.len();
         if self.motion == Motion::Image && quantity != Quantity::LevelSet {
             return Err(item

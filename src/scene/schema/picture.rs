@@ -1,10 +1,10 @@
 //! `[output.picture]`: how pictures look.
 
-use super::keys::{Absent::*, Keys, Kind::*, row, words};
 use super::output::{Motion, Quantity, Source};
-use super::write::{name, number, vector};
 use crate::base::Result;
-use crate::scene::item::Item;
+use crate::scene::keys::Item;
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
+use crate::scene::keys::{name, number, vector};
 
 /// A plane across an axis, on which fields are shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ const FIELD_WORDS: [&str; FIELDS.len()] = words(&FIELDS);
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
 const AXIS_WORDS: [&str; AXES.len()] = words(&AXES);
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "How pictures look.",
     keys: &[
         row(
@@ -102,10 +102,10 @@ static CUT: Keys = Keys {
 };
 
 impl Picture {
-    pub(super) const DEFAULT: Picture =
+    pub(in crate::scene) const DEFAULT: Picture =
         Picture { field: Quantity::Speed, mesh: false, size: 800, view: [-60.0, 24.0], slice: None, window: None };
 
-    pub(super) fn write(&self, dimension: usize) -> String {
+    pub(in crate::scene) fn write(&self, dimension: usize) -> String {
         let Picture { field, mesh, size, view, slice, window } = self;
         let field = name(*field, &FIELDS);
         let view = if dimension == 2 { String::new() } else { format!(", view = {}", vector(view)) };
@@ -121,7 +121,7 @@ impl Picture {
 }
 
 impl Source<'_> {
-    pub(super) fn default_picture(&self) -> Picture {
+    pub(in crate::scene) fn default_picture(&self) -> Picture {
         let field = match (self.motion, self.interfaces.len()) {
             (Motion::Image, _) => Quantity::Image,
             (Motion::Prescribed, 1) => Quantity::LevelSet,
@@ -130,7 +130,7 @@ impl Source<'_> {
         Picture { field, ..Picture::DEFAULT }
     }
 
-    pub(super) fn picture(&self, item: &Item) -> Result<Picture> {
+    pub(in crate::scene) fn picture(&self, item: &Item) -> Result<Picture> {
         let table = item.table(&KEYS)?;
         let of_space = ["view", "slice", "window"].into_iter().find_map(|key| table.get(key));
         if let (2, Some(item)) = (self.context.dimension, of_space) {

@@ -1,17 +1,17 @@
 //! Polygons given by their corners.
 
-use super::keys::{Absent::Required, Keys, Kind::Value, row};
 use crate::base::Result;
-use crate::scene::item::Item;
+use crate::scene::keys::Item;
+use crate::scene::keys::{Absent::Required, Keys, Kind::Value, row};
 use robust::{Coord, orient2d};
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "A simple polygon, in either sense of rotation.",
     keys: &[row("points", Value("list of at least three points"), "m", Required, "The corners, in order, each once.")],
 };
 
 /// The corners of a simple polygon: at least three, and no two sides meet but neighbours in their corner.
-pub(super) fn read(item: &Item) -> Result<Vec<[f64; 2]>> {
+pub(in crate::scene) fn read(item: &Item) -> Result<Vec<[f64; 2]>> {
     let remedy = "give at least three corners: points = [[0, 0], [1, 0], [0, 1]]";
     item.table(&KEYS)?.required("points", remedy, |list| {
         let items = list.list()?;

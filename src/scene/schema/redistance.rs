@@ -1,13 +1,10 @@
 //! `[numerics.redistance]`: level sets that become distances again.
 
-use super::Membrane;
-use super::keys::{Absent::*, Keys, Kind::*, row, words};
-use super::write::{Writer, name};
-use crate::base::{Error, Result};
-use crate::elastic::AreaLaw;
+use crate::base::Result;
 use crate::levelset;
-use crate::scene::item::Item;
-use crate::transport::Method;
+use crate::scene::keys::Item;
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
+use crate::scene::keys::{Writer, name};
 
 /// How and when level sets are redistanced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +27,7 @@ const ITERATIONS: usize = 5;
 const MOST_ITERATIONS: usize = 10_000;
 const MOST_STEPS: usize = 1_000_000_000;
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "Makes level sets the signed distance (times their stretch at the start) again, after a step. For interfaces whose slope means \
             nothing: level sets that act on nothing, and membranes of constant tension. It displaces the interface a little each time.",
     keys: &[
@@ -61,7 +58,7 @@ pub(super) static KEYS: Keys = Keys {
 };
 
 impl Redistance {
-    pub(super) fn read(item: &Item) -> Result<Redistance> {
+    pub(in crate::scene) fn read(item: &Item) -> Result<Redistance> {
         let table = item.table(&KEYS)?;
         let remedy = "write method = \"exact\", \"fast-marching\" or \"hamilton-jacobi\"";
         let mut method = table.required("method", remedy, |i| i.choice(&METHODS))?;
@@ -82,7 +79,7 @@ impl Redistance {
         })
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[numerics.redistance]");
         match self.method {
             levelset::Redistance::HamiltonJacobi { iterations } => {
@@ -95,42 +92,4 @@ impl Redistance {
         out.entry("every", self.every);
         out.entry("volume", self.volume);
     }
-}
-
-/// Refuses to redistance what needs the slope of its level set, or has no level set of its own.
-pub(super) fn check(item: &Item, membranes: &[Membrane], passive: bool, transport: Method, paced: bool) -> Result<()> {
-    let refuse = |what: String, remedy: &str| -> Result<()> { Err::<(), Error>(item.key_error(what).remedy(remedy)) };
-    let without = "leave numerics.redistance out: bands are renormalised by the slope, which needs no redistancing";
-    if membranes.is_empty() && !passive {
-        return refuse("there is no interface to redistance".into(), "leave it out, or add a [[level_set]]");
-    }
-    if transport == Method::Composed {
-        return refuse(
-            "composed transport never changes its level sets, which are functions of the way back to time 0".into(),
-            "take numerics.transport = \"nodal\" or \"projected\", or leave numerics.redistance out",
-        );
-    }
-    if paced && !membranes.is_empty() {
-        return refuse(
-            "steps that follow the error would follow the jumps that redistancing makes in the force of a membrane"
-                .into(),
-            "leave out numerics.redistance, or time.tolerance",
-        );
-    }
-    for m in membranes {
-        let name = &m.name;
-        if m.surface.is_some() || !matches!(m.area, AreaLaw::Tension { .. }) {
-            let what = format!(
-                "the slope of the level set of `{name}` is the stretch of an elastic membrane, and redistancing destroys it"
-            );
-            return refuse(what, without);
-        }
-        if m.mass > 0.0 {
-            let what = format!(
-                "the slope of the level set of `{name}` thins the mass of the membrane (3.19), and redistancing destroys it"
-            );
-            return refuse(what, "leave numerics.redistance out, or take mass = 0");
-        }
-    }
-    Ok(())
 }

@@ -1,11 +1,11 @@
 //! `[[membrane]] shape`: the form of an interface at time 0.
 
-use super::keys::{Absent::*, Keys, Kind::*, row};
 use super::polygon;
-use super::write::{expression, list, number, vector};
 use crate::base::Result;
 use crate::scene::expression::Expression;
-use crate::scene::item::{Context, Item, Table as ItemTable};
+use crate::scene::keys::{Absent::*, Keys, Kind::*, row};
+use crate::scene::keys::{Context, Item, Table as ItemTable};
+use crate::scene::keys::{expression, list, number, vector};
 
 /// A closed curve (in space: a closed surface) and its inside.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +83,7 @@ pub enum Shape {
     Expression(Expression),
 }
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "A closed curve (in space: a closed surface) and its inside: exactly one of these.",
     keys: &[
         row("circle", Table(&CIRCLE), "", OneOf, "A circle, in the plane."),
@@ -186,7 +186,7 @@ const OF_THE_PLANE: [&str; 3] = ["circle", "ellipse", "polygon"];
 const OF_SPACE: [&str; 3] = ["sphere", "ellipsoid", "torus"];
 
 impl Shape {
-    pub(super) fn read(item: &Item, context: &Context) -> Result<Shape> {
+    pub(in crate::scene) fn read(item: &Item, context: &Context) -> Result<Shape> {
         Shape::read_nested(item, context, 0)
     }
 

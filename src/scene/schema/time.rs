@@ -1,9 +1,9 @@
 //! `[time]`: how long, in which steps.
 
-use super::keys::{Absent::*, Keys, Kind::Value, row};
-use super::write::{Writer, number};
 use crate::base::Result;
-use crate::scene::item::Item;
+use crate::scene::keys::Item;
+use crate::scene::keys::{Absent::*, Keys, Kind::Value, row};
+use crate::scene::keys::{Writer, number};
 
 /// The time grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Time {
     pub order: usize,
 }
 
-pub(super) static KEYS: Keys = Keys {
+pub(in crate::scene) static KEYS: Keys = Keys {
     about: "How long, in which steps.",
     keys: &[
         row("end", Value("number > 0"), "s", Required, "The end, a multiple of the step; the start is 0."),
@@ -55,7 +55,7 @@ const MOST_TOLERANCE: f64 = 0.1;
 const LEAST: f64 = 1e-4;
 
 impl Time {
-    pub(super) fn read(item: &Item) -> Result<Time> {
+    pub(in crate::scene) fn read(item: &Item) -> Result<Time> {
         let table = item.table(&KEYS)?;
         let time = Time {
             tolerance: table.optional("tolerance", tolerance)?,
@@ -112,7 +112,7 @@ impl Time {
         (ratio - ROUNDING * ratio.max(1.0)).ceil().max(0.0) as usize
     }
 
-    pub(super) fn write(&self, out: &mut Writer) {
+    pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[time]");
         out.entry("end", number(self.end));
         out.entry("step", number(self.step));

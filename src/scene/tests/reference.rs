@@ -1,7 +1,8 @@
 //! The reference of the scene format, held against reading and writing.
 
 use super::*;
-use crate::scene::schema::Kind;
+use crate::scene::keys::{Absent, Keys, Kind};
+use crate::scene::structures::{KINDS, Registered};
 use std::collections::BTreeSet;
 
 /// Checks that `keys` describe the table `written`; notes by its path each key whose default is stated and written.
@@ -109,11 +110,16 @@ end = 1
 step = 0.1
 "#;
 
-/// A scene with a drop in place of its membrane.
-fn with_drop(text: &str) -> String {
+/// A scene with a structure of another kind in place of its membrane.
+fn with_kind(text: &str, kind: &Registered) -> String {
     let of_membranes = ["area.tension", "area.linear", "shear.linear"];
-    let kept = text.lines().filter(|line| !of_membranes.iter().any(|key| line.starts_with(key)));
-    kept.collect::<Vec<_>>().join("\n").replace("[[membrane]]", "[[drop]]")
+    let other = |line: &&str| {
+        of_membranes.iter().any(|key| line.starts_with(key))
+            || (line.starts_with("rings") && kind.keys.get("rings").is_none())
+    };
+    let kept = text.lines().filter(|line| !other(line)).collect::<Vec<_>>().join("\n");
+    let example = (kind.example)(if text.contains("box = {") && !text.contains("rectangle") { 3 } else { 2 });
+    kept.replacen("[[membrane]]\n", &format!("[[{}]]\n{example}\n", kind.list), 1)
 }
 
 #[test]
@@ -129,8 +135,11 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
         SOLID.replace(ellipsoid, "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }");
     let redistanced = format!("{BARE}[numerics.redistance]\nmethod = \"exact\"\n");
     let bare = [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &torus, &block, IMAGE];
-    let drops = [BARE, &rounded, SOLID, &torus, &block].map(with_drop);
-    let bare = bare.into_iter().chain(drops.iter().map(String::as_str)).map(|text| (text, true));
+    let others =
+        KINDS.iter().filter(|kind| kind.keys.get("shape").is_some() && !["membrane", "level_set"].contains(&kind.list));
+    let shapes = [BARE, &rounded, SOLID, &torus, &block];
+    let others: Vec<String> = others.flat_map(|kind| shapes.map(|text| with_kind(text, kind))).collect();
+    let bare = bare.into_iter().chain(others.iter().map(String::as_str)).map(|text| (text, true));
     for (text, bare) in [(MEMBRANE, false), (FULL, false)].into_iter().chain(bare) {
         let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
         described(&written, &KEYS, "", bare, &mut seen);
@@ -143,7 +152,7 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
 #[test]
 fn the_reference_has_the_keys_that_reading_allows() {
     let written: toml::Table = parse(FULL).unwrap().to_toml().parse().unwrap();
-    let mut tables = vec![(String::new(), &KEYS, toml::Value::Table(written))];
+    let mut tables = vec![(String::new(), &*KEYS, toml::Value::Table(written))];
     while let Some((path, keys, value)) = tables.pop() {
         let dot = if path.is_empty() { "" } else { "." };
         let e =

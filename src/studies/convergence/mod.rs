@@ -12,8 +12,9 @@ pub use sequence::{Basis, Limit, Sequence, orders_of_changes, orders_of_errors};
 use super::{Campaign, Findings, Outcome};
 use crate::base::{Error, Kind, Result};
 use crate::output::Snapshot;
-use crate::scene::schema::{MeshSource, Settings as SceneSettings};
-use crate::scene::{Scene, Survey, nearest};
+use crate::scene::keys::advice;
+use crate::scene::schema::MeshSource;
+use crate::scene::{Scene, problem};
 use interface::fields_at;
 use ladder::Ladder;
 use std::path::PathBuf;
@@ -80,7 +81,8 @@ const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
 pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Findings> {
     let scene = campaign.scene().clone();
     // The model of the coarsest level knows the columns, and the band that the mesh would choose.
-    let Survey { columns, thickness, .. } = Survey::of(&scene)?;
+    let coarsest = problem(&scene)?;
+    let (columns, thickness) = (coarsest.row()?.names().to_vec(), coarsest.limits().thickness);
     let quantities = quantities(&scene, &settings.quantities, &columns)?;
     let times = times(&scene, &settings.times)?;
     let common = common(&scene, &times, quantities.iter().any(|q| q.meaning == Meaning::Change));
@@ -175,10 +177,13 @@ impl Row {
 }
 
 /// The quantities that are asked for, or a choice of those that the scene has.
-fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Result<Vec<Quantity>> {
+fn quantities(scene: &Scene, asked: &[String], columns: &[String]) -> Result<Vec<Quantity>> {
     // Surfaces in space are not compared.
-    let compared = if scene.mesh.dimension() == 2 { &scene.membranes[..] } else { &[] };
-    let distances = || compared.iter().flat_map(|m| DISTANCES.map(|d| format!("{}.{d}", m.name)));
+    let compared: Vec<&str> = match scene.dimension() {
+        2 => scene.acting().map(|s| s.name()).collect(),
+        _ => Vec::new(),
+    };
+    let distances = || compared.iter().flat_map(|name| DISTANCES.map(|d| format!("{name}.{d}")));
     let meaning = |name: &str| match name.starts_with("error_") {
         true => Meaning::Error,
         false if distances().any(|d| d == name) => Meaning::Change,
@@ -197,7 +202,7 @@ fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Re
             return Err(Error::scene("the runs of this scene have no such quantity")
                 .at("--quantity")
                 .value(&name)
-                .remedy(nearest::advice(&name, columns.iter().map(String::as_str).chain(interface))));
+                .remedy(advice(&name, columns.iter().map(String::as_str).chain(interface))));
         }
     }
     let mut unique: Vec<Quantity> = Vec::new();
@@ -210,21 +215,21 @@ fn quantities(scene: &SceneSettings, asked: &[String], columns: &[String]) -> Re
 }
 
 /// Errors where they are known; lengths, area and place of the interfaces; energies; what the scene measures itself.
-fn choice(scene: &SceneSettings, columns: &[String]) -> Vec<String> {
+fn choice(scene: &Scene, columns: &[String]) -> Vec<String> {
     let mut names: Vec<String> = columns.iter().filter(|c| c.starts_with("error_")).cloned().collect();
     let (dimension, [enclosed, own]) = (scene.mesh.dimension(), scene.extents());
-    for m in &scene.membranes {
-        match m.chords.is_empty() {
-            true => names.extend((1..=dimension).map(|k| format!("{}.axis_{k}", m.name))),
-            false => names.extend(m.chords.iter().map(|c| format!("{}.{}", m.name, c.name))),
+    for s in scene.structures().iter().filter(|s| s.shape().is_some()) {
+        let (name, chords) = (s.name(), s.chords());
+        if s.traits().acts && chords.is_empty() {
+            names.extend((1..=dimension).map(|k| format!("{name}.axis_{k}")));
         }
-        names.extend([own, enclosed].map(|c| format!("{}.{c}", m.name)));
+        names.extend(chords.iter().map(|c| format!("{name}.{c}")));
+        names.extend([own, enclosed].map(|c| format!("{name}.{c}")));
     }
-    names.extend(scene.level_sets.iter().flat_map(|s| [own, enclosed].map(|c| format!("{}.{c}", s.name))));
     if columns.iter().any(|c| c == "energy_kinetic") && names.iter().all(|n| !n.starts_with("error_")) {
         names.push("energy_kinetic".into());
     }
-    if !scene.membranes.is_empty() {
+    if scene.acting().next().is_some() {
         names.push("energy_elastic".into());
         names.extend((dimension == 2).then(|| INTERFACE.into()));
     }
@@ -235,7 +240,7 @@ fn choice(scene: &SceneSettings, columns: &[String]) -> Vec<String> {
 }
 
 /// The times that are asked for, rising; the end of the scene without any.
-fn times(scene: &SceneSettings, asked: &[f64]) -> Result<Vec<f64>> {
+fn times(scene: &Scene, asked: &[f64]) -> Result<Vec<f64>> {
     if asked.is_empty() {
         return Ok(vec![scene.time.end]);
     }
@@ -255,7 +260,7 @@ fn times(scene: &SceneSettings, asked: &[f64]) -> Result<Vec<f64>> {
 }
 
 /// What all trials share: they end at the last of the times, and have rows, and fields if asked for, at all of them.
-fn common(scene: &SceneSettings, times: &[f64], fields: bool) -> Vec<String> {
+fn common(scene: &Scene, times: &[f64], fields: bool) -> Vec<String> {
     let step = scene.time.step;
     let end = times.last().copied().unwrap_or(scene.time.end);
     let whole =
@@ -275,7 +280,7 @@ fn divisor(a: u64, b: u64) -> u64 {
 }
 
 /// What makes each level fine.
-fn sizes(scene: &SceneSettings, settings: &Settings, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
+fn sizes(scene: &Scene, settings: &Settings, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
     let halving = |first: f64| (0..levels.len()).map(|k| first / 2f64.powi(k as i32)).collect();
     if settings.halved.thickness {
         return halving(ladder.thickness.unwrap_or(f64::NAN));
@@ -309,12 +314,11 @@ fn distances(
         let mut now = None;
         if outcome.finished() && quantities.iter().any(|q| q.meaning == Meaning::Change) {
             let fields = fields_at(&campaign.folder_of(&outcome.trial)?, time)?;
-            for m in scene.membranes.iter().filter(|_| before.is_some()) {
-                let apart = before.as_ref().map(|b| distance(b, &fields, &m.name)).transpose();
+            for s in scene.acting().filter(|_| before.is_some()) {
+                let apart = before.as_ref().map(|b| distance(b, &fields, s.name())).transpose();
                 match apart {
-                    Ok(Some(d)) => {
-                        found.extend(DISTANCES.map(|n| format!("{}.{n}", m.name)).into_iter().zip([d.mean, d.largest]))
-                    }
+                    Ok(Some(d)) => found
+                        .extend(DISTANCES.map(|n| format!("{}.{n}", s.name())).into_iter().zip([d.mean, d.largest])),
                     Ok(None) => {}
                     // An interface that is gone has no distance.
                     Err(e) if e.kind() == Kind::Computation => {}

@@ -140,7 +140,7 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
     let all_methods = told.methods.iter().chain(&told.twin_methods).flat_map(|m| &m.set);
     let varies = |set: &String| set.starts_with("numerics.thickness") || set.contains(".force");
     let same = told.factors.iter().all(|f| f.name != "thickness") && !all_methods.into_iter().any(varies);
-    if by_run && same && !scene.membranes.is_empty() {
+    if by_run && same && scene.acting().next().is_some() {
         let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
         notes.push(format!(
             "The half-width eps{eps} of the band is the same in all runs: the error of thickness, of first order in eps and often the largest \

@@ -6,7 +6,7 @@ use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, Grid, Number, rounded};
-use crate::scene::Survey;
+use crate::scene::problem;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
 use crate::studies::{Campaign, Findings, Trial};
 
@@ -60,7 +60,7 @@ impl Limits {
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
     pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
         check(campaign, &self.axes, &["time.step", "time.end"])?;
-        if campaign.scene().membranes.is_empty() {
+        if campaign.scene().acting().next().is_none() {
             return Err(Error::scene("the scene has no membrane, whose coupling could be unstable")
                 .value("no [[membrane]]")
                 .remedy("add one, or ask with --scan which values of another key are stable"));
@@ -99,8 +99,10 @@ impl Limits {
     ) -> Result<Limit> {
         let mut limit = Limit { combination: combination.to_vec(), ..Limit::default() };
         let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
-        match Survey::of(&scene) {
-            Ok(survey) => (limit.edge, limit.formula) = (survey.band_edges.map(|e| e[0]), survey.explicit_limit),
+        match problem(&scene).map(|p| p.limits()) {
+            Ok(found) => {
+                (limit.edge, limit.formula) = (found.band_edges.map(|e| e[0]), found.explicit_limit);
+            }
             Err(e) if e.kind() == Kind::Scene => {
                 campaign.listener().note(&format!("[{k}/{of}] {}: refused", in_words(combination)));
                 return Ok(Limit { refused: Some(e.to_string()), ..limit });

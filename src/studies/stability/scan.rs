@@ -4,7 +4,7 @@ use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::Result;
 use crate::output::{Cell, Chart, Curve, Grid, Stroke, rounded};
-use crate::scene::Survey;
+use crate::scene::problem;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
 use crate::studies::{Campaign, Drawing, Findings, Trial};
 
@@ -65,8 +65,9 @@ impl Scan {
             let outcome = campaign.run(&run, k + 1, all.len())?;
             let verdict = Verdict::of(&outcome, self.tolerance)?;
             // A mesh that cannot be read ended the study above.
-            let survey = Survey::of(&scene).ok();
-            let resolution = survey.and_then(|s| Some(s.thickness? / s.band_edges?[1])).unwrap_or(f64::NAN);
+            let limits = problem(&scene).map(|p| p.limits()).ok();
+            let resolution = limits.and_then(|l| Some(l.thickness? / l.band_edges?[1]));
+            let resolution = resolution.unwrap_or(f64::NAN);
             points.push(Point { combination: combination.clone(), resolution, verdict });
         }
         let mut grids = vec![self.table(&points)];

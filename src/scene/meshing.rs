@@ -1,0 +1,36 @@
+//! The mesh of a scene before it is adapted.
+
+use super::refined::refined;
+use super::schema::MeshSource;
+use super::script::Script;
+use crate::base::{Error, Result, Warning, same};
+use crate::mesh::{self, Mesh, gmsh};
+
+/// Name of the cells of a mesh, more than one of them.
+pub(super) fn cells(dimension: usize) -> &'static str {
+    if dimension == 2 { "triangles" } else { "tetrahedra" }
+}
+
+/// The mesh of a scene in `D` dimensions, and warnings about it.
+///
+/// # Errors
+/// A file that cannot be read or has another dimension; sizes that make no mesh.
+pub(super) fn mesh<const D: usize>(script: &Script) -> Result<(Mesh<D>, Vec<Warning>)> {
+    if let MeshSource::File { path, refine, geometry, .. } = &script.mesh {
+        let (mesh, warnings) = gmsh::read::<D>(path)?;
+        return Ok((refined(script, mesh, *refine, geometry)?, warnings));
+    }
+    let place = |e| script.blame(&["mesh"], e);
+    let found = match &script.mesh {
+        MeshSource::Rectangle { min, max, cells, diagonals } => {
+            same(mesh::rectangle(*min, *max, *cells, *diagonals).map_err(place)?)
+        }
+        MeshSource::Disc { centre, radius, cells } => same(mesh::disc(*centre, *radius, *cells).map_err(place)?),
+        source => match source.generated() {
+            Some(made) => same(made.map_err(place)?),
+            None => None,
+        },
+    };
+    let mesh = found.ok_or_else(|| Error::internal("a mesh of another number of dimensions"))?;
+    Ok((mesh, Vec::new()))
+}

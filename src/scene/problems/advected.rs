@@ -1,0 +1,199 @@
+//! Level sets of a scene in a velocity that is prescribed.
+
+use super::{fields, ground};
+use crate::base::{Error, PHASES, Result, Warning, same};
+use crate::flow::StepReport;
+use crate::mesh::{self, Mesh, Quality};
+use crate::scene::Scene;
+use crate::scene::adapt::{self, Lengths};
+use crate::scene::expression::Expression;
+use crate::scene::measure::{self, Probes};
+use crate::scene::plan;
+use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
+use crate::scene::redistance::{in_words, redistance};
+use crate::scene::row::Row;
+use crate::scene::site::{Site, vector};
+use crate::scene::view::View;
+use crate::sim::{Advection, State, Transfer};
+use std::any::Any;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Level sets of a scene in a prescribed velocity, ready to run.
+pub struct Advected<const D: usize = 2> {
+    /// The advection, at time 0 until it is stepped.
+    pub advection: Advection<D>,
+    /// Warnings before the first step.
+    pub warnings: Vec<Warning>,
+    /// Quality of the mesh.
+    pub quality: Quality<D>,
+    pub(in crate::scene) scene: Scene,
+    pub(in crate::scene) lengths: Option<Lengths>,
+    probes: Probes<D>,
+    carried_bands: Vec<Option<f64>>,
+}
+
+impl<const D: usize> Advected<D> {
+    /// Builds the advection of a scene.
+    ///
+    /// # Errors
+    /// A velocity that has no finite value somewhere; shapes that do not lie on the mesh.
+    pub fn new(scene: &Scene) -> Result<Advected<D>> {
+        let (mut site, lengths) = ground::site::<D>(scene)?;
+        let Some(velocity) = &scene.fluid.prescribed_velocity else {
+            return Err(Error::internal("no velocity is prescribed"));
+        };
+        site.check_finite("prescribed_velocity", velocity)?;
+        let placed = ground::place(scene, &site)?;
+        let structures = ground::structures(scene, &mut site, placed, None)?;
+        let Site { mesh, conditions, quality, warnings, .. } = site;
+        let velocity = (Arc::new(vector(velocity)) as _, scene.time.step);
+        let transport = (ground::transport(scene), &conditions);
+        let mut advection = Advection::new(&mesh, velocity, transport, structures)?;
+        redistance(scene, advection.carried_mut());
+        let (probes, carried_bands) = (Probes::new(scene, &mesh)?, ground::carried_bands(scene));
+        let scene = scene.clone();
+        Ok(Advected { advection, warnings, quality, scene, lengths, probes, carried_bands })
+    }
+
+    /// Continues on another mesh of the domain.
+    fn continue_on(&mut self, mesh: Mesh<D>, transfer: Transfer) -> Result<()> {
+        let this: &mut dyn Any = self;
+        let (Some(problem), Some(mesh)) = (this.downcast_mut::<Advected<2>>(), same(mesh)) else {
+            return Err(Error::internal("a mesh of tetrahedra was adapted"));
+        };
+        problem.advection = problem.advection.on_mesh(&Arc::new(mesh), transfer)?;
+        let mesh = problem.advection.space().mesh();
+        (problem.quality, _) = mesh::check(mesh);
+        problem.probes = Probes::new(&problem.scene, mesh)?;
+        Ok(())
+    }
+
+    pub(in crate::scene) fn view(&self) -> View<'_, D> {
+        View {
+            tables: &self.scene,
+            carried: self.advection.carried(),
+            state: self.advection.state(),
+            flow: None,
+            thickness: None,
+            carried_bands: &self.carried_bands,
+        }
+    }
+}
+
+impl<const D: usize> Problem for Advected<D> {
+    fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+    fn plan(&mut self) -> Result<String> {
+        let (scene, view) = (&self.scene, self.view());
+        let velocity = scene.fluid.prescribed_velocity.iter().flatten();
+        let velocity: Vec<&str> = velocity.map(Expression::text).collect();
+        let no_flow = format!("no flow: the velocity is prescribed as ({})", velocity.join(", "));
+        let solved = std::iter::once(no_flow).chain(plan::structures(scene));
+        let memory = self.advection.bytes() as f64 / 1e6;
+        let unknowns = plan::level_sets(&view).into_iter().chain(plan::map_memory(&view));
+        let memory = format!("no matrix of a flow; memory about {memory:.0} MB");
+        let numerics = [
+            format!(
+                "step {}, characteristics by the Runge-Kutta rule of order 4 through the prescribed velocity",
+                scene.time.step
+            ),
+            plan::transport(scene, &view),
+        ];
+        let mut left_out =
+            vec!["flow, pressure, boundary conditions and every matrix of them: the velocity is prescribed".into()];
+        if scene.numerics.redistance.is_none() {
+            left_out.push("redistancing: the slope of the level set is the stretch of the interface".into());
+        }
+        left_out.extend(plan::third_dimension(D));
+        Ok(plan::text([
+            plan::mesh(scene, &view, (&self.quality, self.lengths.as_ref())),
+            ("Solved", solved.chain(plan::boundaries(scene)).collect()),
+            ("Unknowns", unknowns.chain([memory]).collect()),
+            ("Numerics", numerics.into_iter().chain(in_words(scene)).collect()),
+            ("Left out", left_out),
+            ("Steps", vec![plan::steps(scene)]),
+        ]))
+    }
+    fn limits(&self) -> Limits {
+        Limits::default()
+    }
+    fn step(&mut self) -> Result<StepReport> {
+        self.advection.step()
+    }
+    fn moment(&self) -> Moment {
+        Moment::regular(self.advection.state().steps, self.advection.time(), self.advection.dt())
+    }
+    fn row(&self) -> Result<Row> {
+        let (mut row, view, advection) = (Row::default(), self.view(), &self.advection);
+        measure::structures(&view, self.scene.structures(), &mut row)?;
+        row.put("velocity_max", advection.largest_speed());
+        row.put("divergence", view.carried.divergence(&view.state.flow.u));
+        row.put("cfl", advection.courant());
+        measure::maps(&view, &mut row);
+        if self.scene.adapt.is_some() {
+            row.put("unknowns", 0.0);
+            row.put("energy_transferred", 0.0);
+        }
+        self.probes.measure(&view, &mut row);
+        measure::rest(&view, &mut row)?;
+        Ok(row)
+    }
+    fn profile(&self, k: usize) -> Vec<ProfileColumn> {
+        self.probes.profile(&self.view(), k)
+    }
+    fn profile_points(&self, k: usize) -> Vec<Vec<f64>> {
+        self.probes.points(k)
+    }
+    fn write_fields(&self, path: &Path) -> Result<()> {
+        fields::write(path, &self.view(), None)
+    }
+    fn follow(&mut self) -> Result<bool> {
+        let this: &mut dyn Any = self;
+        let Some(problem) = this.downcast_mut::<Advected<2>>() else { return Ok(false) };
+        let (scene, lengths) = (&problem.scene, problem.lengths.as_ref());
+        let mesh = adapt::outgrown(scene, lengths, &problem.view(), None)?;
+        match (mesh, scene.adapt.as_ref().map(|a| a.transfer)) {
+            (Some(mesh), Some(transfer)) => problem.continue_on(mesh, transfer).map(|()| true),
+            _ => Ok(false),
+        }
+    }
+    fn save(&self, tag: u64) -> [Vec<u8>; 2] {
+        let mesh = match self.scene.adapt.is_some() {
+            true => self.advection.space().mesh().to_bytes(),
+            false => Vec::new(),
+        };
+        [mesh, self.advection.state().to_bytes(tag)]
+    }
+    fn restore(&mut self, [mesh, state]: [&[u8]; 2], tag: u64, _: Option<[f64; 2]>) -> Result<()> {
+        if let (Some(adapt), false) = (&self.scene.adapt, mesh.is_empty()) {
+            let transfer = adapt.transfer;
+            self.continue_on(fields::mesh_from_bytes(mesh)?, transfer)?;
+        }
+        self.advection.restore(State::from_bytes(state, tag)?)
+    }
+    fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        (self.advection.take_costs(), 0)
+    }
+    fn facts(&self) -> Facts {
+        Facts {
+            cells: self.advection.space().mesh().cell_count(),
+            edge: self.quality.greatest_diameter.value,
+            memory: self.advection.bytes(),
+            unknowns: [0, 0, fields::level_set_unknowns(&self.view())],
+            factor: None,
+            adapted: self.lengths.is_some(),
+        }
+    }
+    fn plane_mesh(&self) -> Option<&Mesh<2>> {
+        let mesh: &dyn Any = &**self.advection.space().mesh();
+        mesh.downcast_ref()
+    }
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        vec![("grad_div", 0.0)]
+    }
+    fn advice(&self) -> Advice {
+        Advice { energy: String::new(), area: "numerics.transport = \"composed\" or a finer mesh" }
+    }
+}

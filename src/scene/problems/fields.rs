@@ -1,0 +1,107 @@
+//! Field files of all problems.
+
+use crate::base::{Error, Result};
+use crate::flow::nodal_pressure;
+use crate::mesh::Mesh;
+use crate::output::{FieldData, write_vtu};
+use crate::scene::geometry;
+use crate::scene::view::View;
+use crate::sim::Carried;
+use nalgebra::SVector;
+use std::path::Path;
+
+/// A field that is made for a file.
+enum Made<const D: usize> {
+    Scalar(Vec<f64>),
+    Vector(Vec<SVector<f64, D>>),
+}
+
+impl<const D: usize> Made<D> {
+    fn as_field(&self) -> FieldData<'_, D> {
+        match self {
+            Made::Scalar(values) => FieldData::Scalar(values),
+            Made::Vector(values) => FieldData::Vector(values),
+        }
+    }
+}
+
+/// Writes velocity (or, without a flow, an image), pressure, level sets, strains and curvatures into a
+/// VTU file.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write<const D: usize>(path: &Path, view: &View<'_, D>, image: Option<&[f64]>) -> Result<()> {
+    let (state, structures) = (view.state, view.carried.structures());
+    let with_interface = || (0..structures.len()).filter(|&k| structures[k].level_set().is_some());
+    let names: Vec<String> = with_interface().map(|k| format!("{}.level_set", structures[k].name())).collect();
+    let level_sets: Vec<_> = with_interface().map(|k| view.level_set(k)).collect();
+    let pressure = view.flow.map(|flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
+    let mut fields = vec![match image {
+        Some(image) => ("image", FieldData::Scalar(image)),
+        None => ("velocity", FieldData::Vector(&state.flow.u)),
+    }];
+    fields.extend(pressure.iter().map(|p| ("pressure", FieldData::Scalar(p))));
+    for (name, phi) in names.iter().zip(&level_sets) {
+        fields.push((name, FieldData::Scalar(phi)));
+    }
+    let mut made = strained(view);
+    if view.tables.output.curvature {
+        for k in with_interface() {
+            let of = geometry::fields(view, k).into_iter();
+            let name = structures[k].name();
+            made.extend(of.map(|(end, v)| (format!("{name}.{end}"), Made::Scalar(v))));
+        }
+    }
+    for (name, data) in &made {
+        fields.push((name, data.as_field()));
+    }
+    write_vtu(path, view.space(), state.time, &fields)
+}
+
+/// Fields of the backward characteristics: the displacement `Y(x) - x` to the place at rest of each
+/// structure that resists shear, that to the place at time 0, and in space area and shear about each
+/// interface.
+fn strained<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
+    let (mut made, carried, fields) = (Vec::new(), view.carried, &view.state.fields);
+    if !view.has_backward_map() {
+        return made;
+    }
+    for (k, s) in carried.structures().iter().enumerate() {
+        let name = s.name();
+        if s.resists_shear() {
+            let rest = carried.rest_displacement(fields, k).into_owned();
+            made.push((format!("{name}.displacement"), Made::Vector(rest)));
+        }
+        if D == 3 && s.level_set().is_some() {
+            let reach = view.thickness.filter(|_| s.acts()).unwrap_or_else(|| thinnest(carried));
+            let [area, shear] = carried.nodal_strain(fields, k, reach);
+            made.push((format!("{name}.area_change"), Made::Scalar(area)));
+            made.push((format!("{name}.shear"), Made::Scalar(shear)));
+        }
+    }
+    made.push(("displacement".into(), Made::Vector(fields.displacement().to_vec())));
+    made
+}
+
+/// Two edges of the finest cell.
+fn thinnest<const D: usize>(carried: &Carried<D>) -> f64 {
+    let mesh = carried.mesh();
+    2.0 * (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min)
+}
+
+/// Unknowns of all level sets.
+pub(super) fn level_set_unknowns<const D: usize>(view: &View<'_, D>) -> usize {
+    view.space().len() * view.carried.structures().iter().filter(|s| s.level_set().is_some()).count()
+}
+
+/// The mesh that a checkpoint holds.
+///
+/// # Errors
+/// Damaged bytes.
+pub(super) fn mesh_from_bytes<const D: usize>(bytes: &[u8]) -> Result<Mesh<D>> {
+    Mesh::from_bytes(bytes).ok_or_else(|| {
+        Error::input("the mesh of the checkpoint is damaged")
+            .value(format!("{} bytes", bytes.len()))
+            .remedy("start afresh in another folder with --out")
+    })
+}

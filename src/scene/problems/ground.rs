@@ -1,0 +1,265 @@
+//! The ground of a problem: mesh, conditions and structures of a scene.
+
+use crate::base::{Error, Result, Warning};
+use crate::elastic::Band;
+use crate::fem::Translation;
+use crate::levelset::band_edges;
+use crate::mesh::{self, Mesh, Point, Quality};
+use crate::scene::Scene;
+use crate::scene::adapt::{Lengths, adapted_start};
+use crate::scene::checks::unreached_profiles;
+use crate::scene::expression::Expression;
+use crate::scene::meshing;
+pub(super) use crate::scene::placing::place;
+use crate::scene::schema::{self, Boundary, Condition, MeshSource};
+use crate::scene::script::Script;
+use crate::scene::site::{BAND, Placed, Site, vector};
+use crate::scene::structures::{Build, Traits, band_of, kind_in};
+use crate::sim::Transport;
+use crate::structure::Structure;
+use crate::transport::Method;
+use std::sync::Arc;
+
+/// Times at which a velocity that depends on time is looked at before it is used.
+const SAMPLES: usize = 16;
+/// A normal velocity below this part of the largest speed is rounding, such as that of sin(pi).
+const ROUNDING: f64 = 1e-9;
+/// Degree of the quadrature rule when the scene does not say: FreeFEM's.
+pub(super) const QUADRATURE: usize = 5;
+
+/// Builds the mesh of a scene, adapted where the scene says so, and checks it. Returns the lengths that
+/// an adapted mesh keeps to.
+///
+/// # Errors
+/// A scene of another dimension; a mesh that cannot be built or falls into parts; names and conditions
+/// that do not fit it.
+pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option<Lengths>)> {
+    if scene.dimension() != D {
+        let e = Error::scene(format!("a scene of {} dimensions has no model of {D}", scene.dimension()));
+        return Err(scene.blame(&["mesh"], e.remedy("build the model of the dimension of its mesh")));
+    }
+    let (mesh, mut warnings) = meshing::mesh::<D>(scene)?;
+    // `walls` names every side: one that lacks a condition is told by name and place when the unknowns
+    // are numbered.
+    let given = with_walls(mesh);
+    let lengths = scene.adapt.as_ref().map(|a| Lengths::new(scene, a, &given)).transpose()?;
+    let mesh = Arc::new(match &lengths {
+        Some(lengths) => adapted_start(scene, given, lengths)?,
+        None => given,
+    });
+    let (quality, found) = mesh::check(&mesh);
+    warnings.extend(found);
+    check_parts(scene, &quality)?;
+    warnings.extend(unreached_profiles(scene));
+    let mut site = Site::new(scene, mesh, quality)?;
+    warnings.extend(check_inflow(scene, &site.mesh, &site.pairs)?);
+    check_map(scene, !site.pairs.is_empty())?;
+    check_slice(scene, site.mesh.bounding_box())?;
+    site.warnings = warnings;
+    Ok((site, lengths))
+}
+
+/// Half-width of the bands: the scene's, or a multiple of the longest edge on the interfaces that act;
+/// `None` where none does.
+///
+/// # Errors
+/// An interface no part of which lies on the mesh.
+pub(super) fn thickness<const D: usize>(
+    scene: &Scene,
+    site: &Site<'_, D>,
+    placed: &[Option<Placed<D>>],
+) -> Result<Option<f64>> {
+    let mut longest: f64 = 0.0;
+    let acting = |k: &usize| scene.structures()[*k].traits().acts;
+    let distances = || (0..placed.len()).filter(acting).filter_map(|k| Some((k, &placed[k].as_ref()?.nodal)));
+    for (k, d) in distances() {
+        let Some(edges) = band_edges(&site.space, d, 0.0) else {
+            let e = Error::scene("no part of the interface lies on the mesh")
+                .remedy("move the shape onto the mesh (does it lie in a hole?), or refine the mesh");
+            let [list, number] = scene.structure_keys(k);
+            return Err(scene.blame(&[&list, &number, "shape"], e));
+        };
+        longest = longest.max(edges.largest);
+    }
+    if distances().next().is_none() {
+        return Ok(None);
+    }
+    // Edges on the interface first, then those in the band that they make, which on a graded mesh are
+    // longer.
+    let eps = BAND * longest;
+    let edges = distances().filter_map(|(_, d)| band_edges(&site.space, d, eps));
+    let longest = edges.map(|e| e.largest).fold(longest, f64::max);
+    Ok(Some(scene.numerics.thickness.unwrap_or(BAND * longest)))
+}
+
+/// Builds the structures of a scene.
+///
+/// # Errors
+/// Values that do not fit the mesh, with their place.
+pub(super) fn structures<const D: usize>(
+    scene: &Scene,
+    site: &mut Site<'_, D>,
+    placed: Vec<Option<Placed<D>>>,
+    thickness: Option<f64>,
+) -> Result<Vec<Box<dyn Structure<D>>>> {
+    let (walls, eps) = (site.wall_nodes(), thickness.unwrap_or(0.0));
+    warn_of_overlaps(scene, site, &placed, eps);
+    let mut all = Vec::new();
+    for (k, (kind, placed)) in scene.structures().iter().zip(placed).enumerate() {
+        let (keys, inside) = (scene.structure_keys(k), scene.inside(&**kind));
+        let mut build = Build { site, keys, placed, thickness: eps, inside, walls: &walls };
+        all.push(kind_in::<D>(&**kind)?.build(&mut build)?);
+    }
+    Ok(all)
+}
+
+/// For each structure the slope that its band is measured with, where that is carried.
+pub(super) fn carried_bands(scene: &Scene) -> Vec<Option<f64>> {
+    let slope = |traits: Traits| {
+        let carried = band_of(&scene.numerics, traits.constant_tension) == Band::Carried;
+        (traits.acts && carried).then_some(traits.slope)
+    };
+    scene.structures().iter().map(|s| slope(s.traits())).collect()
+}
+
+/// Options of the transport.
+pub(super) fn transport(scene: &Scene) -> Transport {
+    let numerics = &scene.numerics;
+    Transport {
+        method: numerics.transport,
+        remap: numerics.remap,
+        quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
+        backward_map: scene.output.backward_map,
+    }
+}
+
+/// A warning when two bands overlap: their stresses are added, and the fluid between them is not
+/// resolved.
+fn warn_of_overlaps<const D: usize>(scene: &Scene, site: &mut Site<'_, D>, placed: &[Option<Placed<D>>], eps: f64) {
+    // What pulls at nothing may lie where another one is.
+    let pulling = scene.structures().iter().zip(placed).filter(|(s, _)| s.traits().pulls);
+    let pulling: Vec<_> = pulling.filter_map(|(s, p)| Some((s, &p.as_ref()?.nodal))).collect();
+    for (k, (first, a)) in pulling.iter().enumerate() {
+        for (second, b) in pulling.iter().skip(k + 1) {
+            let near = (0..a.len()).find(|&n| a[n].abs() < eps && b[n].abs() < eps);
+            if let Some(n) = near {
+                let (first, second, at) = (first.name(), second.name(), site.space.nodes()[n]);
+                let what =
+                    format!("the bands of `{first}` and `{second}` overlap, for example at {:.4?}", at.as_slice());
+                let advice = "move the shapes apart by two band half-widths, or give a smaller thickness";
+                site.warnings.push(Warning::new(what, advice));
+            }
+        }
+    }
+}
+
+/// Refuses what backward characteristics cannot have: a map to the place at rest, a level set taken from
+/// the map and composed transport where particles pass periodic sides.
+fn check_map(scene: &Scene, periodic: bool) -> Result<()> {
+    let composed = scene.numerics.transport == Method::Composed;
+    if scene.output.backward_map && composed && (periodic || scene.structures().is_empty()) {
+        let what = "composed transport tells the backward characteristics of a scene with interfaces and without periodic sides";
+        let e = Error::scene(what).value("backward_map = true").remedy("take numerics.transport = \"nodal\"");
+        return Err(scene.blame(&["output", "backward_map"], e));
+    }
+    for (k, s) in scene.structures().iter().enumerate().filter(|_| periodic) {
+        let traits = s.traits();
+        let sheared = (traits.resists_shear && composed).then_some(("shear", "shear with composed transport"));
+        if let Some((key, what)) = traits.not_periodic.or(sheared) {
+            let e = Error::scene(format!("{what} cannot be had where particles pass periodic sides"))
+                .remedy("give walls or prescribed velocities in place of periodic sides, or leave it out");
+            let [list, number] = scene.structure_keys(k);
+            return Err(scene.blame(&[&list, &number, key], e));
+        }
+    }
+    Ok(())
+}
+
+/// Adds the name `walls` for the whole boundary to a mesh that does not have it.
+fn with_walls<const D: usize>(mut mesh: Mesh<D>) -> Mesh<D> {
+    if !mesh.boundaries().contains_key(schema::WALLS) {
+        let all = (0..mesh.facets().len() as u32).collect();
+        mesh.set_boundary(schema::WALLS, all);
+    }
+    mesh
+}
+
+fn check_parts<const D: usize>(script: &Script, quality: &Quality<D>) -> Result<()> {
+    if quality.parts <= 1 {
+        return Ok(());
+    }
+    let file = match &script.mesh {
+        MeshSource::File { path, .. } => path.display().to_string(),
+        _ => String::new(),
+    };
+    let what = "the mesh falls into parts that are not connected, and one pressure cannot be fixed in each";
+    Err(Error::input(what)
+        .at(file)
+        .value(format!("{} parts", quality.parts))
+        .remedy("run each part on its own, or join them (gmsh: Coherence; before meshing)"))
+}
+
+/// Refuses pictures on a plane that misses the domain.
+fn check_slice<const D: usize>(script: &Script, (low, high): (Point<D>, Point<D>)) -> Result<()> {
+    let Some((axis, at)) = script.output.picture.slice.and_then(|s| Some((s.axis, s.at?))) else { return Ok(()) };
+    if axis < D && (low[axis]..=high[axis]).contains(&at) {
+        return Ok(());
+    }
+    let e = Error::scene("the plane of the pictures misses the domain")
+        .value(at)
+        .remedy(format!("give a coordinate from {} to {}", low[axis], high[axis]));
+    Err(script.blame(&["output", "picture", "slice"], e))
+}
+
+/// Refuses composed transport where fluid may come in: a particle that was outside at time 0 has no value there. Warns of
+/// projected transport there, which amplifies what the characteristics bring in from the boundary.
+fn check_inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Result<Option<Warning>> {
+    if scene.structures().is_empty() || scene.numerics.transport == Method::Nodal {
+        return Ok(None);
+    }
+    let Some(side) = inflow(scene, mesh, pairs) else { return Ok(None) };
+    if scene.numerics.transport == Method::Composed {
+        let e =
+            Error::scene(format!("composed transport cannot be used where fluid comes in, as it may through {side}"))
+                .value("transport = \"composed\"")
+                .remedy("use transport = \"nodal\": a particle that was outside at time 0 has no value to bring along");
+        return Err(scene.blame(&["numerics", "transport"], e));
+    }
+    let what = format!("projected transport is unstable where fluid comes in, as it may through {side}");
+    Ok(Some(Warning::new(what, "use transport = \"nodal\" unless that side only moves along itself")))
+}
+
+/// A part of the boundary through which fluid may come in.
+fn inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Option<String> {
+    let enters = |facets: &[u32], v: &[Expression]| {
+        let v = vector(v);
+        let times = |k: usize| scene.time.end * k as f64 / (SAMPLES - 1) as f64;
+        let mut fastest: f64 = 0.0;
+        let mut inward: f64 = 0.0;
+        for &f in facets {
+            let facet = &mesh.facets()[f as usize];
+            let (n, _) = mesh.facet_normal(facet);
+            let ends: Vec<Point<D>> = mesh.facet_points(facet).map(|p| mesh.points()[p as usize]).collect();
+            let middle = ends.iter().fold(Point::<D>::zeros(), |s, x| s + x) / ends.len() as f64;
+            for x in ends.iter().chain([&middle]) {
+                for u in (0..SAMPLES).map(|k| v(x, times(k))) {
+                    fastest = fastest.max(u.norm());
+                    inward = inward.max(-u.dot(&n));
+                }
+            }
+        }
+        inward > ROUNDING * fastest
+    };
+    if let Some(v) = &scene.fluid.prescribed_velocity {
+        let mut wall = vec![true; mesh.facets().len()];
+        pairs.iter().for_each(|p| wall[p.facet as usize] = false);
+        let facets: Vec<u32> = (0..mesh.facets().len() as u32).filter(|&f| wall[f as usize]).collect();
+        return enters(&facets, v).then(|| "the boundary of the mesh".to_string());
+    }
+    let lets_in = |b: &&Boundary| match (&b.condition, mesh.boundary(&b.name)) {
+        (Condition::Open, _) => true,
+        (Condition::Velocity(v), Ok(facets)) => enters(facets, v),
+        _ => false,
+    };
+    scene.boundaries.iter().find(lets_in).map(|b| format!("boundary `{}`", b.name))
+}

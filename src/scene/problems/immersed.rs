@@ -1,0 +1,421 @@
+//! The flow of a scene with its structures.
+
+use super::flow_plan::FlowPlan;
+use super::ground::{self, QUADRATURE};
+use crate::base::{Kind, PHASES, Result, Warning};
+use crate::flow::{BodyForce, Load, StepReport, traction};
+use crate::levelset::band_edges;
+use crate::mesh::{self, Mesh, Point, Quality};
+use crate::scene::Scene;
+use crate::scene::adapt::{self, Lengths};
+use crate::scene::checks::check_motion_is_fixed;
+use crate::scene::measure::{self, Probes, force_columns};
+use crate::scene::pacing::pacing;
+use crate::scene::plan;
+use crate::scene::points::point;
+use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
+use crate::scene::redistance::redistance;
+use crate::scene::row::Row;
+use crate::scene::schema::Condition;
+use crate::scene::site::{Site, vector, wall_nodes};
+use crate::scene::view::View;
+use crate::sim::{Budget, Energies, Settings, Simulation, State, Transfer};
+use crate::structure::Structure;
+use crate::transport::Method;
+use nalgebra::SVector;
+use std::any::Any;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Weight of the grad-div term over `rho U L` when the scene does not say: of a flow with a membrane,
+/// which the divergence would feed with energy, and of a flow alone, where more of it costs accuracy
+/// (driven cavity on 32 x 32, error of u_min: 6e-3 with a weight of 5, 2e-4 with 0.1).
+const GRAD_DIV: [f64; 2] = [5.0, 0.1];
+/// The same with a sharp membrane: the currents about a drop at rest fall like its inverse (n = 30: 9e-3
+/// at 5, 9e-4 at 50).
+const GRAD_DIV_SHARP: f64 = 50.0;
+/// Weight of the grad-div term over the viscosity in a flow without inertia: with a band, and with a
+/// sharp membrane (lambda = 10, mu = 0.01, n = 20: 14 % spurious energy at 10, 2.8 % at 500).
+const GRAD_DIV_STOKES: [f64; 2] = [10.0, 500.0];
+/// Times at which prescribed velocities are sampled for the velocity scale.
+const SAMPLES: usize = 64;
+
+/// The flow of a scene with its structures, ready to run.
+pub struct ImmersedFlow<const D: usize = 2> {
+    /// The simulation, at time 0 until it is stepped.
+    pub simulation: Simulation<D>,
+    /// Warnings before the first step.
+    pub warnings: Vec<Warning>,
+    /// Largest stable step of the explicit coupling (1.54) at the start, if there is one.
+    pub explicit_limit: Option<f64>,
+    /// Shortest and longest edge in the bands when the mesh was built.
+    pub band_edges: Option<[f64; 2]>,
+    /// Half-width of the bands.
+    pub thickness: Option<f64>,
+    /// Velocity scale that grad-div was derived from, if it was.
+    pub velocity_scale: Option<f64>,
+    /// Quality of the mesh.
+    pub quality: Quality<D>,
+    /// The scene.
+    pub(in crate::scene) scene: Scene,
+    /// Lengths that an adapted mesh keeps to.
+    pub(in crate::scene) lengths: Option<Lengths>,
+    /// Nodes on the boundary, periodic sides left aside.
+    wall_nodes: Vec<u32>,
+    probes: Probes<D>,
+    carried_bands: Vec<Option<f64>>,
+}
+
+impl<const D: usize> ImmersedFlow<D> {
+    /// Builds the flow of a scene.
+    ///
+    /// # Errors
+    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place; a scene that has not `D`
+    /// dimensions.
+    pub fn new(scene: &Scene) -> Result<ImmersedFlow<D>> {
+        let (mut site, lengths) = ground::site::<D>(scene)?;
+        check_motion_is_fixed(scene)?;
+        let placed = ground::place(scene, &site)?;
+        let thickness = ground::thickness(scene, &site, &placed)?;
+        let structures = ground::structures(scene, &mut site, placed, thickness)?;
+        let scales = [velocity_scale(scene, &site), site.size()];
+        let grad_div = scene.numerics.grad_div.unwrap_or_else(|| grad_div(scene, scales));
+        let settings = settings(scene, &site, grad_div);
+        let place = |e| scene.blame(&["numerics", "coupling"], e);
+        settings.check_couplings(&structures).map_err(place)?;
+        site.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
+        site.check_finite("force", &scene.fluid.force)?;
+        let (wall_nodes, initial) = (site.wall_nodes(), vector(&scene.fluid.initial_velocity));
+        let Site { mesh, quality, warnings, .. } = site;
+        let simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0));
+        let place = |e: crate::base::Error| {
+            if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e }
+        };
+        let mut simulation = simulation.map_err(place)?;
+        redistance(scene, simulation.carried_mut());
+        simulation.keep_reactions(!scene.output.forces.is_empty());
+        let mut flow = ImmersedFlow {
+            band_edges: edges_in_bands(&simulation, thickness),
+            probes: Probes::new(scene, &mesh)?,
+            carried_bands: ground::carried_bands(scene),
+            velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
+            scene: scene.clone(),
+            explicit_limit: None,
+            simulation,
+            warnings,
+            thickness,
+            quality,
+            wall_nodes,
+            lengths,
+        };
+        flow.explicit_limit = flow.step_limit();
+        if let Some(tolerance) = scene.time.tolerance {
+            let pacing = pacing(scene, tolerance, scales);
+            let place = |e| scene.blame(&["time", "tolerance"], e);
+            flow.simulation.pace(pacing).map_err(place)?;
+        }
+        Ok(flow)
+    }
+
+    /// The limit (1.54) for the current tension, with the finest edge of the bands; `None` without
+    /// tension.
+    pub fn step_limit(&self) -> Option<f64> {
+        let ([edge, _], viscosity) = (self.band_edges?, self.simulation.least_viscosity());
+        let limits = self.simulation.structures().iter().map(|s| s.step_limit(viscosity, edge));
+        limits.filter(|limit| limit.is_finite()).reduce(f64::min)
+    }
+
+    /// A view of the current state.
+    pub(in crate::scene) fn view(&self) -> View<'_, D> {
+        View {
+            tables: &self.scene,
+            carried: self.simulation.carried(),
+            state: self.simulation.state(),
+            flow: Some(self.simulation.flow()),
+            thickness: self.thickness,
+            carried_bands: &self.carried_bands,
+        }
+    }
+
+    /// Continues on another mesh of the domain.
+    fn continue_on(&mut self, mesh: Mesh<D>, transfer: Transfer) -> Result<()> {
+        let this: &mut dyn Any = self;
+        let (Some(flow), Some(mesh)) = (this.downcast_mut::<ImmersedFlow<2>>(), crate::base::same(mesh)) else {
+            return Err(crate::base::Error::internal("a mesh of tetrahedra was adapted"));
+        };
+        flow.simulation = flow.simulation.on_mesh(&Arc::new(mesh), transfer)?;
+        let sim = &flow.simulation;
+        flow.band_edges = edges_in_bands(sim, flow.thickness);
+        (flow.quality, _) = mesh::check(sim.space().mesh());
+        flow.wall_nodes = wall_nodes(sim.space(), sim.carried().translations());
+        flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
+        Ok(())
+    }
+
+    /// Measures the forces on boundaries, by the residual and by the stress.
+    fn measure_forces(&self, row: &mut Row) -> Result<()> {
+        let (sim, viscosity) = (&self.simulation, self.simulation.viscosity());
+        let pressure = sim.flow().pressure().space();
+        for f in &self.scene.output.forces {
+            let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
+            let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
+            let (space, flow) = (sim.space(), &sim.state().flow);
+            let stress = traction(space, pressure, &viscosity, flow, &f.boundary, &about)?;
+            let ways = [("", &residual), ("stress_", &stress)];
+            for (way, load) in ways {
+                let prefix = format!("{}_{way}", f.name);
+                row.put_all(&prefix, force_columns(D, false).iter().zip(load.force.iter().copied()));
+            }
+            for (way, load) in ways.into_iter().filter(|_| f.about.is_some()) {
+                // In the plane a moment has the last component alone.
+                let moment = load.moment.iter().copied().skip(if D == 2 { 2 } else { 0 });
+                row.put_all(&format!("{}_{way}", f.name), force_columns(D, true).iter().zip(moment));
+            }
+        }
+        Ok(())
+    }
+
+    /// Energies, their balance, and numbers of the step.
+    fn measure_flow(&self, row: &mut Row) {
+        let (sim, state) = (&self.simulation, self.simulation.state());
+        let e = state.energies;
+        row.put("energy_kinetic", e.kinetic);
+        row.put("energy_elastic", e.elastic);
+        row.put("dissipation", e.dissipation);
+        row.put("energy_balance", state.budget.residual(&e));
+        row.put("work", state.budget.work);
+        row.put("velocity_max", sim.largest_speed());
+        row.put("divergence", e.divergence);
+        row.put("cfl", sim.courant());
+        let over_limit = self.step_limit().map_or(0.0, |limit| sim.settings().dt / limit);
+        row.put("step_over_limit", over_limit);
+    }
+}
+
+impl<const D: usize> Problem for ImmersedFlow<D> {
+    fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+    fn plan(&mut self) -> Result<String> {
+        self.simulation.analyse()?;
+        let mesh = plan::mesh(&self.scene, &self.view(), (&self.quality, self.lengths.as_ref()));
+        let flow = FlowPlan {
+            scene: &self.scene,
+            sim: &self.simulation,
+            view: self.view(),
+            limits: self.limits(),
+            velocity_scale: self.velocity_scale,
+        };
+        Ok(plan::text(std::iter::once(mesh).chain(flow.sections())))
+    }
+    fn limits(&self) -> Limits {
+        let ImmersedFlow { thickness, band_edges, explicit_limit, .. } = *self;
+        Limits { thickness, band_edges, explicit_limit }
+    }
+    fn step(&mut self) -> Result<StepReport> {
+        self.simulation.step()
+    }
+    fn moment(&self) -> Moment {
+        let (sim, state) = (&self.simulation, self.simulation.state());
+        Moment {
+            steps: state.steps,
+            time: state.time,
+            dt: sim.settings().dt,
+            at_instant: sim.is_at_instant(),
+            done: sim.is_done(),
+            rejected: state.pace.as_ref().map(|p| p.clock.rejected),
+        }
+    }
+    fn row(&self) -> Result<Row> {
+        let (mut row, view) = (Row::default(), self.view());
+        measure::structures(&view, self.scene.structures(), &mut row)?;
+        self.measure_flow(&mut row);
+        measure::maps(&view, &mut row);
+        if self.scene.adapt.is_some() {
+            row.put("unknowns", self.simulation.flow().numbering().order() as f64);
+            row.put("energy_transferred", self.simulation.state().budget.transferred);
+        }
+        self.probes.measure(&view, &mut row);
+        self.measure_forces(&mut row)?;
+        measure::rest(&view, &mut row)?;
+        if self.scene.time.tolerance.is_some() {
+            row.put("step", self.simulation.settings().dt);
+        }
+        Ok(row)
+    }
+    fn profile(&self, k: usize) -> Vec<ProfileColumn> {
+        self.probes.profile(&self.view(), k)
+    }
+    fn profile_points(&self, k: usize) -> Vec<Vec<f64>> {
+        self.probes.points(k)
+    }
+    fn write_fields(&self, path: &Path) -> Result<()> {
+        super::fields::write(path, &self.view(), None)
+    }
+    fn follow(&mut self) -> Result<bool> {
+        let this: &mut dyn Any = self;
+        let Some(flow) = this.downcast_mut::<ImmersedFlow<2>>() else { return Ok(false) };
+        let edges = flow.band_edges;
+        let mesh = adapt::outgrown(&flow.scene, flow.lengths.as_ref(), &flow.view(), edges)?;
+        match (mesh, flow.scene.adapt.as_ref().map(|a| a.transfer)) {
+            (Some(mesh), Some(transfer)) => flow.continue_on(mesh, transfer).map(|()| true),
+            _ => Ok(false),
+        }
+    }
+    fn save(&self, tag: u64) -> [Vec<u8>; 2] {
+        let mesh = match self.scene.adapt.is_some() {
+            true => self.simulation.space().mesh().to_bytes(),
+            false => Vec::new(),
+        };
+        [mesh, self.simulation.state().to_bytes(tag)]
+    }
+    fn restore(&mut self, [mesh, state]: [&[u8]; 2], tag: u64, edges: Option<[f64; 2]>) -> Result<()> {
+        if let (Some(adapt), false) = (&self.scene.adapt, mesh.is_empty()) {
+            let transfer = adapt.transfer;
+            self.continue_on(super::fields::mesh_from_bytes(mesh)?, transfer)?;
+        }
+        self.simulation.restore(State::from_bytes(state, tag)?)?;
+        self.band_edges = edges.or(self.band_edges);
+        Ok(())
+    }
+    fn energies(&self) -> Option<(Energies, Budget)> {
+        let state = self.simulation.state();
+        Some((state.energies, state.budget))
+    }
+    fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        self.simulation.take_costs()
+    }
+    fn facts(&self) -> Facts {
+        let (sim, flow) = (&self.simulation, self.simulation.flow());
+        let velocity = flow.numbering().first_pressure();
+        let pressure = flow.numbering().order() - velocity;
+        Facts {
+            cells: sim.space().mesh().cell_count(),
+            edge: self.quality.greatest_diameter.value,
+            memory: sim.bytes(),
+            unknowns: [velocity, pressure, super::fields::level_set_unknowns(&self.view())],
+            factor: flow.solver_size().map(|(_, size)| (size.entries, size.value_bytes())),
+            adapted: self.lengths.is_some(),
+        }
+    }
+    fn cut_bands(&self) -> Vec<String> {
+        let fields = &self.simulation.state().fields;
+        let is_cut = |s: &dyn Structure<D>| {
+            let phi = s.level_set().map_or(&[][..], |id| fields.scalar(id));
+            let near = |&n: &u32| phi.get(n as usize).is_some_and(|v| v.abs() < s.reach());
+            s.acts() && self.wall_nodes.iter().any(near)
+        };
+        let cut = self.simulation.structures().iter().filter(|s| is_cut(&***s));
+        cut.map(|s| s.name().to_string()).collect()
+    }
+    fn plane_mesh(&self) -> Option<&Mesh<2>> {
+        let mesh: &dyn Any = &**self.simulation.space().mesh();
+        mesh.downcast_ref()
+    }
+    fn derived(&self) -> Vec<(&'static str, f64)> {
+        let grad_div = ("grad_div", self.simulation.settings().grad_div);
+        let thickness = self.thickness.map(|eps| ("thickness", eps));
+        std::iter::once(grad_div).chain(thickness).collect()
+    }
+    fn advice(&self) -> Advice {
+        let projected = self.scene.numerics.transport == Method::Projected;
+        let sharp = self.scene.acting().any(|s| s.traits().sharp);
+        let band = match sharp {
+            true => "",
+            false => " a larger thickness over the edges of the mesh, numerics.band = \"carried\",",
+        };
+        let transport = if projected { " transport = \"nodal\"," } else { "" };
+        Advice {
+            energy: format!("Take a larger numerics.grad_div,{band}{transport} or a smaller step."),
+            area: "a larger numerics.grad_div or a finer mesh",
+        }
+    }
+}
+
+/// Shortest and longest edge in the bands of the structures that act.
+fn edges_in_bands<const D: usize>(sim: &Simulation<D>, thickness: Option<f64>) -> Option<[f64; 2]> {
+    let eps = thickness?;
+    let fields = &sim.state().fields;
+    let acting = sim.structures().iter().filter(|s| s.acts()).filter_map(|s| s.level_set());
+    let edges = acting.filter_map(|id| band_edges(sim.space(), fields.scalar(id), eps));
+    let edges = edges.map(|e| [e.smallest, e.largest]);
+    edges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// The largest of the speeds that walls, the start, gravity and the elastic waves of the structures
+/// give.
+fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
+    let (fluid, length) = (&scene.fluid, site.size());
+    let density = heaviest(scene);
+    let initial = vector(&fluid.initial_velocity);
+    let mut speed = site.mesh.points().iter().map(|x| initial(x, 0.0).norm()).fold(0.0, f64::max);
+    for b in &scene.boundaries {
+        if let (Condition::Velocity(v), Ok(facets)) = (&b.condition, site.mesh.boundary(&b.name)) {
+            let v = vector(v);
+            for &f in facets {
+                for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
+                    // Multiples of the golden ratio meet no period of an oscillation.
+                    for k in 0..SAMPLES {
+                        let t = scene.time.end * (k as f64 * 0.618_033_988_749_895).fract();
+                        speed = speed.max(v(&site.space.nodes()[n as usize], t).norm());
+                    }
+                }
+            }
+        }
+    }
+    if density > 0.0 {
+        for s in scene.acting() {
+            speed = speed.max((s.traits().modulus / (density * length)).sqrt());
+        }
+        let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
+        speed = speed.max((gravity * length).sqrt());
+        let force = vector(&fluid.force);
+        let force = site.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max);
+        speed = speed.max((force * length / density).sqrt());
+    }
+    speed
+}
+
+/// Weight of grad-div in units where `rho U L = 1`, at least the viscosity; `scales` are a speed and a
+/// length.
+fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
+    let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
+    let sharp = scene.acting().any(|s| s.traits().sharp);
+    if !scene.has_inertia() {
+        return GRAD_DIV_STOKES[usize::from(sharp)] * viscosity;
+    }
+    let alone = scene.acting().next().is_none();
+    let weight = if sharp { GRAD_DIV_SHARP } else { GRAD_DIV[usize::from(alone)] };
+    (weight * heaviest(scene) * speed * length).max(viscosity)
+}
+
+/// The largest density that inertia has.
+fn heaviest(scene: &Scene) -> f64 {
+    let outside = scene.outside().density;
+    match scene.fluid.boussinesq {
+        true => outside,
+        false => scene.fluids().map(|f| f.density).fold(outside, f64::max),
+    }
+}
+
+fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) -> Settings<D> {
+    let (fluid, numerics) = (&scene.fluid, &scene.numerics);
+    let body_force = fluid.has_force().then(|| {
+        let f = vector(&fluid.force);
+        Arc::new(move |x: &Point<D>, t: f64| f(x, t)) as Arc<BodyForce<D>>
+    });
+    Settings {
+        order: scene.time.order,
+        transport: ground::transport(scene),
+        convection: numerics.convection.unwrap_or(scene.has_inertia()),
+        grad_div,
+        solve_tolerance: numerics.solve_tolerance,
+        solving: numerics.solving,
+        quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
+        boussinesq: fluid.boussinesq,
+        pressure: numerics.pressure,
+        gravity: SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()),
+        body_force,
+        ..Settings::new(scene.time.step, scene.outside(), site.conditions.clone())
+    }
+}

@@ -1,0 +1,297 @@
+//! Reading and writing a scene: its tables, its structures, and what they must agree on.
+
+use super::keys::{Context, Item, Keys, Table, Writer, distinct};
+use super::schema::{
+    Adapt, Exact, Fluid, Image, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion, Numerics, Output, Tables, Time,
+    check_image, constants, read_boundaries,
+};
+use super::structures::{KINDS, StructureKind, Traits};
+use crate::base::{Error, Result};
+use crate::fem::Element;
+use crate::sim::Way;
+use crate::transport::Method;
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// Structures of a scene, in the order of their columns.
+pub(super) type Structures = Vec<Box<dyn StructureKind>>;
+
+/// The keys of a scene.
+pub static KEYS: LazyLock<Keys> = LazyLock::new(|| {
+    let lists = KINDS.iter().map(|kind| kind.key());
+    let keys: Vec<_> = KEYS_BEFORE.into_iter().chain(lists).chain(KEYS_AFTER).collect();
+    Keys {
+        about: "A scene is a TOML file. Lengths, times and masses are in any consistent system of units; \
+            units below are those of SI.",
+        keys: keys.leak(),
+    }
+});
+
+/// Reads a scene whose file lies in `folder` and is called `name`.
+///
+/// # Errors
+/// The first thing that is wrong, with its place.
+pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<(Tables, Structures)> {
+    let read = |dimension| read_as(root, folder, name, dimension);
+    // Where the scene says otherwise than its mesh file, or the file is missing, that is told when
+    // the mesh is built.
+    read(None).or_else(|e| [2, 3].into_iter().find_map(|d| read(Some(d)).ok()).ok_or(e))
+}
+
+/// Reads a scene, its mesh file being of this dimension; without one, of that which the file says, or
+/// else of the plane.
+fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> Result<(Tables, Structures)> {
+    let scene = root.table(&KEYS)?;
+    let constants = scene.optional("constants", constants)?.unwrap_or_default();
+    let (image, mesh) = read_mesh(&scene, folder, &constants, dimension)?;
+    let adapt = read_adapt(&scene, mesh.dimension())?;
+    let context = Context { dimension: mesh.dimension(), constants };
+    let numerics = Numerics::read(scene.get("numerics"))?;
+    let structures = read_structures(&scene, &numerics, &context)?;
+    let traits: Vec<Traits> = structures.iter().map(|s| s.traits()).collect();
+    let fluid = match &image {
+        Some(_) => Fluid::none(context.dimension),
+        None => {
+            let read = |i: &Item| Fluid::read(i, &own_fluids(&structures), &context);
+            scene.required("fluid", "write [fluid] with viscosity = 0.01", read)?
+        }
+    };
+    let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
+    check(&scene, (&mesh, &fluid, image.is_some()), (&numerics, &time, adapt.as_ref()), &structures)?;
+    let names: Vec<&str> = structures.iter().map(|s| s.name()).collect();
+    let motion = Motion::of(&fluid, image.is_some());
+    let sheared = traits.iter().any(|t| t.resists_shear);
+    let output = Output::read(scene.get("output"), &time, &names, motion, sheared, &context)?;
+    let text = |i: &Item| i.text().map(str::to_string);
+    let tables = Tables {
+        title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
+        units: scene.optional("units", text)?.unwrap_or_default(),
+        boundaries: read_boundaries(scene.get("boundary"), fluid.is_prescribed(), &context)?,
+        numerics,
+        output,
+        exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
+        constants: context.constants,
+        mesh,
+        adapt,
+        fluid,
+        image,
+        time,
+    };
+    Ok((tables, structures))
+}
+
+/// The image, if there is one, and the mesh.
+fn read_mesh(
+    scene: &Table<'_>,
+    folder: &Path,
+    constants: &std::collections::BTreeMap<String, f64>,
+    dimension: Option<usize>,
+) -> Result<(Option<Image>, MeshSource)> {
+    let item = scene.get("image");
+    let image = item.as_ref().map(|i| Image::read(i, folder)).transpose()?;
+    let remedy = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
+    let mesh = match (&item, &image) {
+        (Some(item), Some(image)) if scene.get("mesh").is_none() => image.mesh(item)?,
+        _ => scene.required("mesh", remedy, |i| MeshSource::read(i, folder, constants, dimension))?,
+    };
+    if let Some(item) = &item {
+        check_image(scene, item, mesh.dimension())?;
+    }
+    Ok((image, mesh))
+}
+
+fn adapt_item<'a>(scene: &Table<'a>) -> Result<Option<Item<'a>>> {
+    Ok(scene.get("mesh").map(|i| i.open_table()).transpose()?.and_then(|t| t.get("adapt")))
+}
+
+fn read_adapt(scene: &Table<'_>, dimension: usize) -> Result<Option<Adapt>> {
+    let item = adapt_item(scene)?;
+    if let (Some(item), 3) = (&item, dimension) {
+        return Err(item
+            .key_error("meshes of tetrahedra are not adapted")
+            .remedy("leave mesh.adapt out, and make the mesh fine where the interface passes"));
+    }
+    item.as_ref().map(Adapt::read).transpose()
+}
+
+/// All structures, each with a name of its own.
+fn read_structures(scene: &Table<'_>, numerics: &Numerics, context: &Context) -> Result<Structures> {
+    let mut all: Structures = Vec::new();
+    for kind in KINDS {
+        let taken: Vec<&str> = all.iter().map(|s| s.name()).collect();
+        let read = |i: &Item| (kind.read)(i, numerics, context);
+        let found = distinct(scene.get(kind.list), &taken, read, |s| s.name())?;
+        all.extend(found);
+    }
+    Ok(all)
+}
+
+/// Names of the structures that hold a fluid, each with true if it names that fluid itself.
+fn own_fluids(structures: &[Box<dyn StructureKind>]) -> Vec<(String, bool)> {
+    let acting = structures.iter().filter(|s| s.traits().acts);
+    acting.map(|s| (s.name().to_string(), s.traits().own_fluid.iter().any(Option::is_some))).collect()
+}
+
+/// Writes a scene as TOML with every default written out; reads as the same scene.
+pub(super) fn write(tables: &Tables, structures: &[Box<dyn StructureKind>]) -> String {
+    let mut out = Writer::default();
+    tables.write_before(&mut out);
+    structures.iter().for_each(|s| s.write(&mut out));
+    tables.write_after(&mut out);
+    out.text
+}
+
+/// Checks on which tables and structures must agree.
+fn check(
+    scene: &Table<'_>,
+    (mesh, fluid, has_image): (&MeshSource, &Fluid, bool),
+    (numerics, time, adapt): (&Numerics, &Time, Option<&Adapt>),
+    structures: &[Box<dyn StructureKind>],
+) -> Result<()> {
+    let passive = structures.iter().any(|s| !s.traits().acts);
+    let prescribed = fluid.is_prescribed();
+    if !has_image && prescribed {
+        check_passive(scene, structures, !passive)?;
+    }
+    if time.tolerance.is_some() {
+        check_tolerance(scene, fluid, adapt)?;
+    }
+    let adapt_item = adapt_item(scene)?;
+    if let (Some(item), Some(adapt)) = (&adapt_item, adapt) {
+        adapt.check_use(item, !structures.is_empty(), prescribed)?;
+    }
+    check_elements(scene, numerics, structures, mesh.dimension(), adapt.is_some())?;
+    if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
+        return Err(item
+            .key_error("a mesh that changes cannot carry the chain of maps of composed transport")
+            .remedy("take numerics.transport = \"nodal\" or \"projected\", or leave mesh.adapt out"));
+    }
+    let table = scene.get("numerics").map(|i| i.open_table()).transpose()?;
+    match table.and_then(|t| t.get("redistance")) {
+        Some(item) => check_redistance(&item, structures, numerics.transport, time.tolerance.is_some()),
+        None => Ok(()),
+    }
+}
+
+/// Refuses schemes and elements that are not made for the scene.
+fn check_elements(
+    scene: &Table<'_>,
+    numerics: &Numerics,
+    structures: &[Box<dyn StructureKind>],
+    dimension: usize,
+    adapts: bool,
+) -> Result<()> {
+    let Some(table) = scene.get("numerics").map(|i| i.open_table()).transpose()? else { return Ok(()) };
+    if let (Some(item), Some(scheme)) = (table.get("surface_tension"), numerics.surface_tension) {
+        let acting = || structures.iter().filter(|s| s.traits().acts);
+        if let Some(s) = acting().find(|s| !s.traits().constant_tension) {
+            return Err(item
+                .key_error(format!(
+                    "the schemes of `surface_tension` are for constant tension, and {} `{}` has another law",
+                    s.list(),
+                    s.name()
+                ))
+                .remedy("give `coupling` in its place"));
+        }
+        if let (true, Some(s)) = (scheme.continuum, acting().find(|s| s.traits().sharp)) {
+            return Err(item
+                .key_error(format!(
+                    "the continuum surface force is spread over a band, and `{}` has a sharp force",
+                    s.name()
+                ))
+                .remedy("take force = \"smeared\" there, or another scheme"));
+        }
+    }
+    match table.get("pressure").filter(|_| numerics.pressure == Element::P1P0) {
+        Some(item) if numerics.solving.way == Some(Way::Schur) => Err(item
+            .key_error("the Schur route has no operator for a pressure that holds the constants twice")
+            .remedy("take solver = \"auto\", or pressure = \"P1\"")),
+        Some(item) if dimension == 3 => Err(item
+            .key_error(
+                "in space P2 velocities cannot balance a pressure with a constant of each cell: the pair is not stable",
+            )
+            .remedy("take pressure = \"P1\"")),
+        Some(item) if adapts => Err(item
+            .key_error("a pressure with jumps is not brought to a new mesh")
+            .remedy("take pressure = \"P1\", or leave mesh.adapt out")),
+        _ => Ok(()),
+    }
+}
+
+/// Steps that follow the error need a flow, whose error they follow, and a mesh that stays: on another mesh the differences between
+/// velocities of earlier times are those of the transfer.
+fn check_tolerance(scene: &Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>) -> Result<()> {
+    let time = scene.get("time").map(|i| i.open_table()).transpose()?;
+    let Some(item) = time.and_then(|t| t.get("tolerance")) else { return Ok(()) };
+    if fluid.is_prescribed() {
+        return Err(item
+            .key_error("the velocity is prescribed, and there is no flow whose error steps could follow")
+            .remedy("leave time.tolerance out, and choose time.step"));
+    }
+    if adapt.is_some_and(|a| a.every.is_some()) {
+        return Err(item
+            .key_error("steps cannot follow the error on a mesh that is made anew")
+            .remedy("leave out time.tolerance, or mesh.adapt.every: the mesh is then adapted at the start alone"));
+    }
+    Ok(())
+}
+
+/// A prescribed velocity carries level sets and nothing else.
+fn check_passive(scene: &Table<'_>, structures: &[Box<dyn StructureKind>], without_level_set: bool) -> Result<()> {
+    let acting = structures.iter().find(|s| s.traits().acts);
+    if let Some(item) = acting.and_then(|s| scene.get(s.list())) {
+        return Err(item
+            .key_error(format!("a {} acts on the flow, but the velocity is prescribed", item.key))
+            .remedy("carry its shape as a [[level_set]], or give a viscosity in place of prescribed_velocity"));
+    }
+    if let Some(item) = scene.get("exact").map(|e| e.open_table()).transpose()?.and_then(|e| e.get("pressure")) {
+        return Err(item
+            .key_error("there is no pressure to compare: the velocity is prescribed and no flow is solved")
+            .remedy("leave exact.pressure out"));
+    }
+    match scene.get("fluid") {
+        Some(item) if without_level_set => Err(item
+            .key_error("the velocity is prescribed and carries nothing")
+            .remedy("add [[level_set]] with shape.circle = { centre = [0.5, 0.75], radius = 0.15 }")),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses to redistance what needs the slope of its level set, or has no level set of its own.
+fn check_redistance(item: &Item, structures: &[Box<dyn StructureKind>], transport: Method, paced: bool) -> Result<()> {
+    let acting = || structures.iter().filter(|s| s.traits().acts);
+    let refuse = |what: String, remedy: &str| -> Result<()> { Err::<(), Error>(item.key_error(what).remedy(remedy)) };
+    let without = "leave numerics.redistance out: bands are renormalised by the slope, which needs no redistancing";
+    if structures.is_empty() {
+        return refuse("there is no interface to redistance".into(), "leave it out, or add a [[level_set]]");
+    }
+    if transport == Method::Composed {
+        return refuse(
+            "composed transport never changes its level sets, which are functions of the way back to time 0".into(),
+            "take numerics.transport = \"nodal\" or \"projected\", or leave numerics.redistance out",
+        );
+    }
+    if paced && acting().next().is_some() {
+        return refuse(
+            "steps that follow the error would follow the jumps that redistancing makes in the force of a membrane"
+                .into(),
+            "leave out numerics.redistance, or time.tolerance",
+        );
+    }
+    for s in acting() {
+        let (name, traits) = (s.name(), s.traits());
+        if !traits.constant_tension {
+            let what = format!(
+                "the slope of the level set of `{name}` is the stretch of an elastic membrane, and redistancing destroys it"
+            );
+            return refuse(what, without);
+        }
+        if traits.mass > 0.0 {
+            let what = format!(
+                "the slope of the level set of `{name}` thins the mass of the membrane (3.19), and redistancing destroys it"
+            );
+            return refuse(what, "leave numerics.redistance out, or take mass = 0");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! The site of a scene: its mesh with spaces, links and conditions, on which problems are built.
+
+use super::expression::Expression;
+use super::points::coordinates;
+use super::schema::{Condition, Shape};
+use super::script::Script;
+use super::shapes;
+use crate::base::{Error, Result, Warning};
+use crate::fem::{self, Conditions, Element, Space, image_shifts};
+use crate::levelset::{Shape as Distance, check_inside, signed_distance};
+use crate::mesh::{Mesh, Point, Quality};
+use crate::structure::InitialFunction;
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// Widths of the band in edges of the mesh when the scene does not say.
+pub(super) const BAND: f64 = 2.5;
+
+/// The signed distance of a shape at time 0.
+pub(super) struct Placed<const D: usize> {
+    /// At the nodes.
+    pub nodal: Vec<f64>,
+    /// Everywhere.
+    pub function: Arc<InitialFunction<D>>,
+}
+
+/// A scene with its mesh.
+pub(super) struct Site<'a, const D: usize> {
+    pub script: &'a Script,
+    pub mesh: Arc<Mesh<D>>,
+    /// P2 space.
+    pub space: Arc<Space<D>>,
+    /// Conditions on the boundary.
+    pub conditions: Conditions<D>,
+    /// Pairs of facets on periodic sides.
+    pub pairs: Vec<fem::Translation<D>>,
+    pub warnings: Vec<Warning>,
+    /// Quality of the mesh.
+    pub quality: Quality<D>,
+}
+
+impl<'a, const D: usize> Site<'a, D> {
+    /// The site of a scene on a mesh.
+    ///
+    /// # Errors
+    /// Names and conditions that do not fit it.
+    pub fn new(script: &'a Script, mesh: Arc<Mesh<D>>, quality: Quality<D>) -> Result<Site<'a, D>> {
+        let conditions = conditions(script, &mesh)?;
+        let space = Arc::new(Space::new(&mesh, Element::P2));
+        let pairs = fem::periodic_pairs(&mesh, &conditions);
+        let pairs = pairs.map_err(|e| script.blame(&["boundary"], e))?;
+        Ok(Site { script, mesh, space, conditions, pairs, warnings: Vec::new(), quality })
+    }
+
+    /// Half the shorter side of the domain.
+    pub fn size(&self) -> f64 {
+        let (lo, hi) = self.mesh.bounding_box();
+        0.5 * (hi - lo).min()
+    }
+
+    /// The signed distance of the shape written at `keys`; one that `may_end` on walls is described
+    /// by a function, which continues beyond them.
+    ///
+    /// # Errors
+    /// A shape that does not lie on the mesh.
+    pub fn placed(&self, shape: &Shape, keys: &[&str], may_end: bool) -> Result<Placed<D>> {
+        let domain = self.mesh.bounding_box();
+        let place = |e| self.script.blame(keys, e);
+        let open = may_end && matches!(shape, Shape::Expression(_));
+        let shape = shapes::shape(shape, domain).map_err(place)?;
+        let (mut low, mut high) = shape.bounds();
+        // Through a periodic side it continues at the other one.
+        for axis in (0..D).filter(|&axis| self.pairs.iter().any(|p| p.shift[axis] != 0.0)) {
+            (low[axis], high[axis]) = (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
+        }
+        if !open {
+            check_inside((low, high), domain, 0.0).map_err(place)?;
+        }
+        let shifts = image_shifts(&self.pairs);
+        let nodal = self.with_images(signed_distance(&self.space, shape.as_ref()), shape.as_ref(), &shifts);
+        let nearest = move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));
+        Ok(Placed { nodal, function: Arc::new(nearest) })
+    }
+
+    /// The distance to the nearest of the images that periodic sides make of a shape, so that the
+    /// level set is periodic too.
+    fn with_images(&self, mut distance: Vec<f64>, shape: &dyn Distance<D>, shifts: &[Point<D>]) -> Vec<f64> {
+        for (d, x) in distance.iter_mut().zip(self.space.nodes()).filter(|_| shifts.len() > 1) {
+            let images = shifts.iter().skip(1).map(|shift| shape.distance(&(x + shift)));
+            *d = nearest_image(std::iter::once(*d).chain(images));
+        }
+        distance
+    }
+
+    /// Refuses an expression of `[fluid]` that has no finite value at some node at time 0.
+    pub fn check_finite(&self, key: &str, v: &[Expression]) -> Result<()> {
+        let f = vector(v);
+        let bad = self.space.nodes().iter().find(|x| !f(x, 0.0).iter().all(|c| c.is_finite()));
+        let Some(x) = bad else { return Ok(()) };
+        let e = Error::scene(format!("`fluid.{key}` has no finite value everywhere"))
+            .value(format!("{:?} at {:?}, t = 0", f(x, 0.0).as_slice(), x.as_slice()))
+            .remedy("write an expression that is finite on the whole mesh");
+        Err(self.script.blame(&["fluid", key], e))
+    }
+
+    /// Nodes on the boundary, periodic sides left aside.
+    pub fn wall_nodes(&self) -> Vec<u32> {
+        wall_nodes(&self.space, &self.pairs)
+    }
+}
+
+/// Nodes on the boundary, periodic sides left aside.
+pub(super) fn wall_nodes<const D: usize>(space: &Space<D>, pairs: &[fem::Translation<D>]) -> Vec<u32> {
+    let facets = space.mesh().facets();
+    let mut wall = vec![true; facets.len()];
+    pairs.iter().for_each(|p| wall[p.facet as usize] = false);
+    let facets = facets.iter().zip(wall).filter(|(_, wall)| *wall);
+    facets.flat_map(|(f, _)| space.facet_nodes(f).collect::<Vec<_>>()).collect()
+}
+
+/// The signed distance to a shape and its images, from the distances to each: that of their union.
+/// Where all are negative the shape is the same in all images, the half under a wave for example,
+/// and the nearest counts.
+fn nearest_image(distances: impl Iterator<Item = f64>) -> f64 {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let (least, greatest) = distances.fold(start, |(l, g), d| (l.min(d), g.max(d)));
+    if greatest < 0.0 { greatest } else { least }
+}
+
+/// Conditions of a scene on a mesh.
+///
+/// # Errors
+/// A name that the mesh does not have.
+pub(super) fn conditions<const D: usize>(script: &Script, mesh: &Mesh<D>) -> Result<Conditions<D>> {
+    let mut list = Conditions::new();
+    for b in &script.boundaries {
+        let place = |e| script.blame(&["boundary", &b.name], e);
+        mesh.boundary(&b.name).map_err(place)?;
+        let condition = match &b.condition {
+            Condition::Velocity(v) => {
+                let v = vector(v);
+                fem::Condition::Velocity(Arc::new(move |x, t| v(x, t)))
+            }
+            Condition::NoSlip => fem::Condition::NoSlip,
+            Condition::Slip => fem::Condition::Slip,
+            Condition::Open => fem::Condition::Open,
+            Condition::Periodic(other) => {
+                mesh.boundary(other).map_err(place)?;
+                fem::Condition::Periodic(other.clone())
+            }
+        };
+        list.push((b.name.clone(), condition));
+    }
+    Ok(list)
+}
+
+/// Expressions as a vector function, one a component.
+pub(super) fn vector<const D: usize>(
+    v: &[Expression],
+) -> impl Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync + 'static {
+    let v = v.to_vec();
+    move |x, t| SVector::<f64, D>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval(coordinates(x), t)))
+}

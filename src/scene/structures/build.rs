@@ -1,0 +1,134 @@
+//! Construction of structures on the site of a scene.
+
+use crate::base::{Error, Result, Warning};
+use crate::elastic::{AreaLaw, Band, ContinuumForce, Membrane};
+use crate::flow::Fluid;
+use crate::levelset::{Interface, check_band};
+use crate::mesh::Point;
+use crate::scene::schema::Numerics;
+use crate::scene::site::{Placed, Site};
+use crate::structure::{Immersed, ImmersedInterface, Structure};
+
+/// A structure under construction: its place in the scene and on the mesh.
+pub(in crate::scene) struct Build<'a, 's, const D: usize> {
+    /// The site; warnings are added to it.
+    pub site: &'a mut Site<'s, D>,
+    /// List of the scene and number in it.
+    pub keys: [String; 2],
+    /// Signed distance of its shape, if it has one.
+    pub placed: Option<Placed<D>>,
+    /// Half-width of the bands.
+    pub thickness: f64,
+    /// Fluid inside, where it is another one.
+    pub inside: Option<Fluid>,
+    /// Nodes on the boundary, periodic sides left aside.
+    pub walls: &'a [u32],
+}
+
+impl<const D: usize> Build<'_, '_, D> {
+    /// Signed distance of its shape.
+    ///
+    /// # Errors
+    /// Internal, for a structure without a shape.
+    pub fn placed(&self) -> Result<&Placed<D>> {
+        self.placed.as_ref().ok_or_else(|| Error::internal("a structure without a shape was placed"))
+    }
+    /// Says of an error that it is about this key of the structure.
+    pub fn blame(&self, key: &str, error: Error) -> Error {
+        self.site.script.blame(&[&self.keys[0], &self.keys[1], key], error)
+    }
+    /// Mean viscosity of the fluids inside and outside.
+    pub fn mean_viscosity(&self) -> f64 {
+        let outside = self.site.script.outside();
+        0.5 * (self.inside.unwrap_or(outside).viscosity + outside.viscosity)
+    }
+    /// `count` points on the interface at equal distances.
+    ///
+    /// # Errors
+    /// An interface that cannot have them.
+    pub fn markers(&self, count: usize) -> Result<Vec<Point<D>>> {
+        let Placed { nodal, function } = self.placed()?;
+        Interface::cut(&self.site.space, &nodal[..])?.markers(&**function, count)
+    }
+    /// Refuses an interface no part of which lies on the mesh.
+    ///
+    /// # Errors
+    /// Such an interface.
+    pub fn check_on_mesh(&self) -> Result<()> {
+        if !Interface::cut(&self.site.space, &self.placed()?.nodal[..])?.points().is_empty() {
+            return Ok(());
+        }
+        let e = Error::scene("no part of the interface lies on the mesh").remedy("move the shape, or refine the mesh");
+        Err(self.blame("shape", e))
+    }
+    /// Checks that the mesh resolves the band of the structure `name`, if it has one, and that the
+    /// band, `widest` times as wide as its half-width where it is wider, keeps clear of the boundary.
+    ///
+    /// # Errors
+    /// A band that is too thin or reaches the boundary.
+    pub fn check_band(&mut self, name: &str, banded: bool, widest: f64) -> Result<()> {
+        let (eps, distance) = (self.thickness, self.placed()?.nodal.clone());
+        let adapts = self.site.script.adapt.is_some();
+        let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted edges reach 1.4 times what is asked for), \
+                      or a mesh.adapt.width above the thickness";
+        let check = if banded { check_band(&self.site.space, &distance, eps) } else { Ok(None) };
+        let check = check.map_err(|e| if adapts { e.remedy(remedy) } else { e });
+        let check = check.and_then(|warning| {
+            let adapted = |w: Warning| if adapts { Warning::new(w.what, remedy) } else { w };
+            self.site.warnings.extend(warning.map(adapted));
+            let reach = if banded { eps * widest } else { 0.0 };
+            let margins = self.walls.iter().map(|&n| distance[n as usize].abs());
+            let margin = margins.fold(f64::INFINITY, f64::min);
+            if margin > reach {
+                return Ok(());
+            }
+            Err(Error::scene(format!("the band of `{name}` reaches the boundary of the mesh"))
+                .value(format!("half-width {reach}, distance to the boundary {margin:.4}"))
+                .remedy("give a smaller thickness, move the shape, or enlarge the mesh"))
+        });
+        let script = self.site.script;
+        let place = match script.numerics.thickness.is_some() {
+            true => vec!["numerics", "thickness"],
+            false => vec![&self.keys[0][..]],
+        };
+        check.map_err(|e| script.blame(&place, e))
+    }
+}
+
+/// A structure whose law is spread over a band: by its stress, or by the continuum force where the
+/// scene asks for that.
+pub(super) fn smeared<const D: usize>(
+    interface: ImmersedInterface<D>,
+    law: AreaLaw,
+    (numerics, band): (&Numerics, Band),
+) -> Box<dyn Structure<D>> {
+    let (eps, slope) = (interface.thickness, interface.stretch);
+    let (kernel, norm) = (numerics.kernel, numerics.width);
+    if numerics.has_continuum_force() {
+        let force = ContinuumForce::new(law.modulus(), eps).with_band(band, slope);
+        return Immersed::boxed(interface, force.with_kernel(kernel, norm));
+    }
+    let force = Membrane::new(law, eps).with_band(band, slope);
+    Immersed::boxed(interface, force.with_kernel(kernel, norm))
+}
+
+/// The band of a structure: the scene's, or the book's, but one that is carried where the tension is
+/// constant, which with the other would feed the currents about a drop at rest.
+pub(in crate::scene) fn band_of(numerics: &Numerics, constant_tension: bool) -> Band {
+    let derived = if constant_tension { Band::Carried } else { Band::Renormalised };
+    numerics.band.unwrap_or(derived)
+}
+
+/// The band of the structure `name` in words.
+pub(super) fn band_words(name: &str, numerics: &Numerics, band: Band) -> String {
+    let given = if numerics.band.is_some() { "" } else { " (derived)" };
+    match band {
+        Band::Renormalised => {
+            format!("band of `{name}` renormalised{given}: of this half-width whatever the stretch")
+        }
+        Band::Carried => {
+            let keeps = if numerics.has_continuum_force() { "" } else { " keeps the energy," };
+            format!("band of `{name}` carried with the fluid{given}:{keeps} of this half-width at the start")
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! `[[drop]]`: a fluid in another one, with surface tension between them.
+
+use super::build::{self, Build, band_of};
+use super::membrane::{FORCE_WORDS, FORCES};
+use super::{KindIn, Registered, StructureKind, Traits, round};
+use crate::base::Result;
+use crate::elastic::{AreaLaw, Band, Force, SharpMembrane};
+use crate::mesh::Point;
+use crate::scene::charts::{Columns, Drawn};
+use crate::scene::cuts::{self, Cuts};
+use crate::scene::keys::{
+    Absent::*, Context, Item, Keys, Kind::*, Writer, identifier, name as word, number, row, text,
+};
+use crate::scene::row::Row;
+use crate::scene::schema::{Numerics, Shape, Tables, shape};
+use crate::scene::view::View;
+use crate::structure::{Coupling, Immersed, ImmersedInterface, Structure};
+use std::sync::Arc;
+
+/// The kind `[[drop]]`.
+pub(super) const KIND: Registered = Registered {
+    list: "drop",
+    keys: &KEYS,
+    doc: "Fluids in the fluid, with surface tension.",
+    #[cfg(test)]
+    example: |_| "",
+    read: |item, numerics, context| Ok(Box::new(Drop::read(item, numerics, context)?)),
+};
+
+/// A drop or a bubble.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drop {
+    /// Its name in results; unique in the scene.
+    pub name: String,
+    /// Form at time 0.
+    pub shape: Shape,
+    /// Surface tension.
+    pub tension: f64,
+    /// Mass per volume, where it is not that of `[fluid]`.
+    pub density: Option<f64>,
+    /// Dynamic viscosity, where it is not that of `[fluid]`.
+    pub viscosity: Option<f64>,
+    /// Place where surface tension acts.
+    pub force: Force,
+    /// Lines and planes along which it is measured.
+    pub cuts: Cuts,
+}
+
+static KEYS: Keys = Keys {
+    about: "A drop or a bubble: a fluid in another one. What lies in several is of the last of them. Drops of one shape, a union, merge; \
+            interfaces of two drops do not see each other.",
+    keys: &[
+        row("name", Value("text"), "", Default("\"drop\""), "Its name in results; unique in the scene."),
+        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
+        row("tension", Value("number >= 0"), "N/m", Default("0.0"), "Surface tension."),
+        row(
+            "density",
+            Value("number >= 0"),
+            "kg/m3",
+            Derived("that of the fluid"),
+            "Mass per volume of what is inside.",
+        ),
+        row(
+            "viscosity",
+            Value("number > 0"),
+            "Pa s",
+            Derived("that of the fluid"),
+            "Dynamic viscosity of what is inside.",
+        ),
+        row(
+            "force",
+            Choice(&FORCE_WORDS),
+            "",
+            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the semi-implicit coupling is given"),
+            "Where surface tension acts: on the interface itself, cut out of the cells, or over a band of half-width `numerics.thickness`.",
+        ),
+        row("chords", Named(&cuts::CHORD), "", Optional, "Lines along which the contour is measured."),
+        row(
+            "rings",
+            Named(&cuts::RING),
+            "",
+            Optional,
+            "Planes through the surface in which its form is measured; in space alone.",
+        ),
+    ],
+};
+
+impl Drop {
+    fn read(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
+        let table = item.table(&KEYS)?;
+        let shape = "give one: shape.circle = { centre = [0.5, 0.5], radius = 0.25 }";
+        let tension = table.optional("tension", Item::non_negative)?.unwrap_or(0.0);
+        let cuts = Cuts::read(&table, context)?;
+        // These schemes spread surface tension over a band.
+        let banded = numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;
+        let force = if banded { Force::Smeared } else { Force::Sharp };
+        Ok(Drop {
+            name: table.optional("name", identifier)?.unwrap_or_else(|| "drop".to_string()),
+            shape: table.required("shape", shape, |i| Shape::read(i, context))?,
+            tension,
+            force: table.optional("force", |i| i.choice(&FORCES))?.unwrap_or(force),
+            density: table.optional("density", Item::non_negative)?,
+            viscosity: table.optional("viscosity", Item::positive)?,
+            cuts,
+        })
+    }
+    fn band(&self, numerics: &Numerics) -> Band {
+        band_of(numerics, true)
+    }
+}
+
+impl<const D: usize> KindIn<D> for Drop {
+    fn build(&self, of: &mut Build<'_, '_, D>) -> Result<Box<dyn Structure<D>>> {
+        let script = of.site.script;
+        let (numerics, band) = (&script.numerics, self.band(&script.numerics));
+        let smeared = self.force == Force::Smeared;
+        let renormalised = smeared && band == Band::Renormalised;
+        let widest = if renormalised { numerics.width.largest(D) } else { 1.0 };
+        of.check_band(&self.name, smeared || of.inside.is_some(), widest)?;
+        let distance = of.placed()?.function.clone();
+        let interface = ImmersedInterface {
+            function: Some(Arc::new(move |x: &Point<D>| 1.0 * distance(x))),
+            inside: of.inside,
+            coupling: numerics.coupling,
+            ..ImmersedInterface::new(&*self.name, of.placed()?.nodal.clone(), of.thickness)
+        };
+        let law = AreaLaw::Tension { tension: self.tension };
+        Ok(match self.force {
+            Force::Sharp => Immersed::boxed(interface, SharpMembrane::new(law, of.mean_viscosity())),
+            Force::Smeared => build::smeared(interface, law, (numerics, band)),
+        })
+    }
+    fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
+        let sizes = view.measure_interface(k, &self.cuts, row)?;
+        round::measure(view, (&self.name, k), sizes, row)
+    }
+}
+
+impl StructureKind for Drop {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn list(&self) -> &'static str {
+        "drop"
+    }
+    fn shape(&self) -> Option<&Shape> {
+        Some(&self.shape)
+    }
+    fn traits(&self) -> Traits {
+        Traits {
+            constant_tension: true,
+            modulus: self.tension,
+            pulls: self.tension > 0.0,
+            sharp: self.force == Force::Sharp,
+            own_fluid: [self.density, self.viscosity],
+            round_at_rest: true,
+            is_drop: true,
+            ..Traits::default()
+        }
+    }
+    fn words(&self) -> Vec<String> {
+        let own = [("density", self.density), ("viscosity", self.viscosity)];
+        let own = own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
+        let own: String = own.collect();
+        let (name, tension) = (&self.name, self.tension);
+        vec![format!("drop `{name}`: surface tension {tension}{own}; its level set by (1.34)")]
+    }
+    fn numerics(&self, tables: &Tables) -> Option<String> {
+        if self.force == Force::Sharp {
+            return (self.tension > 0.0).then(|| format!("force of `{}` on the interface itself", self.name));
+        }
+        Some(build::band_words(&self.name, &tables.numerics, self.band(&tables.numerics)))
+    }
+    fn chords(&self) -> Vec<String> {
+        self.cuts.names().map(str::to_string).collect()
+    }
+    fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
+        let name = &self.name;
+        let charts = [
+            of.axes(name, true),
+            of.chords(name, self.cuts.names()),
+            round::velocity_chart(of, name),
+            round::roundness_chart(of, name),
+        ];
+        charts.into_iter().flatten().collect()
+    }
+    fn write(&self, out: &mut Writer) {
+        out.header("[[drop]]");
+        out.entry("name", text(&self.name));
+        out.entry("shape", self.shape.write());
+        out.entry("tension", number(self.tension));
+        for (key, value) in [("density", self.density), ("viscosity", self.viscosity)] {
+            value.iter().for_each(|v| out.entry(key, number(*v)));
+        }
+        out.entry("force", word(self.force, &FORCES));
+        self.cuts.write(out);
+    }
+    fn boxed(&self) -> Box<dyn StructureKind> {
+        Box::new(self.clone())
+    }
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

@@ -1,0 +1,164 @@
+//! Level sets in a velocity that is given: no flow is solved.
+
+use super::carried::{Carried, Transport, largest};
+use super::state::State;
+use super::transfer::{Bring, Transfer};
+use crate::base::{PHASES, Phase, Phases, Result};
+use crate::fem::{Conditions, Element, Space, VelocityFunction, periodic_pairs};
+use crate::flow::{FlowState, StepReport};
+use crate::linalg::SolveReport;
+use crate::mesh::Mesh;
+use crate::structure::{Fields, Structure, Velocity};
+use nalgebra::SVector;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Structures that a given velocity carries; no matrix of a flow and no pressure exist.
+pub struct Advection<const D: usize> {
+    velocity: VelocityFunction<D>,
+    dt: f64,
+    conditions: Conditions<D>,
+    carried: Carried<D>,
+    state: State<D>,
+    phases: Phases,
+    moved: Fields<D>,
+}
+
+impl<const D: usize> Advection<D> {
+    /// Structures on `mesh` in `velocity`, in steps of length `dt`. Of `conditions` the periodic
+    /// sides count.
+    ///
+    /// # Errors
+    /// Periodic sides that do not fit; a mass matrix that does not fit into the memory.
+    pub fn new(
+        mesh: &Arc<Mesh<D>>,
+        (velocity, dt): (VelocityFunction<D>, f64),
+        (transport, conditions): (Transport, &Conditions<D>),
+        structures: Vec<Box<dyn Structure<D>>>,
+    ) -> Result<Advection<D>> {
+        let space = Arc::new(Space::new(mesh, Element::P2));
+        let kept = Fields::default();
+        Advection::build((velocity, dt), (space, conditions), (transport, &kept), structures)
+    }
+
+    fn build(
+        (velocity, dt): (VelocityFunction<D>, f64),
+        (space, conditions): (Arc<Space<D>>, &Conditions<D>),
+        (transport, kept): (Transport, &Fields<D>),
+        structures: Vec<Box<dyn Structure<D>>>,
+    ) -> Result<Advection<D>> {
+        let links = periodic_pairs(space.mesh(), conditions)?;
+        let (carried, fields) = Carried::new(&space, links, transport, structures, (None, kept))?;
+        let flow = FlowState { u: space.interpolate(|x| velocity(x, 0.0)), p: Vec::new() };
+        let state = State { flow, fields, ..State::default() };
+        let (phases, moved, conditions) = (Phases::default(), Fields::default(), conditions.clone());
+        Ok(Advection { velocity, dt, conditions, carried, state, phases, moved })
+    }
+
+    /// Takes one step.
+    ///
+    /// # Errors
+    /// A velocity that is not finite or crosses the domain in a step.
+    pub fn step(&mut self) -> Result<StepReport> {
+        let (dt, start, velocity) = (self.dt, self.state.time, self.velocity.clone());
+        let at = |t: f64| self.carried.space.interpolate(|x| velocity(x, t));
+        let next = at(start + dt);
+        self.carried.check_speed(&next, dt, start + dt)?;
+        let tracer = &self.carried.carrier.tracer;
+        let fastest = |u: &[SVector<f64, D>]| tracer.courant(u, dt);
+        let courant = fastest(&self.state.flow.u).max(fastest(&at(start + 0.5 * dt)));
+        let courant = courant.max(fastest(&next));
+        self.phases.begin();
+        let given = Velocity::Given { velocity: &velocity, start, courant };
+        let of = (dt, start + dt, false);
+        self.carried.carry(&self.state.fields, given, of, &[], &mut self.moved)?;
+        std::mem::swap(&mut self.state.fields, &mut self.moved);
+        self.phases.end(Phase::Transport);
+        if self.carried.redistance(self.state.steps + 1, &mut self.state.fields)? {
+            self.phases.end(Phase::Redistance);
+        }
+        self.state.flow.u = next;
+        self.state.steps += 1;
+        self.state.time = self.state.steps as f64 * dt;
+        Ok(nothing_solved())
+    }
+    /// Continues from a state of the same problem.
+    ///
+    /// # Errors
+    /// Fields or sizes that do not fit.
+    pub fn restore(&mut self, state: State<D>) -> Result<()> {
+        self.state.check_fits(&state)?;
+        self.state = state;
+        Ok(())
+    }
+    /// Time step.
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+    /// Current time.
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+    /// The structures with their transport.
+    pub fn carried(&self) -> &Carried<D> {
+        &self.carried
+    }
+    /// The same, for options such as [`redistance_every`](Carried::redistance_every).
+    pub fn carried_mut(&mut self) -> &mut Carried<D> {
+        &mut self.carried
+    }
+    /// The P2 space of velocity and level sets.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.carried.space
+    }
+    /// The state; its pressure is empty.
+    pub fn state(&self) -> &State<D> {
+        &self.state
+    }
+    /// Level set of structure number `k` at the nodes.
+    pub fn level_set(&self, k: usize) -> Cow<'_, [f64]> {
+        self.carried.level_set(&self.state.fields, k)
+    }
+    /// Largest speed at a node.
+    pub fn largest_speed(&self) -> f64 {
+        largest(&self.state.flow.u)
+    }
+    /// Courant number `max |u| dt / h`.
+    pub fn courant(&self) -> f64 {
+        self.carried.carrier.tracer.courant(&self.state.flow.u, self.dt)
+    }
+    /// Seconds of all processors by [phase](PHASES) since this was called last.
+    pub fn take_costs(&mut self) -> [f64; PHASES.len()] {
+        self.phases.take()
+    }
+    /// Bytes of all that grows with the mesh, an estimate from the sizes.
+    pub fn bytes(&self) -> usize {
+        self.carried.factor_bytes() + self.carried.field_bytes(1)
+    }
+}
+
+impl Advection<2> {
+    /// This advection, at the same time, on `mesh`, another mesh of the same domain with the same names.
+    ///
+    /// # Errors
+    /// Those of [`Advection::new`]; a mesh that does not cover the domain.
+    pub fn on_mesh(&self, mesh: &Arc<Mesh<2>>, transfer: Transfer) -> Result<Advection<2>> {
+        let to = Arc::new(Space::new(mesh, Element::P2));
+        let links = periodic_pairs(mesh, &self.conditions)?;
+        let bring = Bring::new(transfer, self.space(), &to, &links)?;
+        let structures = self.carried.structures.iter().map(|s| s.boxed()).collect();
+        let (velocity, kept) = ((self.velocity.clone(), self.dt), bring.fields(&self.state.fields)?);
+        let transport = (self.carried.transport, &kept);
+        let mut moved = Advection::build(velocity, (to, &self.conditions), transport, structures)?;
+        moved.carried.redistancing = self.carried.redistancing;
+        moved.state.flow.u = bring.vector(&self.state.flow.u)?;
+        (moved.state.steps, moved.state.time) = (self.state.steps, self.state.time);
+        Ok(moved)
+    }
+}
+
+/// The report of a step that solves no flow.
+pub(super) fn nothing_solved() -> StepReport {
+    let solve = SolveReport { residual: 0.0, refinements: 0, iterations: 0 };
+    StepReport { solve, refactored: false, given_up: false }
+}

@@ -1,0 +1,247 @@
+//! Structures, their fields and their transport: the part that all problems share.
+
+use crate::base::{Error, Result};
+use crate::fem::{Basis, Projector, Rule, Space, Translation};
+use crate::levelset::{Interface, Redistancing, Sample};
+use crate::mesh::{Mesh, Point};
+use crate::structure::{
+    Carrier, DISPLACEMENT, Declaration, Fields, Host, LevelSet, Moved, Rule as FieldRule, Structure, Velocity,
+};
+use crate::transport::{Method, Tracer};
+use nalgebra::SVector;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Options of the transport of fields.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transport {
+    /// The method.
+    pub method: Method,
+    /// Gradient of the displacement of a submap beyond which the next one begins; `None` for the
+    /// default.
+    pub remap: Option<f64>,
+    /// Degree of the quadrature rule of projected transport without a flow.
+    pub quadrature: usize,
+    /// True if the backward characteristics are wanted though no structure needs them.
+    pub backward_map: bool,
+}
+
+impl Default for Transport {
+    fn default() -> Transport {
+        Transport { method: Method::Nodal, remap: None, quadrature: 5, backward_map: false }
+    }
+}
+
+/// Structures on a mesh, and how their fields move.
+pub struct Carried<const D: usize> {
+    pub(super) space: Arc<Space<D>>,
+    pub(super) translations: Vec<Translation<D>>,
+    pub(super) carrier: Carrier<D>,
+    pub(super) transport: Transport,
+    pub(super) rules: Vec<FieldRule<D>>,
+    pub(super) structures: Vec<Box<dyn Structure<D>>>,
+    /// Method and number of steps between two redistancings.
+    pub(super) redistancing: Option<(u64, Redistancing)>,
+}
+
+impl<const D: usize> Carried<D> {
+    /// Lets the structures declare their fields on a mesh; `kept` are fields from before, which
+    /// replace those of time 0. `basis` is that of a flow.
+    ///
+    /// # Errors
+    /// A matrix that does not fit into the memory.
+    pub(super) fn new(
+        space: &Arc<Space<D>>,
+        translations: Vec<Translation<D>>,
+        transport: Transport,
+        mut structures: Vec<Box<dyn Structure<D>>>,
+        (basis, kept): (Option<&Basis<D>>, &Fields<D>),
+    ) -> Result<(Carried<D>, Fields<D>)> {
+        let host = Host { space, basis, translations: &translations };
+        let mut declared = Declaration::new(space.len(), kept);
+        structures.iter_mut().try_for_each(|s| s.begin(&host, &mut declared))?;
+        if transport.backward_map {
+            declared.backward_map(false);
+        }
+        let (mut fields, rules) = declared.finish();
+        let projected = transport.method == Method::Projected && !structures.is_empty();
+        let own = || Basis::new(space, &Arc::new(Rule::simplex(D, transport.quadrature)));
+        let projector = match projected {
+            true => Some(Projector::new(basis.cloned().unwrap_or_else(own), &translations)?),
+            false => None,
+        };
+        let mut carrier = Carrier::new(Tracer::new(space, &translations), projector);
+        if transport.method == Method::Composed {
+            carrier.compose(&mut fields, &rules);
+        }
+        carrier.remap = transport.remap.unwrap_or(carrier.remap);
+        let space = Arc::clone(space);
+        let redistancing = None;
+        let carried = Carried { space, translations, carrier, transport, rules, structures, redistancing };
+        Ok((carried, fields))
+    }
+
+    /// P2 space of velocity and level sets.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.space
+    }
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+        self.space.mesh()
+    }
+    /// Pairs of facets on periodic sides.
+    pub fn translations(&self) -> &[Translation<D>] {
+        &self.translations
+    }
+    /// The structures.
+    pub fn structures(&self) -> &[Box<dyn Structure<D>>] {
+        &self.structures
+    }
+    /// The transport.
+    pub fn carrier(&self) -> &Carrier<D> {
+        &self.carrier
+    }
+    /// Options of the transport.
+    pub fn transport(&self) -> &Transport {
+        &self.transport
+    }
+    /// Redistances the level sets of structures after every `every` steps of the count of the state,
+    /// in a resumed run too. For interfaces whose slope means nothing; an elastic membrane would
+    /// lose its stretch.
+    pub fn redistance_every(&mut self, every: usize, method: Redistancing) {
+        self.redistancing = Some((every.max(1) as u64, method));
+    }
+
+    /// Carries `from` over a step of length `dt` that ends at `time` into `to`; `blocks` are the
+    /// values of unknowns of structures in the step. With `ahead` it is a prediction: only what acts
+    /// is carried.
+    ///
+    /// # Errors
+    /// A projection that fails, a level set that is not finite.
+    pub(super) fn carry(
+        &mut self,
+        from: &Fields<D>,
+        velocity: Velocity<'_, D>,
+        (dt, time, ahead): (f64, f64, bool),
+        mut blocks: &[Vec<f64>],
+        to: &mut Fields<D>,
+    ) -> Result<()> {
+        let rules = (from, &self.rules[..]);
+        self.carrier.carry(rules, &velocity.advecting(dt), dt, ahead, to)?;
+        for s in self.structures.iter_mut().filter(|s| s.acts() || !ahead) {
+            let mut list = Vec::new();
+            s.blocks(&mut list);
+            let (own, rest) = blocks.split_at(list.len().min(blocks.len()));
+            blocks = rest;
+            let carrier = &mut self.carrier;
+            let mut by = Moved { carrier, velocity, before: from, blocks: own, dt, time };
+            s.advance(&mut by, to)?;
+        }
+        Ok(())
+    }
+
+    /// Redistances the level sets if step number `step`, the first being 1, is one that does.
+    /// Returns true if it was.
+    pub(super) fn redistance(&mut self, step: u64, fields: &mut Fields<D>) -> Result<bool> {
+        let Some((every, method)) = self.redistancing else { return Ok(false) };
+        if !step.is_multiple_of(every) {
+            return Ok(false);
+        }
+        for s in &self.structures {
+            let Some(id) = s.level_set() else { continue };
+            let mut phi = fields.scalar(id).to_vec();
+            method.apply(&self.carrier.tracer, &self.translations, s.slope(), &mut phi)?;
+            fields.scalar_mut(id).copy_from_slice(&phi);
+        }
+        Ok(true)
+    }
+
+    /// Level set of structure number `k` at the nodes; empty for one without.
+    pub fn level_set<'a>(&self, fields: &'a Fields<D>, k: usize) -> Cow<'a, [f64]> {
+        let Some(id) = self.structures.get(k).and_then(|s| s.level_set()) else {
+            return Cow::Borrowed(&[]);
+        };
+        let nodal = fields.scalar(id);
+        match &fields.map {
+            Some(map) if nodal.is_empty() => {
+                let composed = self.carrier.composed(map, id.index());
+                composed.map_or(Cow::Borrowed(&[]), Cow::Owned)
+            }
+            _ => Cow::Borrowed(nodal),
+        }
+    }
+    /// True if the backward characteristics are carried.
+    pub fn has_backward_map(&self, fields: &Fields<D>) -> bool {
+        fields.find(DISPLACEMENT).is_some()
+    }
+    /// Number of submaps of composed transport and error of the map by its determinant.
+    pub fn map_error(&self, fields: &Fields<D>) -> Option<(usize, f64)> {
+        let map = fields.map.as_ref()?;
+        Some((map.submaps().len(), map.determinant_error(&self.carrier.tracer)))
+    }
+    /// Checks that no particle crosses the whole domain in a step.
+    ///
+    /// # Errors
+    /// A velocity that is too large or not finite.
+    pub(super) fn check_speed(&self, u: &[SVector<f64, D>], dt: f64, time: f64) -> Result<()> {
+        let (lo, hi) = self.space.mesh().bounding_box();
+        let (size, speed) = ((hi - lo).norm(), largest(u));
+        if speed.is_finite() && speed * dt < size {
+            return Ok(());
+        }
+        Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
+            .at(format!("time {time:.6}"))
+            .value(format!("largest velocity {speed:.3e}"))
+            .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
+    }
+    /// L2 norm of the divergence of a velocity, by a rule that is exact for P2.
+    pub fn divergence(&self, u: &[SVector<f64, D>]) -> f64 {
+        let basis = Basis::new(&self.space, &Arc::new(Rule::simplex(D, 2)));
+        let [square] =
+            crate::fem::integrate(&basis, crate::fem::Cells::All, |at| [basis.jacobian(at, u).trace().powi(2)]);
+        square.sqrt()
+    }
+    /// Bytes of fields and mesh, with `vectors` nodal vector fields.
+    pub(super) fn field_bytes(&self, vectors: usize) -> usize {
+        let word = size_of::<f64>();
+        let (cells, nodes) = (self.space.mesh().cell_count(), self.space.len());
+        let local = self.space.local_count();
+        let fields = word * nodes * (vectors * D + 3 * self.structures.len()) + word * cells * local * D;
+        fields + cells * (2 * word + word * (D * D + D + 1) + 4 * local)
+    }
+    /// Bytes of factors that the transport and the structures hold.
+    pub(super) fn factor_bytes(&self) -> usize {
+        let projector = self.carrier.projector.as_ref().map_or(0, Projector::bytes);
+        projector + self.structures.iter().map(|s| s.bytes()).sum::<usize>()
+    }
+
+    /// The interface of structure number `k`. With composed transport in the plane it is cut on halved
+    /// cells where the mesh is too coarse for the backward map.
+    ///
+    /// # Errors
+    /// A value that is not finite.
+    pub fn interface<'a>(&'a self, fields: &'a Fields<D>, k: usize) -> Result<Interface<'a, D>> {
+        let id = self.structures.get(k).and_then(|s| s.level_set()).map_or(usize::MAX, |id| id.index());
+        let initial = self.carrier.initial_depth_and_slope(id);
+        let halved = fields.map.as_ref().zip(initial).and_then(|(map, [depth, slope])| {
+            Interface::of_function(&self.space, depth, |at| {
+                let (value, slope) = self.carrier.sample(map, id, slope, at);
+                Sample { value, slope }
+            })
+        });
+        halved.unwrap_or_else(|| Interface::cut(&self.space, self.level_set(fields, k)))
+    }
+    /// Positions of the markers of structure number `k`, in the order of a closed polygon.
+    pub fn markers<'a>(&self, fields: &'a Fields<D>, k: usize) -> &'a [Point<D>] {
+        let name = self.structures.get(k).map(|s| LevelSet::<D>::markers_field(s.name()));
+        name.and_then(|name| fields.find(&name)).map_or(&[], |id| fields.vector(id))
+    }
+}
+
+/// Largest norm; NaN if any is NaN.
+pub(super) fn largest<const D: usize>(u: &[SVector<f64, D>]) -> f64 {
+    let larger = |m: f64, v: f64| if v.is_nan() { v } else { m.max(v) };
+    let square = u.iter().map(|v| v.norm_squared()).fold(0.0, larger);
+    let is_nan = u.iter().any(|v| v.iter().any(|c| c.is_nan()));
+    if is_nan { f64::NAN } else { square.sqrt() }
+}

@@ -1,0 +1,63 @@
+//! A factor that outlives its matrix, through interruptions too.
+
+use super::Simulation;
+use crate::base::Result;
+use crate::flow::term::MomentumTerm;
+use crate::flow::{FlowSolver, FlowState, StepReport};
+use crate::sim::{Factored, State};
+use crate::structure::{Fields, Place};
+
+/// Start of iterations: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`. (A
+/// pressure extrapolated too saved no iteration.)
+pub(super) fn extrapolate<const D: usize>(
+    state: &State<D>,
+    solver: &FlowSolver<D>,
+    ratio: f64,
+    guess: &mut FlowState<D>,
+) {
+    guess.clone_from(&state.flow);
+    if state.factored.is_some() || solver.always_iterates() {
+        let earlier = guess.u.iter_mut().zip(&state.earlier_u);
+        earlier.for_each(|(u, earlier)| *u += (*u - earlier) * ratio);
+    }
+}
+
+impl<const D: usize> Simulation<D> {
+    /// Keeps the ingredients of the factor after a step in which the matrix was that of the
+    /// structures at `fields` with the coefficient `weight`.
+    pub(super) fn note_factor(&mut self, report: &StepReport, weight: f64, fields: &Fields<D>) {
+        let has_blocks = !self.flow.block_values().is_empty();
+        if self.settings.solve_tolerance == 0.0 || self.flow.is_constant() || has_blocks {
+            return;
+        }
+        let (dt, ledger) = (self.settings.dt, self.flow.ledger());
+        let empty = || Factored { fields: Fields::default(), weight, dt, ledger };
+        let kept = self.state.factored.get_or_insert_with(empty);
+        if report.refactored {
+            kept.fields.clone_from(fields);
+            (kept.weight, kept.dt) = (weight, dt);
+        }
+        kept.ledger = ledger;
+    }
+
+    /// Computes the factor again that the state was computed with.
+    pub(super) fn restore_factor(&mut self) -> Result<()> {
+        let Some(kept) = self.state.factored.take() else { return Ok(()) };
+        self.set_materials(&kept.fields);
+        let at = Place {
+            space: &self.carried.space,
+            basis: self.flow.velocity(),
+            density: self.flow.density(),
+            fields: &kept.fields,
+            drift: None,
+            step: Some(kept.dt),
+            time: self.state.time,
+        };
+        self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))?;
+        let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();
+        self.carried.structures.iter().for_each(|s| s.terms(&mut terms));
+        let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.ledger);
+        self.state.factored = Some(kept);
+        made
+    }
+}

@@ -1,0 +1,96 @@
+//! Energies, their rates, and forces on boundaries.
+
+use super::{Energies, Simulation};
+use crate::base::Result;
+use crate::fem::{Cells, integrate};
+use crate::flow::{Load, kinetic_outflow};
+use crate::mesh::Point;
+use crate::structure::Place;
+use nalgebra::SVector;
+
+impl<const D: usize> Simulation<D> {
+    /// Energies and rates of the current state.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    pub(super) fn measure(&mut self, wall_power: f64) -> Result<Energies> {
+        let [kinetic, dissipation, grad_div, div2] = self.flow.energies(&self.state.flow);
+        let elastic = self.elastic_energy()?;
+        let slip: f64 = self.carried.structures.iter().map(|s| s.dissipation()).sum();
+        Ok(Energies {
+            kinetic,
+            elastic,
+            dissipation: dissipation + slip,
+            grad_div,
+            power: wall_power + self.body_power() - self.carried_out(),
+            divergence: div2.sqrt(),
+        })
+    }
+
+    /// Sum of the energies of the structures.
+    fn elastic_energy(&mut self) -> Result<f64> {
+        let Some(fine) = &self.fine else { return Ok(0.0) };
+        let at = Place {
+            space: &self.carried.space,
+            basis: self.flow.velocity(),
+            density: self.flow.density(),
+            fields: &self.state.fields,
+            drift: None,
+            step: None,
+            time: self.state.time,
+        };
+        let acting = self.carried.structures.iter_mut().filter(|s| s.acts());
+        acting.map(|s| s.energy(&at, fine)).sum()
+    }
+
+    /// Kinetic energy that the flow carries out through the boundary per time.
+    fn carried_out(&self) -> f64 {
+        // Nothing leaves through walls at rest, or through one periodic side but what comes in at
+        // the other.
+        let numbering = self.flow.numbering();
+        let closed = !numbering.is_open() && numbering.is_homogeneous();
+        if closed || self.is_stokes() || !self.settings.convection {
+            return 0.0;
+        }
+        let density = self.density();
+        kinetic_outflow(self.space(), |cell, l| density(cell, l), &self.state.flow)
+    }
+
+    /// Power of gravity and body force.
+    fn body_power(&self) -> f64 {
+        let gravity = self.settings.gravity;
+        if gravity.norm() == 0.0 && self.settings.body_force.is_none() {
+            return 0.0;
+        }
+        let (basis, time) = (self.flow.velocity(), self.time());
+        let [power] = integrate(basis, Cells::All, |at| {
+            let force = self.settings.body_force.as_ref();
+            let force = force.map_or(SVector::zeros(), |f| f(&at.x, time));
+            let total = gravity * self.flow.weight(at) + force;
+            [total.dot(&basis.value(at, &self.state.flow.u))]
+        });
+        power
+    }
+
+    /// Force of the fluid on a named boundary by the residual of the momentum equation in the last
+    /// step, and its moment about a point; `None` before the first. A node that the boundary shares
+    /// with another one counts in full.
+    ///
+    /// # Errors
+    /// A boundary that the mesh does not have.
+    pub fn reaction(&self, boundary: &str, about: &Point<D>) -> Result<Option<Load<D>>> {
+        let (space, mesh) = (self.space(), self.space().mesh());
+        let mut nodes: Vec<u32> = Vec::new();
+        for &f in mesh.boundary(boundary)? {
+            nodes.extend(space.facet_nodes(&mesh.facets()[f as usize]));
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(self.reactions.as_ref().map(|r| {
+            let mut load = Load::ZERO;
+            let arm = |n: u32| space.nodes()[n as usize] - about;
+            nodes.iter().for_each(|&n| load.add(&arm(n), &-r[n as usize]));
+            load
+        }))
+    }
+}

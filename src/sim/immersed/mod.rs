@@ -1,0 +1,252 @@
+//! A flow with structures immersed in it.
+
+mod budget;
+mod clock;
+mod factor;
+mod materials;
+mod measure;
+mod pace;
+mod remesh;
+mod scheme;
+mod settings;
+mod step;
+
+pub use budget::{Budget, Energies};
+pub use clock::{Clock, Pacing};
+pub use settings::Settings;
+
+use super::carried::{Carried, largest};
+use super::state::State;
+use crate::base::{PHASES, Phases, Result};
+use crate::fem::{Basis, Element, Rule, Space};
+use crate::flow::{FlowSolver, FlowState, Fluid};
+use crate::mesh::{Mesh, Point};
+use crate::structure::{Coupling, Fields, Place, Structure};
+use crate::transport::Feet;
+use nalgebra::SVector;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// A flow with structures, in progress.
+pub struct Simulation<const D: usize> {
+    settings: Settings<D>,
+    carried: Carried<D>,
+    flow: FlowSolver<D>,
+    pacing: Option<Pacing>,
+    /// Velocity basis at the points of a finer rule, for energies; `None` where nothing acts.
+    fine: Option<Basis<D>>,
+    state: State<D>,
+    feet: [Feet; 2],
+    wants_reactions: bool,
+    reactions: Option<Vec<SVector<f64, D>>>,
+    phases: Phases,
+    work: Work<D>,
+}
+
+/// Buffers of a step, which a warmed-up step fills again.
+#[derive(Default)]
+struct Work<const D: usize> {
+    /// Velocity at the start of the step.
+    current: Vec<SVector<f64, D>>,
+    /// Mean of two velocities.
+    mean: Vec<SVector<f64, D>>,
+    /// Flow at the end of the step.
+    next: FlowState<D>,
+    /// Fields predicted for the end of the step.
+    ahead: Fields<D>,
+    /// Fields carried by the velocity at the start, for the semi-implicit coupling.
+    drifted: Fields<D>,
+    /// Fields at the end of the step.
+    moved: Fields<D>,
+}
+
+/// Degree of the rule for energies of the band, in the plane and in space, where the rule has more
+/// points anyway: the weight is a cosine over a few cells.
+const ENERGY_DEGREE: [usize; 2] = [8, 6];
+
+impl<const D: usize> Simulation<D> {
+    /// A flow on `mesh` that starts from `initial` velocity (one vector at a position) with
+    /// `structures` in it.
+    ///
+    /// Allocates no more than is needed: no mass matrix without projected transport, no feet without
+    /// convection or structures.
+    ///
+    /// # Errors
+    /// Boundary conditions that do not fit the mesh, a coupling that is not possible
+    /// ([`Settings::check_couplings`]), too little memory.
+    pub fn new(
+        mesh: &Arc<Mesh<D>>,
+        settings: Settings<D>,
+        structures: Vec<Box<dyn Structure<D>>>,
+        initial: impl Fn(&Point<D>) -> SVector<f64, D>,
+    ) -> Result<Simulation<D>> {
+        let mut sim = Simulation::build(mesh, settings, structures, &Fields::default())?;
+        sim.state.flow.u = sim.space().interpolate(initial);
+        sim.flow.impose(0.0, &mut sim.state.flow.u);
+        sim.state.earlier_u = sim.state.flow.u.clone();
+        sim.set_materials_now();
+        sim.prepare_now()?;
+        sim.state.energies = sim.measure(0.0)?;
+        sim.state.budget = Budget::new(&sim.state.energies);
+        Ok(sim)
+    }
+
+    /// A simulation with fluid at rest, whose fields are `kept` where these have them.
+    fn build(
+        mesh: &Arc<Mesh<D>>,
+        settings: Settings<D>,
+        structures: Vec<Box<dyn Structure<D>>>,
+        kept: &Fields<D>,
+    ) -> Result<Simulation<D>> {
+        settings.check_couplings(&structures)?;
+        let space = Arc::new(Space::new(mesh, Element::P2));
+        let pressure = Arc::new(Space::new(mesh, settings.pressure));
+        let rule = Arc::new(Rule::simplex(D, settings.quadrature));
+        let (conditions, grad_div) = (&settings.conditions, settings.grad_div);
+        let mut flow = FlowSolver::new(&space, &pressure, &rule, conditions, grad_div)?;
+        flow.solve_by(settings.solving);
+        let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
+        // A matrix that stays is factored once.
+        if implicit || !settings.has_constant_materials(&structures) {
+            flow.iterate(settings.solve_tolerance);
+        }
+        let degree = ENERGY_DEGREE[D - 2].max(settings.quadrature);
+        let acts = structures.iter().any(|s| s.acts());
+        let fine = acts.then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, degree))));
+        let links = flow.numbering().translations().to_vec();
+        let basis = (Some(flow.velocity()), kept);
+        let (carried, fields) = Carried::new(&space, links, settings.transport, structures, basis)?;
+        let state = State { flow: flow.at_rest(), fields, ..State::default() };
+        Ok(Simulation {
+            settings,
+            carried,
+            flow,
+            pacing: None,
+            fine,
+            state,
+            feet: Default::default(),
+            wants_reactions: false,
+            reactions: None,
+            phases: Phases::default(),
+            work: Work::default(),
+        })
+    }
+
+    /// Prepares the structures where they are, for the size of their forces.
+    fn prepare_now(&mut self) -> Result<()> {
+        let at = Place {
+            space: &self.carried.space,
+            basis: self.flow.velocity(),
+            density: self.flow.density(),
+            fields: &self.state.fields,
+            drift: None,
+            step: None,
+            time: self.state.time,
+        };
+        self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
+    }
+
+    /// Sets up the matrix of the coming steps and analyses it, without factoring: its size can be
+    /// asked for then.
+    ///
+    /// # Errors
+    /// Too little memory.
+    pub fn analyse(&mut self) -> Result<()> {
+        // The first step is one of backward Euler in either order.
+        let weight = if self.is_stokes() { 0.0 } else { 1.0 };
+        self.flow.analyse(weight / self.settings.dt)
+    }
+    /// Continues from a state of the same simulation.
+    ///
+    /// # Errors
+    /// Fields or sizes that do not fit.
+    pub fn restore(&mut self, state: State<D>) -> Result<()> {
+        self.state.check_fits(&state)?;
+        self.state = state;
+        self.restore_factor()?;
+        self.set_materials_now();
+        self.measure(0.0).map(drop)
+    }
+    /// Current time.
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+    /// True if the flow has no inertia.
+    pub fn is_stokes(&self) -> bool {
+        let structures = &self.carried.structures;
+        self.settings.fluids(structures).all(|f| f.density == 0.0)
+            && structures.iter().all(|s| s.held().is_none_or(|h| h.surface_mass == 0.0))
+    }
+    /// The settings.
+    pub fn settings(&self) -> &Settings<D> {
+        &self.settings
+    }
+    /// The structures with their transport.
+    pub fn carried(&self) -> &Carried<D> {
+        &self.carried
+    }
+    /// The P2 space of velocity and level sets.
+    pub fn space(&self) -> &Arc<Space<D>> {
+        &self.carried.space
+    }
+    /// The flow solver.
+    pub fn flow(&self) -> &FlowSolver<D> {
+        &self.flow
+    }
+    /// The structures.
+    pub fn structures(&self) -> &[Box<dyn Structure<D>>] {
+        &self.carried.structures
+    }
+    /// The state.
+    pub fn state(&self) -> &State<D> {
+        &self.state
+    }
+    /// Level set of structure number `k` at the nodes.
+    pub fn level_set(&self, k: usize) -> Cow<'_, [f64]> {
+        self.carried.level_set(&self.state.fields, k)
+    }
+    /// The structures with their transport, for options such as
+    /// [`redistance_every`](Carried::redistance_every).
+    pub fn carried_mut(&mut self) -> &mut Carried<D> {
+        &mut self.carried
+    }
+    /// Asks for [`reaction`](Self::reaction) after each step; costs one assembly a step.
+    pub fn keep_reactions(&mut self, keep: bool) {
+        self.wants_reactions = keep;
+    }
+    /// Largest speed at a node.
+    pub fn largest_speed(&self) -> f64 {
+        largest(&self.state.flow.u)
+    }
+    /// Courant number `max |u| dt / h`.
+    pub fn courant(&self) -> f64 {
+        self.carried.carrier.tracer.courant(&self.state.flow.u, self.settings.dt)
+    }
+    /// All fluids, that outside of the structures first.
+    pub fn fluids(&self) -> impl Iterator<Item = Fluid> {
+        self.settings.fluids(&self.carried.structures)
+    }
+    /// Seconds of all processors by [phase](PHASES) since this was called last, and number of
+    /// substitutions with the factor of the flow.
+    pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
+        let (flow, substitutions) = self.flow.take_costs();
+        let mine = self.phases.take();
+        (std::array::from_fn(|k| mine[k] + flow[k]), substitutions)
+    }
+    /// Bytes of all that grows with the mesh: factors, matrices, feet, fields and the mesh itself.
+    /// An estimate from the sizes.
+    pub fn bytes(&self) -> usize {
+        let word = size_of::<f64>();
+        let points = self.flow.velocity().rule().len() * self.space().mesh().cell_count();
+        // The matrix and its constant part, an index and a value each; the projector's mass matrix
+        // is small beside them.
+        let matrices = 2 * 2 * word * self.flow.matrix_nonzeros();
+        let traced = !self.is_stokes() || self.carried.carrier.projector.is_some();
+        let feet = if traced { 2 * 5 * word * points } else { 0 };
+        self.factor_bytes() + matrices + feet + self.carried.field_bytes(10)
+    }
+    /// Bytes of the factors that are held.
+    pub fn factor_bytes(&self) -> usize {
+        self.flow.factor_bytes() + self.carried.factor_bytes()
+    }
+}

@@ -1,0 +1,151 @@
+//! Steps that follow the error.
+
+use super::Simulation;
+use super::clock::{Clock, Pacing};
+use crate::base::{Error, Kind, Result};
+use crate::flow::StepReport;
+use crate::levelset::band_edges;
+use crate::sim::carried::largest;
+use crate::sim::{Pace, State};
+use nalgebra::SVector;
+
+/// Part of the explicit limit (1.54) that a step may have.
+const OF_THE_LIMIT: f64 = 0.9;
+/// Part of the tolerance that the start, made once and of order 1, may use up.
+const START: f64 = 0.1;
+
+impl<const D: usize> Simulation<D> {
+    /// Lets the steps follow the error from time 0 on; [`step`](Self::step) then tries until one is accepted.
+    ///
+    /// The error of a step is the larger of two: that of the velocity, by comparing BDF2 with the extrapolation of the last three
+    /// velocities, both of whose errors are known multiples of `u''' dt^3` (Milne's device), over a speed; and that of positions, `u'' dt^3/12`
+    /// for the mean velocity of the step, over a length. Both are the largest at any node. The first two steps, one of backward Euler
+    /// and one of BDF2, are judged together.
+    ///
+    /// # Errors
+    /// A scheme of order 1, or a velocity that is prescribed.
+    pub fn pace(&mut self, pacing: Pacing) -> Result<()> {
+        if self.settings.order != 2 {
+            return Err(Error::scene("the step can follow the error only in a flow of order 2")
+                .at("key time.tolerance")
+                .value(format!("order {}", self.settings.order))
+                .remedy(
+                    "take time.order = 2 and a flow that is solved for, or leave out time.tolerance \
+                     for steps of one length",
+                ));
+        }
+        self.follow_error();
+        self.state.pace = Some(Pace { clock: Clock::new(&pacing), earliest_u: Vec::new() });
+        self.pacing = Some(pacing);
+        Ok(())
+    }
+    /// Prepares the solver for steps of changing length.
+    pub(super) fn follow_error(&mut self) {
+        self.flow.iterate(self.settings.solve_tolerance);
+        self.flow.expect_changes();
+    }
+    /// True if the end is reached; never with steps of one length.
+    pub fn is_done(&self) -> bool {
+        self.pacing.as_ref().zip(self.state.pace.as_ref()).is_some_and(|(p, pace)| pace.clock.is_done(p))
+    }
+    /// True if the time is one of the instants that steps must end at.
+    pub fn is_at_instant(&self) -> bool {
+        self.state.pace.as_ref().is_none_or(|pace| pace.clock.part == 0)
+    }
+
+    /// The largest step that the explicit coupling bears now: (1.54) with the greatest tension and the shortest edge of the bands.
+    fn explicit_limit(&mut self) -> Result<f64> {
+        let explicit = |s: &dyn crate::structure::Structure<D>| s.acts() && s.coupling().is_explicit();
+        if !self.carried.structures.iter().any(|s| explicit(&**s)) {
+            return Ok(f64::INFINITY);
+        }
+        self.prepare_now()?;
+        let (viscosity, mut limit) = (self.least_viscosity(), f64::INFINITY);
+        for s in self.carried.structures.iter().filter(|s| explicit(&***s)) {
+            let phi = s.level_set().map_or(&[][..], |id| self.state.fields.scalar(id));
+            if let Some(edges) = band_edges(&self.carried.space, phi, s.reach()) {
+                limit = limit.min(s.step_limit(viscosity, edges.smallest));
+            }
+        }
+        Ok(OF_THE_LIMIT * limit)
+    }
+
+    /// One step that the error allows; steps that it does not allow leave no trace but their count.
+    pub(super) fn paced_step(&mut self, pacing: &Pacing) -> Result<StepReport> {
+        let limit = self.explicit_limit()?;
+        let mut failure = None;
+        loop {
+            let Some(mut clock) = self.state.pace.as_ref().map(|p| p.clock) else {
+                return Err(Error::internal("steps that follow the error have no clock"));
+            };
+            let start = self.state.steps == 0;
+            let dt = clock.propose(pacing, limit, 1 + u64::from(start)).map_err(|e| failure.take().unwrap_or(e))?;
+            let before = self.state.clone();
+            let tried = self.try_step(pacing, dt, &before);
+            let error = match tried {
+                Ok((report, error)) if clock.judge(dt, error) => {
+                    let steps = if start { 2 } else { 1 };
+                    (0..steps).for_each(|_| clock.advance(dt));
+                    clock.speed = clock.speed.max(largest(&self.state.flow.u));
+                    self.state.time = clock.time(pacing);
+                    let earliest_u = if start { before.flow.u } else { before.earlier_u };
+                    self.state.pace = Some(Pace { clock, earliest_u });
+                    return Ok(report);
+                }
+                Ok((_, error)) => error,
+                Err(e) if e.kind() == Kind::Computation => {
+                    // Whatever the factor is now, it is not what the state says.
+                    self.flow.forget_factor();
+                    self.state.factored = None;
+                    failure = Some(e);
+                    f64::INFINITY
+                }
+                Err(e) => return Err(e),
+            };
+            // The factor is that of the attempt, and stays.
+            let factored = self.state.factored.take();
+            self.state = State { factored, ..before };
+            if let Some(pace) = &mut self.state.pace {
+                pace.clock.judge(dt, error);
+                pace.clock.rejected += 1;
+            }
+        }
+    }
+
+    /// Makes a step `dt` (at the start two) and returns its error over the one that is allowed.
+    fn try_step(&mut self, pacing: &Pacing, dt: f64, before: &State<D>) -> Result<(StepReport, f64)> {
+        self.settings.dt = dt;
+        let end = pacing.instants.last().copied().unwrap_or(dt);
+        let (mut report, start) = (self.single_step()?, before.steps == 0);
+        if start {
+            report = self.single_step()?;
+        }
+        let pace = before.pace.as_ref();
+        let [h1, h2] = pace.map_or([0.0; 2], |p| [p.clock.last, p.clock.before]);
+        let earliest: &[SVector<f64, D>] = pace.map_or(&[], |p| &p.earliest_u);
+        let (new, now) = (&self.state.flow.u, &self.state.earlier_u);
+        let fastest = pace.map_or(0.0, |p| p.clock.speed).max(largest(new));
+        let speed = pacing.speed.max(fastest).max(f64::MIN_POSITIVE);
+        if start {
+            let bend = greatest((0..new.len()).map(|n| new[n] - now[n] * 2.0 + before.flow.u[n]));
+            let error = (0.5 * bend / speed).max(dt * bend / (6.0 * pacing.length));
+            return Ok((report, error / (START * pacing.tolerance)));
+        }
+        let earlier = &before.earlier_u;
+        // Newton's form of the extrapolation, and the error of BDF2 over that of the extrapolation.
+        let slope = |n: usize| (now[n] - earlier[n]) / h1;
+        let bend = |n: usize| (slope(n) - (earlier[n] - earliest[n]) / h2) / (h1 + h2);
+        let ahead = |n: usize| now[n] + slope(n) * dt + bend(n) * (dt * (dt + h1));
+        let ratio = dt / h1;
+        let part = (1.0 + ratio) / (1.0 + 2.0 * ratio) * dt / (dt + h1 + h2);
+        let velocity = greatest((0..new.len()).map(|n| new[n] - ahead(n))) * part / (1.0 + part);
+        let second = |n: usize| ((new[n] - now[n]) / dt - slope(n)) * (2.0 / (dt + h1));
+        let position = greatest((0..new.len()).map(second)) * dt.powi(3) / 12.0;
+        Ok((report, (velocity / speed).max(position / pacing.length) / (pacing.tolerance * dt / end)))
+    }
+}
+
+/// The largest norm; NaN counts as infinite.
+fn greatest<const D: usize>(vectors: impl Iterator<Item = SVector<f64, D>>) -> f64 {
+    vectors.map(|v| v.norm()).fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
+}

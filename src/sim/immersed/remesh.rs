@@ -1,0 +1,72 @@
+//! Going on with a simulation on another mesh of the same domain.
+
+use super::Simulation;
+use crate::base::Result;
+use crate::fem::{Element, Space, periodic_pairs};
+use crate::flow::FlowState;
+use crate::mesh::Mesh;
+use crate::sim::transfer::{Bring, Transfer};
+use crate::sim::{Pace, State};
+use std::sync::Arc;
+
+impl Simulation<2> {
+    /// This simulation, at the same time, on `mesh`, another mesh of the same domain with the same
+    /// names.
+    ///
+    /// Matrices, orderings and factors are those of the new mesh. The change of kinetic and elastic
+    /// energy by the transfer is added to [`Budget::transferred`](super::Budget::transferred) and
+    /// stays in the residual of the energy identity. The velocity is not made free of discrete
+    /// divergence on the new mesh: old velocities enter the next step through its right-hand side
+    /// alone, and the step itself solves for a velocity that is.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::new`]; a mesh that does not cover the domain.
+    pub fn on_mesh(&self, mesh: &Arc<Mesh<2>>, transfer: Transfer) -> Result<Simulation<2>> {
+        let old = &self.state;
+        let to = Arc::new(Space::new(mesh, Element::P2));
+        let links = periodic_pairs(mesh, &self.settings.conditions)?;
+        let bring = Bring::new(transfer, self.space(), &to, &links)?;
+        let structures = self.structures().iter().map(|s| s.boxed()).collect();
+        let fields = bring.fields(&old.fields)?;
+        let mut sim = Simulation::build(mesh, self.settings.clone(), structures, &fields)?;
+        let (from, to) = (self.flow.pressure().space(), sim.flow.pressure().space());
+        let p = Bring::new(transfer, from, to, &links)?.scalar(&old.flow.p)?;
+        let pace = match &old.pace {
+            Some(pace) => Some(Pace { earliest_u: bring.vector(&pace.earliest_u)?, ..pace.clone() }),
+            None => None,
+        };
+        sim.state = State {
+            steps: old.steps,
+            time: old.time,
+            pace,
+            flow: FlowState { u: bring.vector(&old.flow.u)?, p },
+            earlier_u: bring.vector(&old.earlier_u)?,
+            fields: sim.state.fields,
+            factored: None,
+            energies: old.energies,
+            budget: old.budget,
+        };
+        sim.pacing.clone_from(&self.pacing);
+        sim.carried.redistancing = self.carried.redistancing;
+        if sim.pacing.is_some() {
+            sim.flow.expect_changes();
+        }
+        sim.wants_reactions = self.wants_reactions;
+        sim.recount_energies()?;
+        Ok(sim)
+    }
+
+    /// Measures the energies of the current state and counts their change since the last measurement
+    /// as transferred.
+    fn recount_energies(&mut self) -> Result<()> {
+        let time = self.time();
+        self.flow.impose(time, &mut self.state.flow.u);
+        self.set_materials_now();
+        self.prepare_now()?;
+        let before = self.state.energies;
+        let now = super::Energies { power: before.power, ..self.measure(0.0)? };
+        self.state.budget.transferred += now.total() - before.total();
+        self.state.energies = now;
+        Ok(())
+    }
+}

@@ -1,0 +1,101 @@
+//! Settings of an immersed flow.
+
+use crate::fem::{Conditions, Element};
+use crate::flow::{BodyForce, Fluid};
+use crate::linalg::Solving;
+use crate::sim::carried::Transport;
+use crate::structure::Structure;
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// Settings of a flow with structures, beside those of the structures themselves.
+#[derive(Clone)]
+pub struct Settings<const D: usize> {
+    /// Time step.
+    pub dt: f64,
+    /// Order in time, 1 or 2.
+    pub order: usize,
+    /// Transport of fields.
+    pub transport: Transport,
+    /// True if the flow convects itself.
+    pub convection: bool,
+    /// Weight of the grad-div term, in units of viscosity.
+    pub grad_div: f64,
+    /// Relative residual at which iterations with an old factor stop, where the matrix changes from
+    /// step to step; 0 factors each.
+    pub solve_tolerance: f64,
+    /// Solver of the linear systems of the flow, and its memory.
+    pub solving: Solving,
+    /// Degree of the quadrature rule.
+    pub quadrature: usize,
+    /// The fluid outside of all structures; those inside are told by
+    /// [`held`](Structure::held).
+    pub fluid: Fluid,
+    /// True in the Boussinesq form (book, section 1.4.2): densities differ in gravity alone, inertia
+    /// is that of [`fluid`](Self::fluid) everywhere.
+    pub boussinesq: bool,
+    /// Element of the pressure: P1, or in the plane P1 + P0.
+    pub pressure: Element,
+    /// Boundary conditions.
+    pub conditions: Conditions<D>,
+    /// Force per mass.
+    pub gravity: SVector<f64, D>,
+    /// Force per volume.
+    pub body_force: Option<Arc<BodyForce<D>>>,
+}
+
+impl<const D: usize> Settings<D> {
+    /// A flow of `fluid` under `conditions` in steps of length `dt`, of order 2, with convection where
+    /// there is inertia, without grad-div and forces.
+    pub fn new(dt: f64, fluid: Fluid, conditions: Conditions<D>) -> Settings<D> {
+        Settings {
+            dt,
+            order: 2,
+            transport: Transport::default(),
+            convection: fluid.density > 0.0,
+            grad_div: 0.0,
+            solve_tolerance: 1e-10,
+            solving: Solving::default(),
+            quadrature: 5,
+            fluid,
+            boussinesq: false,
+            pressure: Element::P1,
+            conditions,
+            gravity: SVector::zeros(),
+            body_force: None,
+        }
+    }
+    /// All fluids, that outside of the structures first.
+    pub(super) fn fluids<'a>(
+        &self,
+        structures: &'a [Box<dyn Structure<D>>],
+    ) -> impl Iterator<Item = Fluid> + use<'a, D> {
+        let inside = structures.iter().filter_map(|s| s.held().and_then(|h| h.fluid));
+        std::iter::once(self.fluid).chain(inside)
+    }
+    /// Least density of all fluids.
+    pub(super) fn lightest(&self, structures: &[Box<dyn Structure<D>>]) -> f64 {
+        self.fluids(structures).map(|f| f.density).fold(f64::INFINITY, f64::min)
+    }
+    /// True if the density of inertia is the same everywhere at any time.
+    pub(super) fn has_constant_inertia(&self, structures: &[Box<dyn Structure<D>>]) -> bool {
+        structures.iter().all(|s| s.held().is_none_or(|h| h.surface_mass == 0.0))
+            && (self.boussinesq || self.fluids(structures).all(|f| f.density == self.fluid.density))
+    }
+    /// True if the viscosity is the same everywhere at any time.
+    pub(super) fn has_constant_viscosity(&self, structures: &[Box<dyn Structure<D>>]) -> bool {
+        self.fluids(structures).all(|f| f.viscosity == self.fluid.viscosity)
+    }
+    /// True if inertia and viscosity are the same everywhere at any time.
+    pub(super) fn has_constant_materials(&self, structures: &[Box<dyn Structure<D>>]) -> bool {
+        self.has_constant_inertia(structures) && self.has_constant_viscosity(structures)
+    }
+    /// Checks the couplings of the structures.
+    ///
+    /// # Errors
+    /// One that is not possible with these settings.
+    pub fn check_couplings(&self, structures: &[Box<dyn Structure<D>>]) -> crate::base::Result<()> {
+        let lightest = self.lightest(structures);
+        structures.iter().filter(|s| s.acts()).try_for_each(|s| s.check_coupling(self.order, lightest))
+    }
+}

@@ -1,0 +1,193 @@
+//! The time step.
+
+use super::scheme::{Scheme, combine};
+use super::{Simulation, Work};
+use crate::base::{Phase, Result};
+use crate::fem::Cells;
+use crate::flow::block::Block;
+use crate::flow::term::MomentumTerm;
+use crate::flow::{History, Step, StepReport};
+use crate::structure::{Coupling, Place, Velocity};
+
+impl<const D: usize> Simulation<D> {
+    /// Takes one step: predicts the structures, solves the flow with the forces that they exert, and
+    /// moves the structures with the new velocity.
+    ///
+    /// Order 1 is the book's scheme (section 3.6.1): forces of the fields at `t^n`, backward Euler
+    /// along the characteristics of `u^n`, transport by `u^{n+1}`; an implicit force is linearised
+    /// in `u^{n+1}`. Order 2 takes forces of the fields carried by `u^n`, linearised in
+    /// `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All
+    /// three are of second order, and the scheme is stable for any step when the stiffness in the
+    /// matrix is at least half the true one; with the extrapolated velocity in place of `u^n` it is
+    /// not (book, "The time step").
+    ///
+    /// # Errors
+    /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
+    pub fn step(&mut self) -> Result<StepReport> {
+        let Some(pacing) = self.pacing.take() else { return self.single_step() };
+        let result = self.paced_step(&pacing);
+        self.pacing = Some(pacing);
+        result
+    }
+
+    /// A step of the length that is set.
+    pub(super) fn single_step(&mut self) -> Result<StepReport> {
+        let mut work = std::mem::take(&mut self.work);
+        let result = self.flow_step(&mut work);
+        self.work = work;
+        result
+    }
+
+    fn flow_step(&mut self, work: &mut Work<D>) -> Result<StepReport> {
+        let scheme = self.scheme();
+        work.current.clone_from(&self.state.flow.u);
+        self.phases.begin();
+        // Where the structures will be.
+        self.predict(&scheme, work)?;
+        self.phases.end(Phase::Transport);
+        // Where the fluid comes from.
+        self.trace(&scheme, work);
+        self.phases.end(Phase::Feet);
+        // Materials and forces there.
+        self.set_materials(&work.ahead);
+        self.phases.end(Phase::Assembly);
+        self.prepare(&scheme, work)?;
+        self.phases.end(Phase::Force);
+        // Velocity and pressure.
+        let (report, wall_power) = self.solve(&scheme, work)?;
+        self.carried.check_speed(&work.next.u, scheme.dt, scheme.time)?;
+        self.note_factor(&report, scheme.weight(), &work.ahead);
+        self.phases.end(Phase::Diagnostics);
+        // The structures follow, and the fluids with them.
+        self.follow(&scheme, work)?;
+        self.phases.end(Phase::Transport);
+        std::mem::swap(&mut self.state.flow, &mut work.next);
+        std::mem::swap(&mut self.state.earlier_u, &mut work.current);
+        self.state.steps += 1;
+        let regular = self.state.steps as f64 * scheme.dt;
+        self.state.time = if self.state.pace.is_some() { scheme.time } else { regular };
+        if !self.has_constant_materials() {
+            self.set_materials_now();
+        }
+        self.phases.end(Phase::Assembly);
+        // Energies and their balance (3.23).
+        let now = self.measure(wall_power)?;
+        self.state.budget.advance(&self.state.energies, &now, scheme.dt, scheme.order());
+        self.state.energies = now;
+        self.phases.end(Phase::Diagnostics);
+        Ok(report)
+    }
+
+    /// Fields for which forces are taken: those at the start (order 1), or carried by the velocity
+    /// there (order 2).
+    fn predict(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<()> {
+        let Work { current, ahead, drifted, .. } = work;
+        let velocity = Velocity::Computed { ends: [current, current], mean: current };
+        let (fields, of) = (&self.state.fields, (scheme.dt, scheme.time, true));
+        let acting = || self.carried.structures.iter().filter(|s| s.acts());
+        let (acts, semi) = (acting().count() > 0, acting().any(|s| s.coupling() == Coupling::SemiImplicit));
+        if scheme.second && acts {
+            self.carried.carry(fields, velocity, of, &[], ahead)?;
+        } else {
+            ahead.clone_from(fields);
+        }
+        if semi {
+            self.carried.carry(fields, velocity, of, &[], drifted)?;
+        }
+        Ok(())
+    }
+
+    /// Feet of the characteristics that earlier velocities are followed along.
+    fn trace(&mut self, scheme: &Scheme, Work { current, mean, .. }: &mut Work<D>) {
+        let (tracer, basis) = (&self.carried.carrier.tracer, self.flow.velocity());
+        let (dt, ratio, earlier) = (scheme.dt, scheme.ratio, &self.state.earlier_u);
+        if !scheme.convection {
+            return;
+        }
+        if !scheme.second {
+            return tracer.from_quadrature(current, dt, basis, &mut self.feet[0]);
+        }
+        combine(1.0 + 0.5 * ratio, current, -0.5 * ratio, earlier, mean);
+        tracer.from_quadrature(mean, dt, basis, &mut self.feet[0]);
+        let (both, beyond) = (dt + dt / ratio, 0.5 * (ratio - 1.0));
+        combine(1.0 + beyond, current, -beyond, earlier, mean);
+        let middle: &[_] = if ratio == 1.0 { current } else { mean };
+        tracer.from_quadrature(middle, both, basis, &mut self.feet[1]);
+    }
+
+    /// Precomputes the forces of the structures.
+    fn prepare(&mut self, scheme: &Scheme, work: &Work<D>) -> Result<()> {
+        let at = Place {
+            space: &self.carried.space,
+            basis: self.flow.velocity(),
+            density: self.flow.density(),
+            fields: &work.ahead,
+            drift: Some([&self.state.fields, &work.drifted]),
+            step: Some(scheme.dt),
+            time: scheme.time,
+        };
+        self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
+    }
+
+    /// Solves for velocity and pressure. Returns the power of the walls too.
+    fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, f64)> {
+        let Work { current, next, .. } = work;
+        let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
+        let [now, earlier] = scheme.history();
+        let history = [
+            History { weight: now, u: current, feet: feet(0) },
+            History { weight: earlier, u: &self.state.earlier_u, feet: feet(1) },
+        ];
+        let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) = <_>::default();
+        for s in &self.carried.structures {
+            s.terms(&mut terms);
+            s.blocks(&mut blocks);
+        }
+        let step = Step {
+            time: scheme.time,
+            dt: scheme.dt,
+            weight: scheme.weight(),
+            history: &history[..if scheme.inertia { scheme.order() } else { 0 }],
+            terms: &terms,
+            blocks: &blocks,
+            predicted: scheme.second.then_some(&current[..]),
+            body_force: self.settings.body_force.as_deref(),
+            gravity: self.settings.gravity,
+        };
+        let flow = &mut self.flow;
+        // The solver must be known, in a resumed run too.
+        flow.analyse(step.weight / scheme.dt)?;
+        super::factor::extrapolate(&self.state, flow, scheme.ratio, next);
+        let report = flow.step(&step, next)?;
+        self.phases.begin();
+        let wall_power = flow.wall_power(&step, next);
+        self.reactions = self.wants_reactions.then(|| flow.reaction(&step, next, Cells::All));
+        Ok((report, wall_power))
+    }
+
+    /// Carries all fields over the step.
+    fn follow(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<()> {
+        if self.state.fields.is_empty() {
+            return Ok(());
+        }
+        let Work { current, mean, next, moved, .. } = work;
+        let mut acting = self.carried.structures.iter().filter(|s| s.acts());
+        if scheme.second {
+            combine(0.5, current, 0.5, &next.u, mean);
+        } else if acting.any(|s| s.coupling() == Coupling::FullyExplicit) {
+            mean.clone_from(current);
+        } else {
+            mean.clone_from(&next.u);
+        }
+        let velocity = Velocity::Computed { ends: [current, &next.u], mean };
+        let of = (scheme.dt, scheme.time, false);
+        let blocks = self.flow.block_values();
+        self.carried.carry(&self.state.fields, velocity, of, blocks, moved)?;
+        std::mem::swap(&mut self.state.fields, moved);
+        self.phases.end(Phase::Transport);
+        if self.carried.redistance(self.state.steps + 1, &mut self.state.fields)? {
+            self.phases.end(Phase::Redistance);
+        }
+        Ok(())
+    }
+}

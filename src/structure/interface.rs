@@ -1,0 +1,241 @@
+//! Structures that are one closed interface with a force on it: membranes and drops.
+
+use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, Rule};
+use super::place::{Host, Moved, Place};
+use super::{Coupling, Held, RestMap, Structure, SurfaceStrain};
+use crate::base::Result;
+use crate::fem::Basis;
+use crate::flow::Fluid;
+use crate::flow::term::MomentumTerm;
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
+
+/// A closed interface, the zero of a level set, that bounds a fluid and may have mass.
+#[derive(Clone)]
+pub struct ImmersedInterface<const D: usize> {
+    /// Name in results.
+    pub name: String,
+    /// Level set at time 0 at the nodes, negative inside; its slope at the interface is the stretch.
+    pub phi: Vec<f64>,
+    /// The function whose values these are, where it is known between the nodes.
+    pub function: Option<Arc<InitialFunction<D>>>,
+    /// Stretch at time 0, the same all over the interface.
+    pub stretch: f64,
+    /// Half-width of the band over which force and properties of the fluids are spread, a length.
+    pub thickness: f64,
+    /// The fluid inside; `None` for that outside.
+    pub inside: Option<Fluid>,
+    /// Mass per area at rest.
+    pub surface_mass: f64,
+    /// Coupling of the force with the step.
+    pub coupling: Coupling,
+    /// True if the level set is `phi0(Y)`, (2.5), in place of being carried.
+    pub mapped: bool,
+    /// Index of the level set among the fields, once it is declared.
+    pub field: FieldId,
+}
+
+impl<const D: usize> ImmersedInterface<D> {
+    /// An interface without stretch, mass and fluid of its own, coupled implicitly, whose band has
+    /// the half-width `thickness`.
+    pub fn new(name: impl Into<String>, phi: Vec<f64>, thickness: f64) -> ImmersedInterface<D> {
+        ImmersedInterface {
+            name: name.into(),
+            phi,
+            function: None,
+            stretch: 1.0,
+            thickness,
+            inside: None,
+            surface_mass: 0.0,
+            coupling: Coupling::default(),
+            mapped: false,
+            field: FieldId::default(),
+        }
+    }
+    /// The same interface with this stretch at time 0.
+    pub fn stretched(self, stretch: f64) -> ImmersedInterface<D> {
+        ImmersedInterface { stretch, ..self }
+    }
+    /// The same interface with another coupling.
+    pub fn coupled(self, coupling: Coupling) -> ImmersedInterface<D> {
+        ImmersedInterface { coupling, ..self }
+    }
+    /// The same interface with a fluid of its own inside.
+    pub fn filled(self, fluid: Fluid) -> ImmersedInterface<D> {
+        ImmersedInterface { inside: Some(fluid), ..self }
+    }
+    /// The same interface with mass.
+    pub fn heavy(self, surface_mass: f64) -> ImmersedInterface<D> {
+        ImmersedInterface { surface_mass, ..self }
+    }
+    /// Index of the level set among the fields.
+    pub fn level_set(&self) -> FieldId {
+        self.field
+    }
+    /// Name of the field `what` of this interface.
+    pub fn field_name(&self, what: &str) -> String {
+        format!("{}.{what}", self.name)
+    }
+    fn begin(&mut self, fields: &mut Declaration<'_, D>) {
+        let carry = match (self.mapped, &self.function) {
+            (true, Some(f)) => Carry::OfBackwardMap(f.clone()),
+            (_, f) => Carry::Convected(f.clone()),
+        };
+        let rule = Rule { carry, acts: true };
+        self.field = fields.add(&self.field_name("level_set"), rule, || Data::Scalar(self.phi.clone()));
+    }
+}
+
+/// The force of an interface: what differs between membranes of different laws.
+pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
+    /// Declares fields beside the level set, and builds what depends on the mesh.
+    ///
+    /// # Errors
+    /// A factor that does not fit into the memory.
+    fn begin(
+        &mut self,
+        _of: &ImmersedInterface<D>,
+        _host: &Host<'_, D>,
+        _fields: &mut Declaration<'_, D>,
+    ) -> Result<()> {
+        Ok(())
+    }
+    /// The term prepared last.
+    fn term(&self) -> &dyn MomentumTerm<D>;
+    /// Precomputes the force.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()>;
+    /// Moves the fields that it declared and that are not convected.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn advance(&mut self, _of: &ImmersedInterface<D>, _by: &mut Moved<'_, D>, _fields: &mut Fields<D>) -> Result<()> {
+        Ok(())
+    }
+    /// Elastic energy.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64>;
+    /// Energy that its own model takes per time.
+    fn dissipation(&self) -> f64 {
+        0.0
+    }
+    /// Largest stable step of the explicit coupling.
+    fn step_limit(&self, viscosity: f64, edge: f64) -> f64;
+    /// Refuses a coupling that it cannot have.
+    ///
+    /// # Errors
+    /// Such a coupling.
+    fn check_coupling(&self, _coupling: Coupling) -> Result<()> {
+        Ok(())
+    }
+    /// Distance from the interface up to which it acts.
+    fn reach(&self, of: &ImmersedInterface<D>) -> f64 {
+        of.thickness
+    }
+    /// Place at rest of the material.
+    fn rest_map(&self) -> Option<&RestMap<D>> {
+        None
+    }
+    /// Strain, where it is not that of the place at rest alone.
+    fn strain(&self, _slope: &SVector<f64, D>, _gradient: &SMatrix<f64, D, D>) -> Option<SurfaceStrain<D>> {
+        None
+    }
+    /// True if it needs the backward characteristics.
+    fn resists_shear(&self) -> bool {
+        false
+    }
+    /// Bytes of what it holds that grows with the mesh.
+    fn bytes(&self) -> usize {
+        0
+    }
+}
+
+/// An interface with its force: a structure.
+#[derive(Clone)]
+pub struct Immersed<const D: usize, F> {
+    /// The interface.
+    pub interface: ImmersedInterface<D>,
+    /// The force on it.
+    pub force: F,
+}
+
+impl<const D: usize, F: InterfaceForce<D>> Immersed<D, F> {
+    /// The structure of this interface and this force.
+    pub fn boxed(interface: ImmersedInterface<D>, force: F) -> Box<dyn Structure<D>> {
+        Box::new(Immersed { interface, force })
+    }
+}
+
+impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
+    fn name(&self) -> &str {
+        &self.interface.name
+    }
+    fn begin(&mut self, host: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
+        self.interface.begin(fields);
+        self.force.begin(&self.interface, host, fields)
+    }
+    fn level_set(&self) -> Option<FieldId> {
+        Some(self.interface.field)
+    }
+    fn slope(&self) -> f64 {
+        self.interface.stretch
+    }
+    fn coupling(&self) -> Coupling {
+        self.interface.coupling
+    }
+    fn check_coupling(&self, order: usize, lightest: f64) -> Result<()> {
+        self.force.check_coupling(self.interface.coupling)?;
+        self.interface.coupling.check(order, lightest)
+    }
+    fn prepare(&mut self, at: &Place<'_, D>) -> Result<()> {
+        self.force.prepare(&self.interface, at)
+    }
+    fn terms<'a>(&'a self, out: &mut Vec<&'a dyn MomentumTerm<D>>) {
+        out.push(self.force.term());
+    }
+    fn advance(&mut self, by: &mut Moved<'_, D>, fields: &mut Fields<D>) -> Result<()> {
+        self.force.advance(&self.interface, by, fields)
+    }
+    fn held(&self) -> Option<Held> {
+        let ImmersedInterface { field, thickness, inside, surface_mass, .. } = self.interface;
+        (inside.is_some() || surface_mass > 0.0).then_some(Held {
+            level_set: field,
+            thickness,
+            fluid: inside,
+            surface_mass,
+        })
+    }
+    fn reach(&self) -> f64 {
+        self.force.reach(&self.interface)
+    }
+    fn energy(&mut self, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+        self.force.energy(&self.interface, at, rule)
+    }
+    fn dissipation(&self) -> f64 {
+        self.force.dissipation()
+    }
+    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
+        self.force.step_limit(viscosity, edge)
+    }
+    fn rest_map(&self) -> Option<&RestMap<D>> {
+        self.force.rest_map()
+    }
+    fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
+        self.force
+            .strain(slope, gradient)
+            .unwrap_or_else(|| SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope()))
+    }
+    fn resists_shear(&self) -> bool {
+        self.force.resists_shear()
+    }
+    fn bytes(&self) -> usize {
+        self.force.bytes()
+    }
+    fn boxed(&self) -> Box<dyn Structure<D>> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,159 @@
+//! Structures immersed in a flow: the interface between laws and the simulation.
+//!
+//! A [`Structure`] declares its fields, prepares for a step, gives its momentum terms and blocks,
+//! moves what the transport of the flow does not move, and tells energy, dissipation, step limit
+//! and the fluid it holds. The simulation knows no law, and a law knows no simulation.
+
+mod carrier;
+mod coupling;
+mod fields;
+mod interface;
+mod level_set;
+mod markers;
+mod place;
+mod surface_strain;
+
+pub use carrier::{Carrier, REMAP};
+pub use coupling::Coupling;
+pub use fields::{Carry, DISPLACEMENT, Data, Declaration, Field, FieldId, Fields, InitialFunction, Rule};
+pub use interface::{Immersed, ImmersedInterface, InterfaceForce};
+pub use level_set::LevelSet;
+pub use markers::{polygon_area, polygon_length};
+pub use place::{Host, Moved, Place, Velocity};
+pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};
+
+use crate::base::{Result, parallel};
+use crate::fem::Basis;
+use crate::flow::Fluid;
+use crate::flow::block::Block;
+use crate::flow::term::MomentumTerm;
+use crate::mesh::Point;
+use nalgebra::{SMatrix, SVector};
+
+/// Position at rest of the material that is at a point at time 0: `Y` at time 0.
+pub type RestMap<const D: usize> = dyn Fn(&Point<D>) -> Point<D> + Send + Sync;
+
+/// `map(x + d(x)) - x` at the nodes `x`, for the displacement `d` back to time 0.
+pub fn rest_displacement<const D: usize>(
+    map: &RestMap<D>,
+    nodes: &[SVector<f64, D>],
+    displacement: &[SVector<f64, D>],
+) -> Vec<SVector<f64, D>> {
+    let mut rest = vec![SVector::zeros(); nodes.len()];
+    parallel::fill(&mut rest, 1, |first, part| {
+        for (i, v) in part.iter_mut().enumerate() {
+            let x = &nodes[first + i];
+            *v = map(&(x + displacement[first + i])) - x;
+        }
+    });
+    rest
+}
+
+/// Fluid inside a level set, and mass of its interface, by (3.19).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// Level set, negative inside.
+    pub level_set: FieldId,
+    /// Half-width of the band over which properties change, a length.
+    pub thickness: f64,
+    /// The fluid inside; `None` for that outside.
+    pub fluid: Option<Fluid>,
+    /// Mass per area at rest of the interface.
+    pub surface_mass: f64,
+}
+
+/// Something that a flow carries and that may act on it: one body or hundreds of one kind.
+pub trait Structure<const D: usize>: Send + Sync {
+    /// Name in results; unique in a simulation.
+    fn name(&self) -> &str;
+    /// Declares the fields of this structure, and builds what depends on the mesh. Called once a mesh.
+    ///
+    /// # Errors
+    /// A factor that does not fit into the memory.
+    fn begin(&mut self, host: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()>;
+    /// Level set whose zero is the interface, if it has one.
+    fn level_set(&self) -> Option<FieldId> {
+        None
+    }
+    /// Slope of the level set at time 0, which redistancing restores.
+    fn slope(&self) -> f64 {
+        1.0
+    }
+    /// True if it exerts a force or holds a fluid; else it is only carried.
+    fn acts(&self) -> bool {
+        true
+    }
+    /// Coupling of its force with the step.
+    fn coupling(&self) -> Coupling {
+        Coupling::Explicit
+    }
+    /// Checks that its coupling is possible in steps of order `order` with least density `lightest`.
+    ///
+    /// # Errors
+    /// A coupling that is not.
+    fn check_coupling(&self, order: usize, lightest: f64) -> Result<()> {
+        self.coupling().check(order, lightest)
+    }
+    /// Precomputes forces and forms for the fields of `at`.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn prepare(&mut self, _at: &Place<'_, D>) -> Result<()> {
+        Ok(())
+    }
+    /// Appends the terms prepared last.
+    fn terms<'a>(&'a self, _out: &mut Vec<&'a dyn MomentumTerm<D>>) {}
+    /// Appends the blocks of unknowns prepared last.
+    fn blocks<'a>(&'a self, _out: &mut Vec<&'a dyn Block<D>>) {}
+    /// Moves the fields of this structure that the transport of the flow does not move, after it
+    /// has moved the others: `by.before` holds all fields at the start of the step.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn advance(&mut self, _by: &mut Moved<'_, D>, _fields: &mut Fields<D>) -> Result<()> {
+        Ok(())
+    }
+    /// Fluid that it holds and mass of its interface; `None` without either.
+    fn held(&self) -> Option<Held> {
+        None
+    }
+    /// Distance from the interface up to which the force acts.
+    fn reach(&self) -> f64 {
+        0.0
+    }
+    /// Elastic energy for the fields of `at`; `rule` may be finer than that of the flow.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn energy(&mut self, _at: &Place<'_, D>, _rule: &Basis<D>) -> Result<f64> {
+        Ok(0.0)
+    }
+    /// Energy that its own model takes per time, beside the viscosity of the flow.
+    fn dissipation(&self) -> f64 {
+        0.0
+    }
+    /// Largest stable step of the explicit coupling in a fluid of that viscosity on edges `edge`,
+    /// for what was prepared last; infinite if there is none.
+    fn step_limit(&self, _viscosity: f64, _edge: f64) -> f64 {
+        f64::INFINITY
+    }
+    /// Position at rest of the material at time 0; `None` for the same place.
+    fn rest_map(&self) -> Option<&RestMap<D>> {
+        None
+    }
+    /// Strain of its interface where the level set has the gradient `slope`, and `Y(x) - x`, `Y` the
+    /// place at rest, the gradient `gradient`.
+    fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
+        SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
+    }
+    /// True if its force needs the backward characteristics.
+    fn resists_shear(&self) -> bool {
+        false
+    }
+    /// Bytes of what it holds that grows with the mesh, fields left aside.
+    fn bytes(&self) -> usize {
+        0
+    }
+    /// A copy without what depends on the mesh.
+    fn boxed(&self) -> Box<dyn Structure<D>>;
+}

@@ -1,0 +1,99 @@
+//! The surroundings of a structure: before a step, during it, after it.
+
+use super::carrier::Carrier;
+use super::fields::Fields;
+use crate::base::Result;
+use crate::fem::{Basis, Space, Translation, VelocityFunction};
+use crate::flow::Coefficient;
+use crate::transport::Wind;
+use nalgebra::SVector;
+use std::sync::Arc;
+
+/// What a structure is built on.
+pub struct Host<'a, const D: usize> {
+    /// P2 space of velocity and level sets.
+    pub space: &'a Arc<Space<D>>,
+    /// Velocity basis at the points of the flow's rule; `None` where the velocity is prescribed.
+    pub basis: Option<&'a Basis<D>>,
+    /// Pairs of facets on periodic sides.
+    pub translations: &'a [Translation<D>],
+}
+
+/// Where structures are when they prepare their forces.
+pub struct Place<'a, const D: usize> {
+    /// P2 space of velocity and level sets.
+    pub space: &'a Space<D>,
+    /// Velocity basis at the points of the flow's rule.
+    pub basis: &'a Basis<D>,
+    /// Density of the fluid at the points of that rule.
+    pub density: &'a Coefficient,
+    /// Fields for which forces are wanted.
+    pub fields: &'a Fields<D>,
+    /// Fields at the start of the step, and the same carried over the step by the velocity there;
+    /// given if some coupling [is semi-implicit](super::Coupling::SemiImplicit).
+    pub drift: Option<[&'a Fields<D>; 2]>,
+    /// Length of the step that the force is for; `None` if only its size is wanted.
+    pub step: Option<f64>,
+    /// Time.
+    pub time: f64,
+}
+
+/// The velocity over a step.
+#[derive(Clone, Copy)]
+pub enum Velocity<'a, const D: usize> {
+    /// Nodal values at the start and at the end of the step, and those that fields are carried by.
+    Computed {
+        /// At the start and at the end.
+        ends: [&'a [SVector<f64, D>]; 2],
+        /// The one of the transport.
+        mean: &'a [SVector<f64, D>],
+    },
+    /// A function of position and time.
+    Given {
+        /// The function.
+        velocity: &'a VelocityFunction<D>,
+        /// Time at the start of the step.
+        start: f64,
+        /// Largest Courant number in the step.
+        courant: f64,
+    },
+}
+
+impl<'a, const D: usize> Velocity<'a, D> {
+    /// The velocity as the transport takes it, over a step of length `dt`.
+    pub fn advecting(&self, dt: f64) -> Wind<'a, D> {
+        match *self {
+            Velocity::Computed { mean, .. } => Wind::Nodal(mean),
+            Velocity::Given { velocity, start, courant } => Wind::Given { velocity, arrival: start + dt, courant },
+        }
+    }
+}
+
+/// A step that has moved the convected fields.
+pub struct Moved<'a, const D: usize> {
+    /// The transport.
+    pub carrier: &'a mut Carrier<D>,
+    /// The velocity.
+    pub velocity: Velocity<'a, D>,
+    /// All fields at the start of the step.
+    pub before: &'a Fields<D>,
+    /// Values of the unknowns of the blocks of this structure, one list a block.
+    pub blocks: &'a [Vec<f64>],
+    /// Length of the step.
+    pub dt: f64,
+    /// Time at its end.
+    pub time: f64,
+}
+
+impl<const D: usize> Moved<'_, D> {
+    /// Carries nodal values of the start over the step, as convected fields are.
+    ///
+    /// # Errors
+    /// A projection that fails.
+    pub fn convect(&mut self, values: &[f64]) -> Result<Vec<f64>> {
+        let mut moved = vec![0.0; values.len()];
+        self.carrier.find_feet(&self.velocity.advecting(self.dt), self.dt);
+        self.carrier.carry_scalar(values, &mut moved)?;
+        Ok(moved)
+    }
+}
