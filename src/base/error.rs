@@ -34,6 +34,41 @@ impl Kind {
     }
 }
 
+/// A cause of errors that a layer above can say more about: the keys of a scene that take part in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The factors of a matrix need more memory than the limit, with a solver that was prescribed.
+    SolverMemory,
+    /// The iterations of a linear solver did not converge.
+    SolverStalled,
+    /// Prescribed velocities do not balance in a closed domain.
+    Inflow,
+    /// A checkpoint is damaged, or of another version or another scene.
+    Checkpoint,
+    /// The error control needs a step below the shortest one.
+    ShortestStep,
+    /// The error control needs a scheme of order 2.
+    ErrorControl,
+    /// The velocity is not finite, or carries a particle across the whole domain in a step.
+    BlowUp,
+    /// A scheme of order 1 in steps of order 2.
+    FirstOrder,
+    /// A scheme that needs inertia, without.
+    Massless,
+    /// The semi-implicit scheme with a force that has no band.
+    SharpForce,
+    /// The semi-implicit scheme with a force that depends on shear.
+    ShearForce,
+    /// Markers on an interface of several curves.
+    SeveralCurves,
+    /// The contour of a segmentation has vanished.
+    ContourLost,
+    /// A part of the boundary without a condition; the value is its name.
+    BareBoundary,
+    /// A boundary that is curved more than the refined mesh can follow.
+    CurvedBoundary,
+}
+
 /// The piece of a text file that an error is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snippet {
@@ -71,6 +106,7 @@ struct Parts {
     value: String,
     remedy: String,
     snippet: Option<Snippet>,
+    cause: Option<Cause>,
 }
 
 impl Error {
@@ -82,6 +118,7 @@ impl Error {
             value: String::new(),
             remedy: String::new(),
             snippet: None,
+            cause: None,
         }))
     }
     /// A wrong command line or scene.
@@ -123,6 +160,15 @@ impl Error {
     pub fn snippet(mut self, snippet: Snippet) -> Error {
         self.0.snippet = Some(snippet);
         self
+    }
+    /// The cause, for layers above.
+    pub fn because(mut self, cause: Cause) -> Error {
+        self.0.cause = Some(cause);
+        self
+    }
+    /// The cause, if a layer above can say more about it.
+    pub fn cause(&self) -> Option<Cause> {
+        self.0.cause
     }
     /// The kind of the error.
     pub fn kind(&self) -> Kind {

@@ -10,7 +10,7 @@ mod phases;
 mod same;
 
 pub use bandwidth::copy_bandwidth;
-pub use error::{Error, Kind, Result, Snippet, Warning};
+pub use error::{Cause, Error, Kind, Result, Snippet, Warning};
 pub use hash::fnv1a;
 pub use partition::Partition;
 pub use phases::{PHASES, Phase, Phases};

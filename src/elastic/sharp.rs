@@ -2,7 +2,7 @@
 
 use super::area_law::AreaLaw;
 use super::membrane::explicit_step_limit;
-use crate::base::Result;
+use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Space, SurfaceForm, SurfacePoint, VectorForm, surface_solve};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::surface;
@@ -279,8 +279,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(
             "the semi-implicit scheme (3.62)-(3.64) predicts the interface by diffusion in its band, and a sharp one has none",
-            "force = \"sharp\"",
-            "take coupling = \"implicit\" or \"explicit\", or force = \"smeared\"",
+            Cause::SharpForce,
         )
     }
     fn reach(&self, _: &ImmersedInterface<D>) -> f64 {

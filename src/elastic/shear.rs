@@ -3,7 +3,7 @@
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
 use super::membrane::explicit_step_limit;
 use super::surface_law::{SurfaceLaw, Tangent};
-use crate::base::Result;
+use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
@@ -240,8 +240,7 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(
             "the semi-implicit scheme (3.62)-(3.64) predicts the level set, which knows nothing of shear",
-            "coupling = \"semi-implicit\"",
-            "take coupling = \"implicit\" or \"explicit\"",
+            Cause::ShearForce,
         )
     }
     fn rest_map(&self) -> Option<&RestMap<D>> {

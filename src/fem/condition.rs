@@ -1,6 +1,6 @@
 //! Boundary conditions of the flow, and which facet has which.
 
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use crate::mesh::{Mesh, Point};
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -66,15 +66,16 @@ pub(super) fn condition_of_facets<const D: usize>(
             .map(|(name, _)| name.clone())
             .collect();
         let remedy = if names.is_empty() {
-            "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or add [boundary.walls]"
+            "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or give the rest of the boundary a condition"
                 .into()
         } else {
-            format!("add [boundary.{}] to the scene", names[0])
+            format!("give boundary \"{}\" a condition", names[0])
         };
         return Err(Error::scene("a part of the boundary has no condition")
             .at(format!("boundary facet of cell {} with points {at:?}", facet.cell))
             .value(if names.is_empty() { "unnamed".into() } else { names.join(", ") })
-            .remedy(remedy));
+            .remedy(remedy)
+            .because(Cause::BareBoundary));
     }
     let mut list: Vec<(usize, u32)> = rank.iter().enumerate().map(|(f, r)| (r.unwrap_or(0), f as u32)).collect();
     list.sort_unstable();

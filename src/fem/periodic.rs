@@ -38,7 +38,7 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
         let theirs = mesh.boundary(other)?;
         let wrong = |what: String| {
             Error::scene("periodic boundaries must be translates of each other, facet by facet")
-                .at(format!("boundary.{name}, periodic = \"{other}\""))
+                .at(format!("boundaries {name} and {other}"))
                 .value(what)
                 .remedy("mesh both sides alike (gmsh: Periodic Curve or Surface) or name the right partner")
         };

@@ -1,13 +1,13 @@
 //! The ellipse, with the exact distance to it.
 
-use super::shape::{Frame, Shape, check_semi_axes};
+use super::shape::{Placement, Shape, check_semi_axes};
 use crate::base::Result;
 use crate::mesh::Point;
 
 /// An ellipse.
 #[derive(Clone, Debug)]
 pub struct Ellipse {
-    frame: Frame,
+    placement: Placement<2>,
     semi_axes: Point<2>,
 }
 
@@ -18,13 +18,13 @@ impl Ellipse {
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle that is not finite.
     pub fn new(centre: Point<2>, semi_axes: Point<2>, angle: f64) -> Result<Ellipse> {
         check_semi_axes("an ellipse", &semi_axes)?;
-        Ok(Ellipse { frame: Frame::new(centre, angle)?, semi_axes })
+        Ok(Ellipse { placement: Placement::plane(centre, angle)?, semi_axes })
     }
 }
 
 impl Shape<2> for Ellipse {
     fn distance(&self, x: &Point<2>) -> f64 {
-        let (y, e) = (self.frame.quadrant(x), self.semi_axes);
+        let (y, e) = (self.placement.orthant(x), self.semi_axes);
         if e[0] >= e[1] {
             distance_in_quadrant(e[0], e[1], y[0], y[1])
         } else {
@@ -32,7 +32,7 @@ impl Shape<2> for Ellipse {
         }
     }
     fn bounds(&self) -> (Point<2>, Point<2>) {
-        self.frame.bounds(|axis| self.semi_axes.component_mul(axis).norm())
+        self.placement.bounds(|axis| self.semi_axes.component_mul(axis).norm())
     }
 }
 

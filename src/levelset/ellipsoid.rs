@@ -1,7 +1,6 @@
 //! The ellipsoid, with the exact distance to it.
 
-use super::block::SpaceFrame;
-use super::shape::{Shape, check_semi_axes};
+use super::shape::{Placement, Shape, check_semi_axes};
 use crate::base::Result;
 use crate::mesh::Point;
 use nalgebra::SVector;
@@ -9,7 +8,7 @@ use nalgebra::SVector;
 /// An ellipsoid.
 #[derive(Clone, Debug)]
 pub struct Ellipsoid {
-    frame: SpaceFrame,
+    placement: Placement<3>,
     semi_axes: Point<3>,
 }
 
@@ -21,16 +20,16 @@ impl Ellipsoid {
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or a rotation that is not finite.
     pub fn new(centre: Point<3>, semi_axes: Point<3>, turn: SVector<f64, 3>) -> Result<Ellipsoid> {
         check_semi_axes("an ellipsoid", &semi_axes)?;
-        Ok(Ellipsoid { frame: SpaceFrame::new(centre, turn)?, semi_axes })
+        Ok(Ellipsoid { placement: Placement::space(centre, turn)?, semi_axes })
     }
 }
 
 impl Shape<3> for Ellipsoid {
     fn distance(&self, x: &Point<3>) -> f64 {
-        distance_in_octant(&self.semi_axes, &self.frame.octant(x))
+        distance_in_octant(&self.semi_axes, &self.placement.orthant(x))
     }
     fn bounds(&self) -> (Point<3>, Point<3>) {
-        self.frame.bounds(|axis| self.semi_axes.component_mul(axis).norm())
+        self.placement.bounds(|axis| self.semi_axes.component_mul(axis).norm())
     }
 }
 

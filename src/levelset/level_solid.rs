@@ -147,7 +147,7 @@ impl Grid<3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::levelset::{Circle, Ellipsoid, RoundedBlock};
+    use crate::levelset::{Circle, Ellipsoid, RoundedBox};
 
     fn p(x: f64, y: f64, z: f64) -> Point<3> {
         Point::<3>::new(x, y, z)
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn edges_are_cut_at_a_fraction_of_a_cube() {
         let half = p(0.47, 0.33, 0.61);
-        let exact = RoundedBlock::new(p(0.0, 0.0, 0.0), half, 0.0, p(0.0, 0.0, 0.0)).unwrap();
+        let exact = RoundedBox::turned(p(0.0, 0.0, 0.0), half, 0.0, p(0.0, 0.0, 0.0)).unwrap();
         let shape = LevelSolid::new(move |x| (x.abs() - half).max(), domain()).unwrap();
         let error = difference(&shape, &exact, |_| true);
         assert!(error < shape.step, "{error}");

@@ -1,7 +1,7 @@
 //! Points at equal distances on an interface.
 
 use super::interface::Interface;
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use crate::mesh::Point;
 
 impl<const D: usize> Interface<'_, D> {
@@ -19,7 +19,8 @@ impl<const D: usize> Interface<'_, D> {
         let [line] = contour.lines() else {
             return Err(Error::scene("markers need an interface of one closed curve")
                 .value(format!("{} curves", contour.lines().len()))
-                .remedy("give each curve a [[level_set]] of its own"));
+                .remedy("give each curve a level set of its own")
+                .because(Cause::SeveralCurves));
         };
         let polyline: Vec<Point<D>> = contour.polyline(line).iter().map(|x| x.fixed_resize(0.0)).collect();
         let mut lengths = vec![0.0];

@@ -5,7 +5,6 @@
 //! `|grad phi|` on the contour is the stretch of the membrane.
 
 mod band;
-mod block;
 mod bounds;
 mod chord;
 mod contour;
@@ -34,10 +33,10 @@ mod solid;
 mod solid_union;
 mod space_curve;
 mod tetrahedron;
+mod torus;
 mod union;
 
 pub use band::{BandEdges, Kernel, Norm, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
-pub use block::{RoundedBlock, Torus};
 pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};
@@ -58,4 +57,5 @@ pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
 pub use solid::SolidMeasures;
 pub use solid_union::SolidUnion;
 pub use space_curve::{CurvePoint, Frenet, SpaceCurve};
+pub use torus::Torus;
 pub use union::Union;

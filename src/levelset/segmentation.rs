@@ -1,7 +1,7 @@
 //! Active contours: the level set that cuts an image into two grey levels (book, section 1.4.1).
 
 use super::band::{heaviside, zeta};
-use crate::base::{Error, Partition, Result};
+use crate::base::{Cause, Error, Partition, Result};
 use crate::fem::{At, Basis, Cells, EDGES, Projector, Rule, Space, integrate};
 use crate::mesh::Point;
 use std::sync::Arc;
@@ -161,7 +161,8 @@ impl<const D: usize> Segmentation<D> {
 /// The error for a side that is no more.
 fn gone(side: &str) -> Error {
     Error::computation(format!("the contour is gone: nothing is left {side}"))
-        .remedy("take a smaller image.length, or a start that crosses the objects")
+        .remedy("give the length a smaller weight, or take a start that crosses the objects")
+        .because(Cause::ContourLost)
 }
 
 /// The rule on each of the four parts of a triangle that its edge midpoints make.

@@ -3,7 +3,7 @@
 use crate::base::{Error, Result, parallel};
 use crate::fem::Space;
 use crate::mesh::Point;
-use nalgebra::{Rotation2, SVector};
+use nalgebra::{Rotation, SVector};
 
 /// A closed set with a boundary to which the distance can be computed.
 pub trait Shape<const D: usize>: Send + Sync {
@@ -82,28 +82,42 @@ pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Re
         .value(format!("{:?}", axes.as_slice())))
 }
 
-/// The frame of a shape that is centred somewhere and turned by an angle.
+/// Position and orientation of a shape.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
-    centre: Point<2>,
-    rotation: Rotation2<f64>,
+pub(super) struct Placement<const D: usize> {
+    centre: Point<D>,
+    rotation: Rotation<f64, D>,
 }
 
-impl Frame {
+impl Placement<2> {
     /// `angle` in degrees, counterclockwise.
-    pub(super) fn new(centre: Point<2>, angle: f64) -> Result<Frame> {
-        check_point("the centre and the angle of a shape", &SVector::<f64, 3>::new(centre[0], centre[1], angle))?;
-        Ok(Frame { centre, rotation: Rotation2::new(angle.to_radians()) })
+    pub(super) fn plane(centre: Point<2>, angle: f64) -> Result<Placement<2>> {
+        let all = SVector::<f64, 3>::new(centre[0], centre[1], angle);
+        check_point("the centre and the angle of a shape", &all)?;
+        Ok(Placement { centre, rotation: Rotation::<f64, 2>::new(angle.to_radians()) })
     }
-    /// Absolute values of the coordinates of `x` in the frame: the shapes here have both symmetries.
-    pub(super) fn quadrant(&self, x: &Point<2>) -> Point<2> {
-        self.rotation.inverse_transform_vector(&(x - self.centre)).abs()
+}
+
+impl Placement<3> {
+    /// `turn` is the axis of the rotation times its angle in degrees, by the right-hand rule.
+    pub(super) fn space(centre: Point<3>, turn: SVector<f64, 3>) -> Result<Placement<3>> {
+        check_point("the centre of a shape", &centre)?;
+        check_point("the rotation of a shape", &turn)?;
+        Ok(Placement { centre, rotation: Rotation::<f64, 3>::new(turn.map(f64::to_radians)) })
     }
-    /// The box around the set whose support function in the frame is `support`.
-    pub(super) fn bounds(&self, support: impl Fn(&Point<2>) -> f64) -> (Point<2>, Point<2>) {
-        let half = Point::<2>::from_fn(|axis, _| {
-            let axis = Point::<2>::from_fn(|i, _| if i == axis { 1.0 } else { 0.0 });
-            support(&self.rotation.inverse_transform_vector(&axis).abs())
+}
+
+impl<const D: usize> Placement<D> {
+    /// Absolute values of the coordinates of `x` along the axes of the shape, which is symmetric in
+    /// each of them.
+    pub(super) fn orthant(&self, x: &Point<D>) -> Point<D> {
+        self.rotation.matrix().tr_mul(&(x - self.centre)).abs()
+    }
+    /// The box around the set whose support function along its own axes is `support`.
+    pub(super) fn bounds(&self, support: impl Fn(&Point<D>) -> f64) -> (Point<D>, Point<D>) {
+        let half = Point::<D>::from_fn(|axis, _| {
+            let axis = Point::<D>::from_fn(|i, _| if i == axis { 1.0 } else { 0.0 });
+            support(&self.rotation.matrix().tr_mul(&axis).abs())
         });
         (self.centre - half, self.centre + half)
     }
@@ -135,47 +149,74 @@ impl<const D: usize> Shape<D> for Circle<D> {
     }
 }
 
-/// A rectangle with corners rounded by circular arcs.
+/// A rectangle or block with corners and edges rounded by arcs and parts of spheres.
 #[derive(Clone, Debug)]
-pub struct RoundedBox {
-    frame: Frame,
-    half_size: Point<2>,
+pub struct RoundedBox<const D: usize> {
+    placement: Placement<D>,
+    half_size: Point<D>,
     radius: f64,
 }
 
-impl RoundedBox {
+impl RoundedBox<2> {
     /// `half_size` is half the width and height including the rounding, `radius` that of the corners (0: sharp),
     /// `angle` in degrees, counterclockwise.
     ///
     /// # Errors
     /// Sizes that are not positive, a radius that is negative or larger than the smaller half size.
-    pub fn new(centre: Point<2>, half_size: Point<2>, radius: f64, angle: f64) -> Result<RoundedBox> {
-        check_lengths("the half sizes of a rounded box", half_size.as_slice())?;
-        if !(radius >= 0.0 && radius <= half_size.min()) {
-            return Err(Error::scene(
-                "the corner radius of a rounded box must lie between 0 and its smaller half size",
-            )
-            .value(radius)
-            .remedy(format!("give a radius in [0, {}]", half_size.min())));
-        }
-        Ok(RoundedBox { frame: Frame::new(centre, angle)?, half_size, radius })
+    pub fn new(centre: Point<2>, half_size: Point<2>, radius: f64, angle: f64) -> Result<RoundedBox<2>> {
+        check_rounding(["rounded box", "corner", "smaller"], &half_size, radius)?;
+        Ok(RoundedBox { placement: Placement::plane(centre, angle)?, half_size, radius })
     }
 }
 
-impl Shape<2> for RoundedBox {
-    fn distance(&self, x: &Point<2>) -> f64 {
-        let q = self.frame.quadrant(x) - self.half_size.add_scalar(-self.radius);
-        q.sup(&Point::<2>::zeros()).norm() + q.max().min(0.0) - self.radius
+impl RoundedBox<3> {
+    /// `half_size` is half the three sides including the rounding, `radius` that of the edges (0: sharp),
+    /// `turn` the axis of the rotation times its angle in degrees (right-hand rule; zero: none).
+    ///
+    /// # Errors
+    /// Sizes that are not positive, a radius that is negative or larger than the smallest half size.
+    pub fn turned(
+        centre: Point<3>,
+        half_size: Point<3>,
+        radius: f64,
+        turn: SVector<f64, 3>,
+    ) -> Result<RoundedBox<3>> {
+        check_rounding(["rounded block", "edge", "smallest"], &half_size, radius)?;
+        Ok(RoundedBox { placement: Placement::space(centre, turn)?, half_size, radius })
     }
-    fn bounds(&self) -> (Point<2>, Point<2>) {
+}
+
+/// Refuses half sizes that are not positive, and a radius of rounding that does not fit into them;
+/// the words name the shape, its rounded part and its decisive half size.
+fn check_rounding<const D: usize>(
+    [what, part, least]: [&str; 3],
+    half_size: &Point<D>,
+    radius: f64,
+) -> Result<()> {
+    check_lengths(&format!("the half sizes of a {what}"), half_size.as_slice())?;
+    if radius >= 0.0 && radius <= half_size.min() {
+        return Ok(());
+    }
+    Err(Error::scene(format!("the {part} radius of a {what} must lie between 0 and its {least} half size"))
+        .value(radius)
+        .remedy(format!("give a radius in [0, {}]", half_size.min())))
+}
+
+impl<const D: usize> Shape<D> for RoundedBox<D> {
+    fn distance(&self, x: &Point<D>) -> f64 {
+        let q = self.placement.orthant(x) - self.half_size.add_scalar(-self.radius);
+        q.sup(&Point::<D>::zeros()).norm() + q.max().min(0.0) - self.radius
+    }
+    fn bounds(&self) -> (Point<D>, Point<D>) {
         let core = self.half_size.add_scalar(-self.radius);
-        self.frame.bounds(|axis| core.dot(axis) + self.radius)
+        self.placement.bounds(|axis| core.dot(axis) + self.radius)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Rotation2;
     use proptest::prelude::*;
 
     fn p(x: f64, y: f64) -> Point<2> {
@@ -206,6 +247,29 @@ mod tests {
         let ball = Circle::<3>::new(Point::<3>::new(0.0, 0.0, 1.0), 2.0).unwrap();
         assert_eq!(ball.distance(&Point::<3>::new(2.0, 2.0, 0.0)), 1.0);
         assert_eq!(ball.bounds().0, Point::<3>::new(-2.0, -2.0, -1.0));
+    }
+
+    #[test]
+    fn a_block_has_the_distances_of_its_faces_edges_and_corners() {
+        let p = Point::<3>::new;
+        let o = p(0.0, 0.0, 0.0);
+        assert!(RoundedBox::turned(o, p(1.0, 0.5, 2.0), 0.6, o).unwrap_err().to_string().contains("[0, 0.5]"));
+        assert!(RoundedBox::turned(o, p(1.0, -0.5, 1.0), 0.0, o).is_err());
+        let e = RoundedBox::turned(o, p(1.0, 0.5, 2.0), 0.0, p(f64::NAN, 0.0, 0.0)).unwrap_err();
+        assert!(e.to_string().contains("rotation"));
+        let block = RoundedBox::turned(p(1.0, 0.0, 0.0), p(1.0, 0.5, 2.0), 0.25, o).unwrap();
+        for (x, d) in [
+            (p(1.0, 0.0, 0.0), -0.5),
+            (p(1.0, 0.0, 2.5), 0.5),
+            (p(1.0, 1.25, 2.75), 2f64.sqrt() - 0.25),
+            (p(2.75, 1.25, -2.75), 3f64.sqrt() - 0.25),
+        ] {
+            assert!((block.distance(&x) - d).abs() < 1e-15, "{x} {d}");
+        }
+        // A quarter turn about z exchanges the sides.
+        let turned = RoundedBox::turned(o, p(1.0, 0.5, 2.0), 0.25, p(0.0, 0.0, 90.0)).unwrap();
+        assert!((turned.bounds().1 - p(0.5, 1.0, 2.0)).norm() < 1e-15);
+        assert!((turned.distance(&p(0.0, 1.5, 0.0)) - 0.5).abs() < 1e-15);
     }
 
     proptest! {

@@ -4,7 +4,7 @@ use super::gmres::RESTART;
 use super::memory::{available, readable};
 use super::schur::{Saddle, Schur};
 use super::{Factor, FactorSize, Multipliers, Ordering, Precision, SymmetricMatrix};
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use std::fmt;
 
 /// A way of solving for a saddle point.
@@ -171,17 +171,21 @@ fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(Way, usize)]) -> Err
         format!("about {:.2e} unknowns by {}", share * unknowns as f64, way.word())
     });
     let fitting: Vec<String> = fitting.collect();
-    let other = match tried {
-        [(Way::Schur, _)] | [_, _, ..] => "",
-        _ => ", numerics.solver = \"auto\" takes what fits",
+    let (cause, other) = match tried {
+        [(Way::Schur, _)] | [_, _, ..] => (None, ""),
+        _ => (Some(Cause::SolverMemory), ", let the solver be chosen by the memory"),
     };
-    Error::computation("the factors of a matrix do not fit into the memory")
+    let error = Error::computation("the factors of a matrix do not fit into the memory")
         .at(format!("{unknowns} unknowns"))
         .value(format!("{} are needed, {} may be taken", needed.join(", "), readable(limit)))
         .remedy(format!(
             "use a coarser mesh ({} would fit){other}, close other programs, or use a machine with more memory",
             fitting.join(", ")
-        ))
+        ));
+    match cause {
+        Some(cause) => error.because(cause),
+        None => error,
+    }
 }
 
 #[cfg(test)]

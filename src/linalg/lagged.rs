@@ -5,7 +5,7 @@ use super::engine::{Engine, Solving, Way};
 use super::gmres::{Gmres, Iterated, RESTART};
 use super::schur::Saddle;
 use super::{Factor, FactorSize, Multipliers, Ordering, SolveReport, SymmetricMatrix};
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use cpu_time::ProcessTime;
 
 /// What the factor has to do with the matrix of a solve.
@@ -278,7 +278,8 @@ impl LaggedFactor {
                 "relative residual {:.1e} after {} iterations, asked for {tolerance:e}",
                 done.residual, done.iterations
             ))
-            .remedy("take a smaller time.step or a smaller numerics.grad_div, or numerics.solver = \"direct\" where the memory suffices"))
+            .remedy("take a shorter step or a smaller grad-div weight, or a direct solver where the memory suffices")
+            .because(Cause::SolverStalled))
     }
 
     fn iterate(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64], limits: (f64, usize)) -> Iterated {

@@ -1,7 +1,7 @@
 //! Uniform refinement of triangles and tetrahedra, with new boundary points moved onto the geometry.
 
 use super::{Facet, Mesh, Point, determinant};
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use nalgebra::SMatrix;
 use std::collections::{BTreeSet, HashMap};
 
@@ -114,7 +114,8 @@ fn refuse_turned<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<(
         "a {what} is turned over when the boundary of the refined mesh is moved onto its geometry"
     ))
     .at(format!("the {what} with vertices {at:?}"))
-    .remedy("make the mesh finer where the boundary is curved, or correct mesh.geometry"))
+    .remedy("make the mesh finer where the boundary is curved, or correct its geometry")
+    .because(Cause::CurvedBoundary))
 }
 
 /// The facet of the coarse mesh that `facet` of the fine one is a part of: the one of its parent cell that all its points, or the ends

@@ -4,11 +4,16 @@ use super::Scene;
 use super::schema::{Boundary, Condition};
 use crate::base::{Error, Result, Warning};
 
-/// Refuses a flow without inertia whose velocity nothing holds: every side periodic or open, or slipping.
-pub(super) fn check_motion_is_fixed(scene: &Scene) -> Result<()> {
+/// Refuses a flow whose velocity is prescribed, or that has no inertia and no boundary that holds its
+/// velocity: every side periodic or open, or slipping.
+pub(super) fn check_flow(scene: &Scene) -> Result<()> {
+    if scene.fluid.is_prescribed() {
+        let e = Error::scene("the velocity is prescribed, and no flow is solved")
+            .remedy("build the problem with `scene::problem`, or give the fluid a viscosity");
+        return Err(scene.blame(&["fluid", "prescribed_velocity"], e));
+    }
     let held = |b: &Boundary| matches!(b.condition, Condition::Velocity(_) | Condition::NoSlip);
-    if scene.fluid.is_prescribed()
-        || scene.has_inertia()
+    if scene.has_inertia()
         || scene.structures().iter().any(|s| s.traits().mass > 0.0)
         || scene.boundaries.iter().any(held)
     {

@@ -21,6 +21,7 @@ mod read;
 mod redistance;
 pub mod reference;
 mod refined;
+mod remedies;
 pub mod render;
 mod row;
 pub mod run;

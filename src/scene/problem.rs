@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::problems::{Advected, ImmersedFlow, Segmented};
+use super::remedies::with_keys;
 use super::row::Row;
 use crate::base::{PHASES, Result, Warning};
 use crate::flow::StepReport;
@@ -154,10 +155,10 @@ pub trait Problem {
 /// # Errors
 /// Of kind `Scene` or `Input`: whatever cannot be run, with its place.
 pub fn problem(scene: &Scene) -> Result<Box<dyn Problem>> {
-    match scene.dimension() {
+    with_keys(match scene.dimension() {
         2 => problem_in::<2>(scene),
         _ => problem_in::<3>(scene),
-    }
+    })
 }
 
 fn problem_in<const D: usize>(scene: &Scene) -> Result<Box<dyn Problem>> {

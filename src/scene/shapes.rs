@@ -4,7 +4,7 @@ use super::points::{coordinates, point};
 use super::schema::Shape;
 use crate::base::{Error, Result, same};
 use crate::levelset::{
-    Circle, Ellipse, Ellipsoid, LevelFunction, LevelSolid, Polygon, RoundedBlock, RoundedBox, Shape as Distance,
+    Circle, Ellipse, Ellipsoid, LevelFunction, LevelSolid, Polygon, RoundedBox, Shape as Distance,
     SolidUnion, Torus, Union,
 };
 use crate::mesh::Point;
@@ -62,7 +62,7 @@ fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance
             Box::new(Torus::new(point(centre), point(axis), *major, *minor)?)
         }
         Shape::RoundedBlock { centre, half_size, radius, rotation } => {
-            Box::new(RoundedBlock::new(point(centre), point(half_size), *radius, point(rotation))?)
+            Box::new(RoundedBox::turned(point(centre), point(half_size), *radius, point(rotation))?)
         }
         Shape::Union(parts) => {
             let parts = parts.iter().map(|p| solid(p, domain)).collect::<Result<_>>()?;

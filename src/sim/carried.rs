@@ -1,6 +1,6 @@
 //! Structures, their fields and their transport: the part that all problems share.
 
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use crate::fem::{Basis, Projector, Rule, Space, Translation};
 use crate::levelset::{Interface, Redistancing, Sample};
 use crate::mesh::{Mesh, Point};
@@ -192,7 +192,8 @@ impl<const D: usize> Carried<D> {
         Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
             .at(format!("time {time:.6}"))
             .value(format!("largest velocity {speed:.3e}"))
-            .remedy("take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; `immersa explain` prints the step limit"))
+            .remedy("take a shorter step, implicit coupling, or a larger grad-div weight")
+            .because(Cause::BlowUp))
     }
     /// L2 norm of the divergence of a velocity, by a rule that is exact for P2.
     pub fn divergence(&self, u: &[SVector<f64, D>]) -> f64 {

@@ -3,7 +3,7 @@
 use super::immersed::{Budget, Clock, Energies};
 use super::state::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
-use crate::base::{Error, Result, fnv1a};
+use crate::base::{Cause, Error, Result, fnv1a};
 use crate::flow::FlowState;
 use crate::linalg::Ledger;
 use crate::structure::Fields;
@@ -50,7 +50,8 @@ impl<const D: usize> State<D> {
         let damaged = || {
             Error::input("the checkpoint is damaged or cut off")
                 .value(format!("{} bytes", bytes.len()))
-                .remedy("start afresh in another folder with --out")
+                .remedy("start a new run")
+                .because(Cause::Checkpoint)
         };
         let body = bytes.len().checked_sub(8).filter(|n| *n >= MAGIC.len()).ok_or_else(damaged)?;
         let (content, check) = bytes.split_at(body);
@@ -58,7 +59,8 @@ impl<const D: usize> State<D> {
         if content.starts_with(name) && !content[name.len()..].starts_with(version) {
             return Err(Error::input("the checkpoint was written by another version of immersa")
                 .value(format!("format {}, this program writes {}", content[name.len()], version[0]))
-                .remedy("go on with the version that began the run, or start afresh in another folder with --out"));
+                .remedy("continue with the version that began the run, or start a new run")
+                .because(Cause::Checkpoint));
         }
         if !content.starts_with(MAGIC) || check != fnv1a(content).to_le_bytes() {
             return Err(damaged());
@@ -66,7 +68,8 @@ impl<const D: usize> State<D> {
         let mut reader = Reader(&content[MAGIC.len()..]);
         if reader.integer().ok_or_else(damaged)? != tag {
             return Err(Error::input("the checkpoint belongs to another scene")
-                .remedy("resume with the scene and the settings that the run was started with, or start afresh in another folder with --out"));
+                .remedy("resume with the scene and the settings that the run was started with, or start a new run")
+                .because(Cause::Checkpoint));
         }
         State::read(&mut reader).filter(|_| reader.0.is_empty()).ok_or_else(damaged)
     }

@@ -1,7 +1,7 @@
 //! All that changes in time; a checkpoint holds it.
 
 use super::immersed::{Budget, Clock, Energies};
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 use crate::flow::FlowState;
 use crate::linalg::Ledger;
 use crate::structure::Fields;
@@ -67,9 +67,7 @@ impl<const D: usize> State<D> {
         let sizes = |s: &State<D>| format!("{:?}, {:?}", flow(s), s.fields.sizes());
         Err(Error::input("the checkpoint does not belong to this scene")
             .value(format!("{} instead of {}", sizes(other), sizes(self)))
-            .remedy(
-                "resume with the scene that the run was started with, or start afresh in another \
-                 folder with --out",
-            ))
+            .remedy("resume with the scene that the run was started with, or start a new run")
+            .because(Cause::Checkpoint))
     }
 }

@@ -1,6 +1,6 @@
 //! Coupling of a force with the time step.
 
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 
 /// Time level at which the force of a structure is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,30 +32,38 @@ impl Coupling {
         if self == Coupling::FullyExplicit && order != 1 {
             return Err(Error::scene("the fully explicit scheme of remark 1.12 is of order 1 in time")
                 .value(format!("order {order}"))
-                .remedy("take time.order = 1, or coupling = \"explicit\""));
+                .remedy("take steps of order 1, or explicit coupling")
+                .because(Cause::FirstOrder));
         }
-        let (what, value, remedy) = if self != Coupling::SemiImplicit {
+        let (what, value, remedy, cause) = if self != Coupling::SemiImplicit {
             return Ok(());
         } else if order != 1 {
-            ("the semi-implicit scheme (3.62)-(3.64) is of order 1 in time", format!("order {order}"), "time.order = 1")
+            (
+                "the semi-implicit scheme (3.62)-(3.64) is of order 1 in time",
+                format!("order {order}"),
+                "steps of order 1",
+                Cause::FirstOrder,
+            )
         } else if lightest <= 0.0 {
             (
                 "the semi-implicit scheme (3.62)-(3.64) needs inertia: it predicts the velocity that \
                  the force gives to the fluid",
                 format!("density {lightest}"),
                 "densities above 0",
+                Cause::Massless,
             )
         } else {
             return Ok(());
         };
-        let remedy = format!("take {remedy}, or coupling = \"implicit\"");
-        Err(Error::scene(what).value(value).remedy(remedy))
+        let remedy = format!("take {remedy}, or implicit coupling");
+        Err(Error::scene(what).value(value).remedy(remedy).because(cause))
     }
-    /// The refusal of the semi-implicit scheme by a force that it is not made for.
-    pub fn refuse_semi_implicit(self, what: &str, value: &str, remedy: &str) -> Result<()> {
+    /// Refuses the semi-implicit scheme for a force that it is not made for: `what`, and its `cause`.
+    pub fn refuse_semi_implicit(self, what: &str, cause: Cause) -> Result<()> {
         if self != Coupling::SemiImplicit {
             return Ok(());
         }
-        Err(Error::scene(what).value(value).remedy(remedy))
+        let remedy = "take implicit or explicit coupling";
+        Err(Error::scene(what).value("semi-implicit").remedy(remedy).because(cause))
     }
 }

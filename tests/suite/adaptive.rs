@@ -1,6 +1,7 @@
 //! Steps that follow the error.
 
 use crate::case::{Case, V};
+use immersa::scene::Problem;
 use immersa::sim::State;
 
 /// A channel flow `u = (g(t) y (1 - y), 0)` that a force drives: exact in space, `g` is 1 and a pulse about t = 0.5, narrow beside the run.
@@ -100,7 +101,7 @@ fn a_first_step_that_is_too_long_is_rejected_without_a_trace() {
 fn an_error_that_no_step_above_the_shortest_allows_ends_the_run_with_a_reason() {
     let mut case = Case::with(PULSE, &["time.tolerance=1e-5", "time.step_min=5e-3"]);
     let e = loop {
-        match case.model.simulation.step() {
+        match case.model.step() {
             Ok(_) => assert!(!case.model.simulation.is_done()),
             Err(e) => break e.to_string(),
         }

@@ -93,9 +93,10 @@ fn a_level_set_from_the_map_moves_as_the_carried_one() {
         let run = folder.path().join(out);
         found.push(["sphere.axis_1", "sphere.volume", "energy_kinetic"].map(|c| last(&run, c)));
     }
+    // The shape is that of one flow; the force of a mapped area follows from other derivatives.
     for f in &found[1..] {
-        for (a, b) in f.iter().zip(&found[0]) {
-            assert!((a / b - 1.0).abs() < 0.03, "{found:?}");
+        for ((a, b), bound) in f.iter().zip(&found[0]).zip([2e-4, 1e-4, 5e-3]) {
+            assert!((a / b - 1.0).abs() < bound, "{found:?}");
         }
     }
 }

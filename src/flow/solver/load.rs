@@ -1,7 +1,7 @@
 //! The right-hand side of a step.
 
 use super::{FlowSolver, Work};
-use crate::base::{Error, Phase, Result};
+use crate::base::{Cause, Error, Phase, Result};
 use crate::fem::{At, Cells, Space, VectorForm, add_point_vector, assemble_scalar, assemble_source, assemble_vector};
 use crate::flow::step::Step;
 use crate::flow::term::{MomentumTerm, Support};
@@ -109,7 +109,8 @@ impl<const D: usize> FlowSolver<D> {
                 )
                 .at(format!("time {:.6}", step.time))
                 .value(format!("net outflow {through:e}, gross flow {scale:e}"))
-                .remedy("balance the velocities, or set open = true on an outlet"));
+                .remedy("balance the velocities, or open an outlet")
+                .because(Cause::Inflow));
             }
             let mean = through / mesh.volume();
             work.continuity.iter_mut().zip(&work.pressure_mass).for_each(|(c, m)| *c -= mean * m);

@@ -23,7 +23,7 @@ impl MshData {
             return Err(Error::input(format!("the mesh has dimension {dimension}, where {D} is needed"))
                 .at(&self.file)
                 .value(format!("{} triangles, {} tetrahedra", self.simplices[2].len(), self.simplices[3].len()))
-                .remedy("use a mesh of the dimension of the scene"));
+                .remedy(format!("use a mesh of dimension {D}")));
         }
         let (new, kept) = self.vertices_in_use(D);
         if D == 2 {

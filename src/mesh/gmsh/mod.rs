@@ -62,7 +62,7 @@ impl MshData {
             Error::input("the mesh file cannot be read")
                 .at(&name)
                 .value(e)
-                .remedy("check the path (it is taken relative to the folder of the scene) and the permissions")
+                .remedy("check the path and the permissions")
         })?;
         MshData::parse(&bytes, &name)
     }

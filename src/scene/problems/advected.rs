@@ -11,6 +11,7 @@ use crate::scene::measure::{self, Probes};
 use crate::scene::plan;
 use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::{in_words, redistance};
+use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
 use crate::scene::site::{Site, vector};
 use crate::scene::view::View;
@@ -120,7 +121,7 @@ impl<const D: usize> Problem for Advected<D> {
         Limits::default()
     }
     fn step(&mut self) -> Result<StepReport> {
-        self.advection.step()
+        with_keys(self.advection.step())
     }
     fn moment(&self) -> Moment {
         Moment::regular(self.advection.state().steps, self.advection.time(), self.advection.dt())
@@ -171,7 +172,7 @@ impl<const D: usize> Problem for Advected<D> {
             let transfer = adapt.transfer;
             self.continue_on(fields::mesh_from_bytes(mesh)?, transfer)?;
         }
-        self.advection.restore(State::from_bytes(state, tag)?)
+        with_keys(State::from_bytes(state, tag).and_then(|state| self.advection.restore(state)))
     }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         (self.advection.take_costs(), 0)

@@ -2,19 +2,20 @@
 
 use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
-use crate::base::{Kind, PHASES, Result, Warning};
+use crate::base::{Error, Kind, PHASES, Result, Warning};
 use crate::flow::{BodyForce, Load, StepReport, traction};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
 use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
-use crate::scene::checks::check_motion_is_fixed;
+use crate::scene::checks::check_flow;
 use crate::scene::measure::{self, Probes, force_columns};
 use crate::scene::pacing::pacing;
 use crate::scene::plan;
 use crate::scene::points::point;
 use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::redistance;
+use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
 use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector, wall_nodes};
@@ -73,25 +74,26 @@ impl<const D: usize> ImmersedFlow<D> {
     /// Of kind `Scene` or `Input`: whatever cannot be run, with its place; a scene that has not `D`
     /// dimensions.
     pub fn new(scene: &Scene) -> Result<ImmersedFlow<D>> {
+        check_flow(scene)?;
         let (mut site, lengths) = ground::site::<D>(scene)?;
-        check_motion_is_fixed(scene)?;
         let placed = ground::place(scene, &site)?;
         let thickness = ground::thickness(scene, &site, &placed)?;
         let structures = ground::structures(scene, &mut site, placed, thickness)?;
         let scales = [velocity_scale(scene, &site), site.size()];
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| grad_div(scene, scales));
         let settings = settings(scene, &site, grad_div);
-        let place = |e| scene.blame(&["numerics", "coupling"], e);
-        settings.check_couplings(&structures).map_err(place)?;
+        let of_coupling = settings.check_couplings(&structures);
+        of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         site.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         site.check_finite("force", &scene.fluid.force)?;
         let (wall_nodes, initial) = (site.wall_nodes(), vector(&scene.fluid.initial_velocity));
         let Site { mesh, quality, warnings, .. } = site;
-        let simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0));
-        let place = |e: crate::base::Error| {
-            if e.kind() == Kind::Scene { scene.blame(&["boundary"], e) } else { e }
+        let of_boundary = |e: Error| match e.kind() {
+            Kind::Scene => scene.blame(&["boundary"], e),
+            _ => e,
         };
-        let mut simulation = simulation.map_err(place)?;
+        let mut simulation =
+            Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0)).map_err(of_boundary)?;
         redistance(scene, simulation.carried_mut());
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
@@ -109,12 +111,14 @@ impl<const D: usize> ImmersedFlow<D> {
             lengths,
         };
         flow.explicit_limit = flow.step_limit();
-        if let Some(tolerance) = scene.time.tolerance {
-            let pacing = pacing(scene, tolerance, scales);
-            let place = |e| scene.blame(&["time", "tolerance"], e);
-            flow.simulation.pace(pacing).map_err(place)?;
-        }
-        Ok(flow)
+        flow.follow_error(scales).map(|()| flow)
+    }
+
+    /// Lets the steps follow the error where the scene gives a tolerance.
+    fn follow_error(&mut self, scales: [f64; 2]) -> Result<()> {
+        let Some(tolerance) = self.scene.time.tolerance else { return Ok(()) };
+        let pacing = pacing(&self.scene, tolerance, scales);
+        self.simulation.pace(pacing).map_err(|e| self.scene.blame(&["time", "tolerance"], e))
     }
 
     /// The limit (1.54) for the current tension, with the finest edge of the bands; `None` without
@@ -197,7 +201,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         &self.warnings
     }
     fn plan(&mut self) -> Result<String> {
-        self.simulation.analyse()?;
+        with_keys(self.simulation.analyse())?;
         let mesh = plan::mesh(&self.scene, &self.view(), (&self.quality, self.lengths.as_ref()));
         let flow = FlowPlan {
             scene: &self.scene,
@@ -213,7 +217,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         Limits { thickness, band_edges, explicit_limit }
     }
     fn step(&mut self) -> Result<StepReport> {
-        self.simulation.step()
+        with_keys(self.simulation.step())
     }
     fn moment(&self) -> Moment {
         let (sim, state) = (&self.simulation, self.simulation.state());
@@ -274,7 +278,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             let transfer = adapt.transfer;
             self.continue_on(super::fields::mesh_from_bytes(mesh)?, transfer)?;
         }
-        self.simulation.restore(State::from_bytes(state, tag)?)?;
+        with_keys(State::from_bytes(state, tag).and_then(|state| self.simulation.restore(state)))?;
         self.band_edges = edges.or(self.band_edges);
         Ok(())
     }

@@ -11,6 +11,7 @@ use crate::scene::Scene;
 use crate::scene::measure::{self, Probes};
 use crate::scene::plan;
 use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
+use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
 use crate::scene::site::Site;
 use crate::scene::view::View;
@@ -142,7 +143,7 @@ impl<const D: usize> Problem for Segmented<D> {
         Limits { thickness: Some(self.thickness), ..Limits::default() }
     }
     fn step(&mut self) -> Result<StepReport> {
-        self.segmenting.step()
+        with_keys(self.segmenting.step())
     }
     fn moment(&self) -> Moment {
         let state = self.segmenting.state();
@@ -196,7 +197,7 @@ impl<const D: usize> Problem for Segmented<D> {
         [Vec::new(), self.segmenting.state().to_bytes(tag)]
     }
     fn restore(&mut self, [_, state]: [&[u8]; 2], tag: u64, _: Option<[f64; 2]>) -> Result<()> {
-        self.segmenting.restore(State::from_bytes(state, tag)?)
+        with_keys(State::from_bytes(state, tag).and_then(|state| self.segmenting.restore(state)))
     }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         (self.segmenting.take_costs(), 0)

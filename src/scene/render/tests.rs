@@ -4,7 +4,9 @@ use crate::fem::{Element, Space};
 use crate::mesh::{Diagonals, rectangle};
 use crate::output::{FieldData, Series, Table, write_pvd, write_vtu};
 use nalgebra::SVector;
+use std::collections::BTreeMap;
 use std::fs;
+use std::io::BufReader;
 use std::sync::Arc;
 
 /// Runs of which everything but the numbers is true.
@@ -62,8 +64,13 @@ fn scene(case: &Case) -> String {
     )
 }
 
-/// Writes the folder of a run.
+/// Writes the folder of a run whose membranes are circles.
 fn write(case: &Case, folder: &Path) {
+    write_with(case, folder, |p, x| (p - SVector::<f64, 2>::new(x, 0.5)).norm() - 0.15);
+}
+
+/// Writes the folder of a run with level set `phi` of a membrane about `x = at`.
+fn write_with(case: &Case, folder: &Path, phi: impl Fn(&SVector<f64, 2>, f64) -> f64 + Sync) {
     fs::create_dir_all(folder.join("fields")).unwrap();
     fs::write(folder.join("scene.toml"), scene(case)).unwrap();
     fs::write(folder.join("summary.json"), case.summary).unwrap();
@@ -74,8 +81,7 @@ fn write(case: &Case, folder: &Path) {
     }
     let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::Right).unwrap();
     let space = Space::new(&Arc::new(mesh), Element::P2);
-    let circle = |x: f64| space.interpolate(move |p| (p - SVector::<f64, 2>::new(x, 0.5)).norm() - 0.15);
-    let (phi, names) = ([circle(0.25), circle(0.75)], case.membranes.iter().map(|m| format!("{m}.level_set")));
+    let (phi, names) = ([0.25, 0.75].map(|at| space.interpolate(|x| phi(x, at))), case.membranes.iter().map(|m| format!("{m}.level_set")));
     let names: Vec<String> = names.collect();
     let list = (0..case.frames).map(|k| {
         let (t, name) = (k as f64 / 4.0, format!("fields/{k:06}.vtu"));
@@ -177,12 +183,32 @@ fn one_stored_field_gives_a_picture_and_no_film() {
     assert!(dir.path().join("pictures/000000.png").exists() && !dir.path().join("film.gif").exists());
 }
 
+/// Pixels of the commonest colour of a picture beside its white ground.
+fn pixels_of_one_colour(picture: &Path) -> usize {
+    let mut reader = png::Decoder::new(BufReader::new(fs::File::open(picture).unwrap())).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(frame.color_type, png::ColorType::Rgb);
+    let mut count = BTreeMap::<&[u8], usize>::new();
+    for colour in pixels[..frame.buffer_size()].chunks_exact(3).filter(|c| **c != [255; 3]) {
+        *count.entry(colour).or_default() += 1;
+    }
+    count.into_values().max().unwrap()
+}
+
+/// The distance from a line has slope 1 everywhere; that from a circle, on so coarse a mesh, has not.
 #[test]
 fn the_stretch_of_a_distance_is_one_in_one_colour() {
     let dir = tempfile::tempdir().unwrap();
     let case = Case { membranes: &["one"], output: "picture = { field = \"stretch\", size = 300 }", ..PAIR };
+    let picture = dir.path().join("pictures/000001.png");
+    write_with(&case, dir.path(), |x, at| x[0] - at);
+    render(dir.path()).unwrap();
+    // The square is 131 pixels wide; axes, the two lines of the interface and the bar take the rest.
+    assert!(pixels_of_one_colour(&picture) > 15000);
     write(&case, dir.path());
     render(dir.path()).unwrap();
+    assert!(pixels_of_one_colour(&picture) < 1500);
 }
 
 /// What is done to the folder, and what the message must contain.

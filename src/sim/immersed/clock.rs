@@ -1,6 +1,6 @@
 //! The lengths of steps that follow the error.
 
-use crate::base::{Error, Result};
+use crate::base::{Cause, Error, Result};
 
 /// How steps are chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,8 +76,9 @@ impl Clock {
         if most < pacing.least || most.is_nan() {
             return Err(Error::computation("the step that the error allows is shorter than the shortest one")
                 .at(format!("time {:.6}", self.time(pacing)))
-                .value(format!("step {most:.3e}, time.step_min {:.3e}", pacing.least))
-                .remedy("give a larger time.tolerance or a smaller time.step_min; an abrupt force or boundary value has no short enough step"));
+                .value(format!("step {most:.3e}, shortest step {:.3e}", pacing.least))
+                .remedy("allow a larger error or a shorter step; an abrupt force or boundary value has no short enough step")
+                .because(Cause::ShortestStep));
         }
         if self.part == 0 {
             self.parts = 1;
@@ -181,6 +182,6 @@ mod tests {
         assert!(clock.judge(dt, 0.01) && clock.wanted > 5.0 * dt);
         clock.wanted = 1e-7;
         let e = clock.propose(&p, f64::INFINITY, 1).unwrap_err();
-        assert!(e.to_string().contains("time.step_min"), "{e}");
+        assert!(e.cause() == Some(Cause::ShortestStep) && e.to_string().contains("shortest step"), "{e}");
     }
 }

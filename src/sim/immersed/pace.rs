@@ -2,7 +2,7 @@
 
 use super::Simulation;
 use super::clock::{Clock, Pacing};
-use crate::base::{Error, Kind, Result};
+use crate::base::{Cause, Error, Kind, Result};
 use crate::flow::StepReport;
 use crate::levelset::band_edges;
 use crate::sim::carried::largest;
@@ -27,12 +27,9 @@ impl<const D: usize> Simulation<D> {
     pub fn pace(&mut self, pacing: Pacing) -> Result<()> {
         if self.settings.order != 2 {
             return Err(Error::scene("the step can follow the error only in a flow of order 2")
-                .at("key time.tolerance")
                 .value(format!("order {}", self.settings.order))
-                .remedy(
-                    "take time.order = 2 and a flow that is solved for, or leave out time.tolerance \
-                     for steps of one length",
-                ));
+                .remedy("take order 2 and a flow that is solved for, or steps of one length")
+                .because(Cause::ErrorControl));
         }
         self.follow_error();
         self.state.pace = Some(Pace { clock: Clock::new(&pacing), earliest_u: Vec::new() });
