@@ -83,16 +83,20 @@ const MOST_POINTS: usize = 4000;
 /// Points of a curve without a gap.
 type Piece = Vec<[f64; 2]>;
 
-impl Chart<'_> {
+impl<'a> Chart<'a> {
     /// The chart as an SVG document that scales to the width of its page.
     pub fn svg(&self) -> String {
-        let parts: Vec<Vec<Piece>> = self.curves.iter().map(|c| self.pieces(c)).collect();
+        let (curves, parts) = self.drawn();
         let has_place = |s: &&Slope| self.log_x && self.log_y && s.is_sound();
         let slopes: Vec<&Slope> = self.slopes.iter().filter(has_place).collect();
         let Some(axes) = self.axes(&parts, &slopes) else { return self.empty() };
-        let styles = style::styles(&self.curves);
-        let labels = [self.x_label, self.y_label];
-        let layout = Layout::new(axes, self.title, labels, &self.names(&styles));
+        let styles = style::styles(&curves);
+        let named = curves.iter().zip(&styles).filter(|(c, _)| !c.name.is_empty());
+        let mut names: Vec<(&str, Style)> = named.map(|(c, s)| (c.name, *s)).collect();
+        if self.curves.len() < 2 {
+            names.clear();
+        }
+        let layout = Layout::new(axes, self.title, [self.x_label, self.y_label], &names);
         let mut canvas = Canvas::default();
         layout.draw(&mut canvas);
         for (style, pieces) in styles.iter().zip(&parts) {
@@ -104,6 +108,12 @@ impl Chart<'_> {
         slopes.iter().for_each(|s| s.draw(&mut canvas, &layout.frame));
         canvas.document(layout.size, &self.name())
     }
+    /// The curves that have a point, with their colours, and the runs of points of each.
+    fn drawn(&self) -> (Vec<Curve<'a>>, Vec<Vec<Piece>>) {
+        let coloured = |(k, c): (usize, &Curve<'a>)| Curve { colour: c.colour.or(Some(k)), ..*c };
+        let all = self.curves.iter().enumerate().map(coloured).map(|c| (c, self.pieces(&c)));
+        all.filter(|(_, pieces)| !pieces.is_empty()).unzip()
+    }
     fn axes(&self, parts: &[Vec<Piece>], slopes: &[&Slope]) -> Option<[Axis; 2]> {
         let corners: Piece = slopes.iter().flat_map(|s| s.corners()).collect();
         let all = |k: usize| parts.iter().flatten().flatten().chain(&corners).map(move |p| p[k]);
@@ -111,14 +121,6 @@ impl Chart<'_> {
         let only_lines = self.curves.iter().all(|c| !c.stroke.has_marks());
         let margin = if only_lines && !self.log_x { 0.0 } else { 0.04 };
         Some([Axis::of(all(0), self.log_x, margin)?, Axis::of(all(1), self.log_y, 0.05)?])
-    }
-    /// The entries of the legend; a single curve needs none.
-    fn names<'a>(&'a self, styles: &[Style]) -> Vec<(&'a str, Style)> {
-        if self.curves.len() < 2 {
-            return Vec::new();
-        }
-        let all = self.curves.iter().zip(styles).map(|(c, s)| (c.name, *s));
-        all.filter(|(name, _)| !name.is_empty()).collect()
     }
     /// The name for readers who cannot see the drawing.
     fn name(&self) -> String {

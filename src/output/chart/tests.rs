@@ -172,6 +172,16 @@ fn key(style: &Style) -> String {
 }
 
 #[test]
+fn a_curve_without_a_point_is_not_in_the_legend() {
+    let (x, y) = ([0.0, 1.0], [0.0, 1.0]);
+    let lost = curve("lost", &x, &[f64::NAN; 2], Stroke::Line);
+    let curves = vec![lost, curve("kept", &x, &y, Stroke::Line)];
+    let svg = Chart { curves, ..Chart::default() }.svg();
+    assert!(svg.contains("kept") && !svg.contains("lost"));
+    assert!(svg.contains(style::COLOURS[1]) && !svg.contains(style::COLOURS[0]));
+}
+
+#[test]
 fn curves_differ_without_colours() {
     let (x, y) = ([0.0, 1.0], [0.0, 1.0]);
     for stroke in [Stroke::Line, Stroke::Points, Stroke::Marked] {
