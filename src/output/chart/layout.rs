@@ -79,16 +79,20 @@ impl Layout {
         let y_ticks = axes[1].ticks(|ticks| rows_fit(ticks, bottom - top));
         let left = BORDER + height(&y_label, LABEL) + GAP + widest(&y_ticks) + GAP + TICK[0];
         let beside = Legend::column(names, bottom - top);
-        let room = beside.as_ref().map_or(0.0, |l| l.extent[0] + BORDER);
+        let room = beside.as_ref().map_or(0.0, |l| l.extent[0]);
+        let room = if room > 0.0 { room + BORDER } else { 0.0 };
         let (x_ticks, right) = horizontal(&axes[0], left, WIDTH - BORDER - room);
-        let (legend, corner) = match beside {
-            Some(legend) => (legend, [right + BORDER, top]),
-            None => (Legend::columns(names, WIDTH - BORDER - left), [left, HEIGHT]),
+        let (legend, corner, height) = match beside {
+            Some(legend) => (legend, [right + BORDER, top], HEIGHT),
+            None => {
+                let legend = Legend::columns(names, WIDTH - BORDER - left);
+                let height = HEIGHT + legend.extent[1] + BORDER;
+                (legend, [left, HEIGHT], height)
+            }
         };
-        let below = if corner[1] == HEIGHT { legend.extent[1] + BORDER } else { 0.0 };
         Layout {
             frame: Frame { axes, left, right, top, bottom },
-            size: [WIDTH, HEIGHT + below],
+            size: [WIDTH, height],
             ticks: [x_ticks, y_ticks],
             title,
             labels: [x_label, y_label],
