@@ -6,7 +6,7 @@ use immersa::base::fnv1a;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -21,17 +21,19 @@ pub struct Outcome {
 impl Outcome {
     /// Runs a scene in a new folder.
     pub fn of(program: &Path, case: &Case) -> Result<Outcome> {
-        let folder = folder_with(case)?;
-        let output = command(program, case, folder.path()).output()?;
-        Outcome::read(&folder.path().join("run"), &output)
+        let kept = tempfile::tempdir()?;
+        let folder = folder_with(case, &kept)?;
+        let output = command(program, case, &folder).output()?;
+        Outcome::read(&folder.join("run"), &output)
     }
 
     /// Runs a scene that is stopped after its first steps and resumed; none where every run ended before.
     pub fn in_parts(program: &Path, case: &Case) -> Result<Option<Outcome>> {
         for _ in 0..5 {
-            let folder = folder_with(case)?;
-            let run = folder.path().join("run");
-            let mut child = command(program, case, folder.path()).stderr(Stdio::null()).spawn()?;
+            let kept = tempfile::tempdir()?;
+            let folder = folder_with(case, &kept)?;
+            let run = folder.join("run");
+            let mut child = command(program, case, &folder).stderr(Stdio::null()).spawn()?;
             // Two rows: the start, and one step.
             let rows = || fs::read(run.join("series.csv")).map_or(0, |s| s.iter().filter(|b| **b == b'\n').count());
             while rows() < 3 && child.try_wait()?.is_none() {
@@ -39,7 +41,7 @@ impl Outcome {
             }
             Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status()?;
             if child.wait()?.code() == Some(130) {
-                let output = command(program, case, folder.path()).arg("--resume").output()?;
+                let output = command(program, case, &folder).arg("--resume").output()?;
                 return Outcome::read(&run, &output).map(Some);
             }
         }
@@ -72,14 +74,17 @@ impl Outcome {
         if run.exists() {
             read_folder(run, "", &mut files)?;
         }
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let folder = run.parent().ok_or("a run in no folder")?.display().to_string();
+        let said = String::from_utf8_lossy(&output.stderr).replace(&folder, "FOLDER");
         Ok(Outcome { code: output.status.code().unwrap_or(-1), said, files })
     }
 }
 
-fn folder_with(case: &Case) -> Result<tempfile::TempDir> {
-    let folder = tempfile::tempdir()?;
-    fs::write(folder.path().join("scene.toml"), &case.text)?;
+/// A folder with the scene; of a fixed name, which is the title of a scene without one.
+fn folder_with(case: &Case, kept: &tempfile::TempDir) -> Result<PathBuf> {
+    let folder = kept.path().join("scene");
+    fs::create_dir(&folder)?;
+    fs::write(folder.join("scene.toml"), &case.text)?;
     Ok(folder)
 }
 
