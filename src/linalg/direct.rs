@@ -7,7 +7,7 @@ use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 
 use super::memory::{available, readable};
 use super::single::Single;
-use super::size::FactorSize;
+use super::size::{FactorSize, Precision};
 use super::substitution::Supernodes;
 use super::{Ordering, SymmetricMatrix};
 use crate::base::{Error, Result};
@@ -31,25 +31,6 @@ pub struct SolveReport {
     pub refinements: usize,
     /// Krylov iterations, 0 where none was tried.
     pub iterations: usize,
-}
-
-/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions are in double precision.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// 64 bits: one substitution is accurate to rounding.
-    Double,
-    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to follow.
-    Single,
-}
-
-impl Precision {
-    /// Bytes of a number.
-    pub fn bytes(self) -> usize {
-        match self {
-            Precision::Double => size_of::<f64>(),
-            Precision::Single => size_of::<f32>(),
-        }
-    }
 }
 
 /// The numbers of a factor; none before the first numeric factorisation.

@@ -20,10 +20,10 @@ mod symmetric;
 #[cfg(test)]
 mod testing;
 
-pub use direct::{Factor, Precision, SolveReport};
+pub use direct::{Factor, SolveReport};
 pub use engine::{Solving, Way};
 pub use lagged::{Change, LaggedFactor, LaggedReport, Ledger};
 pub use ordering::{Multipliers, Ordering};
 pub use schur::Saddle;
-pub use size::FactorSize;
+pub use size::{FactorSize, Precision};
 pub use symmetric::{CONSTRAINED, SymmetricMatrix};

@@ -1,7 +1,5 @@
 //! What a factor takes, and how long.
 
-use super::Precision;
-
 /// Counted costs of a factorisation: per operation, and per entry of the factor. With [`ITERATING`] they choose; their unit does not matter.
 const FACTORING: [f64; 2] = [0.028, 8.0];
 /// Counted costs of an iteration (substitution, product with the matrix, orthogonalisation): per entry that is read, and per unknown.
@@ -15,6 +13,25 @@ const SINGLE: [f64; 2] = [0.5, 0.75];
 const FACTORING_TIME: [f64; 2] = [0.018, 2.5];
 /// Nanoseconds of a solve, as [`ITERATING`]. Measured as above: 0.005, 0.028, 0.085 (by this model 0.006, 0.030, 0.10).
 const SOLVING_TIME: [f64; 2] = [0.8, 100.0];
+
+/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions are in double precision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits: one substitution is accurate to rounding.
+    Double,
+    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to follow.
+    Single,
+}
+
+impl Precision {
+    /// Bytes of a number.
+    pub fn bytes(self) -> usize {
+        match self {
+            Precision::Double => size_of::<f64>(),
+            Precision::Single => size_of::<f32>(),
+        }
+    }
+}
 
 /// Counts of a factor, or of several, known before it is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,6 +10,7 @@ mod geometry;
 pub mod keys;
 mod measure;
 mod meshing;
+mod nearest;
 mod overrides;
 mod pacing;
 mod placing;
@@ -36,8 +37,8 @@ mod view;
 mod words;
 
 pub use expression::{Expression, ExpressionError};
-pub use problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn, explain, problem};
-pub use problems::{Advected, ImmersedFlow, Segmented};
+pub use problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
+pub use problems::{Advected, ImmersedFlow, Segmented, explain, problem};
 pub use read::KEYS;
 pub use row::Row;
 pub use script::Script;

@@ -1,8 +1,5 @@
 //! What a run steps: a problem, with no dimension in its type.
 
-use super::Scene;
-use super::problems::{Advected, ImmersedFlow, Segmented};
-use super::remedies::with_keys;
 use super::row::Row;
 use crate::base::{PHASES, Result, Warning};
 use crate::flow::StepReport;
@@ -148,35 +145,4 @@ pub trait Problem {
     fn derived(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
     }
-}
-
-/// Builds the problem that a scene describes.
-///
-/// # Errors
-/// Of kind `Scene` or `Input`: whatever cannot be run, with its place.
-pub fn problem(scene: &Scene) -> Result<Box<dyn Problem>> {
-    with_keys(match scene.dimension() {
-        2 => problem_in::<2>(scene),
-        _ => problem_in::<3>(scene),
-    })
-}
-
-fn problem_in<const D: usize>(scene: &Scene) -> Result<Box<dyn Problem>> {
-    Ok(if scene.image.is_some() {
-        Box::new(Segmented::<D>::new(scene)?)
-    } else if scene.fluid.is_prescribed() {
-        Box::new(Advected::<D>::new(scene)?)
-    } else {
-        Box::new(ImmersedFlow::<D>::new(scene)?)
-    })
-}
-
-/// The plan of a scene as plain text, and what the user should know beside it.
-///
-/// # Errors
-/// Those of [`problem`] and [`Problem::plan`].
-pub fn explain(scene: &Scene) -> Result<(String, Vec<Warning>)> {
-    let mut problem = problem(scene)?;
-    let plan = problem.plan()?;
-    Ok((plan, problem.warnings().to_vec()))
 }

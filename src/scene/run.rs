@@ -8,7 +8,8 @@ pub use folder::Folder;
 pub use solves::Solves;
 
 use super::Scene;
-use super::problem::{Problem, problem};
+use super::problem::Problem;
+use super::problems::problem;
 use crate::base::{Error, Kind, Result, Warning};
 use crate::output::Series;
 use cpu_time::ProcessTime;

@@ -1,6 +1,7 @@
 //! A state as bytes, and back, bit by bit.
 
-use super::immersed::{Budget, Clock, Energies};
+use super::budget::{Budget, Energies};
+use super::clock::Clock;
 use super::state::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Cause, Error, Result, fnv1a};

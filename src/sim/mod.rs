@@ -2,8 +2,10 @@
 //! no files and no law of a structure.
 
 mod advection;
+mod budget;
 mod carried;
 mod checkpoint;
+mod clock;
 mod immersed;
 mod segmentation;
 mod state;
@@ -14,8 +16,10 @@ pub use crate::flow::Fluid;
 pub use crate::linalg::{Solving, Way};
 pub use crate::structure::{Coupling, InitialFunction, LevelSet, REMAP, polygon_area, polygon_length};
 pub use advection::Advection;
+pub use budget::{Budget, Energies};
 pub use carried::{Carried, Transport};
-pub use immersed::{Budget, Clock, Energies, Pacing, Settings, Simulation};
+pub use clock::{Clock, Pacing};
+pub use immersed::{Settings, Simulation};
 pub use segmentation::Segmenting;
 pub use state::{Factored, Pace, State};
 pub use transfer::Transfer;

@@ -1,6 +1,7 @@
 //! All that changes in time; a checkpoint holds it.
 
-use super::immersed::{Budget, Clock, Energies};
+use super::budget::{Budget, Energies};
+use super::clock::Clock;
 use crate::base::{Cause, Error, Result};
 use crate::flow::FlowState;
 use crate::linalg::Ledger;

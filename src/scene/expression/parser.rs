@@ -2,7 +2,7 @@
 
 use super::operation::{FUNCTIONS, OPERATORS, Operation, binding};
 use super::{ExpressionError, Instruction, STACK, VARIABLES};
-use crate::scene::keys::nearest;
+use crate::scene::nearest::nearest;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

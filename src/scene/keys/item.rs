@@ -1,10 +1,10 @@
 //! Typed reading of values, with an error that names place, value and remedy for each that does not fit.
 
 use super::document::{Document, Entry, Node, Place, Value};
-use super::nearest::{advice, nearest};
 use super::{Absent, Keys};
 use crate::base::{Error, Result};
 use crate::scene::expression::Expression;
+use crate::scene::nearest::{advice, nearest};
 use std::collections::BTreeMap;
 
 /// What the reading of a value may need to know of the rest of the scene.

@@ -4,13 +4,12 @@
 mod document;
 mod item;
 mod names;
-mod nearest;
 mod write;
 
+pub(crate) use super::nearest::advice;
 pub(in crate::scene) use document::{Document, Entry, Node, Place, Source, Value, parse_value};
 pub(in crate::scene) use item::{Context, Item, Table};
 pub(in crate::scene) use names::{distinct, identifier, named};
-pub(crate) use nearest::{advice, nearest};
 pub(in crate::scene) use write::{Writer, expression, expressions, key, list, name, number, or_auto, text, vector};
 
 /// The keys of a table.

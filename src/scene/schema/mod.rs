@@ -14,6 +14,7 @@ mod picture;
 mod polygon;
 mod redistance;
 pub(in crate::scene) mod shape;
+mod source;
 mod time;
 
 pub use adapt::{Adapt, AdaptField};
@@ -24,11 +25,12 @@ pub use geometry::{Curve, DeltaName};
 pub use image::Image;
 pub use mesh::MeshSource;
 pub use numerics::{Numerics, TensionScheme};
-pub(in crate::scene) use output::Motion;
-pub use output::{Flux, Force, Output, Probe, Profile, Quantity};
+pub use output::{Flux, Force, Output, Probe, Profile};
 pub use picture::{Cut, Picture};
 pub use redistance::Redistance;
 pub use shape::Shape;
+pub(in crate::scene) use source::Motion;
+pub use source::Quantity;
 pub use time::Time;
 
 pub(in crate::scene) use boundary::read as read_boundaries;

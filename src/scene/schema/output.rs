@@ -1,13 +1,12 @@
 //! `[output]`: what is written, and when.
 
-use super::fluid::Fluid;
 use super::geometry::{CURVE, Curve, DELTA_LIST, DeltaName, curve, deltas};
 use super::picture::Picture;
+use super::source::{Motion, Quantity, Source, unless_false};
 use super::time::Time;
 use crate::base::Result;
-use crate::scene::keys::named;
 use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
-use crate::scene::keys::{Context, Item, Table};
+use crate::scene::keys::{Context, Item};
 use crate::scene::keys::{Writer, key, list, name, number, text, vector};
 
 /// What a run writes.
@@ -44,31 +43,6 @@ pub struct Output {
     pub curves: Vec<Curve>,
     /// How pictures look.
     pub picture: Picture,
-}
-
-/// A field that can be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// The pressure.
-    Pressure,
-    /// The velocity, one value for each component.
-    Velocity,
-    /// The magnitude of the velocity.
-    Speed,
-    /// The vorticity, [`Space::vorticity`](crate::fem::Space::vorticity).
-    Vorticity,
-    /// The level set of the one interface.
-    LevelSet,
-    /// The stretch of the one interface.
-    Stretch,
-    /// `Z1` on the one interface; in pictures of space alone.
-    AreaChange,
-    /// `Z2` on the one interface; in pictures of space alone.
-    Shear,
-    /// The grey levels of the image that is segmented; in pictures alone.
-    Image,
-    /// A checkerboard on the one interface when it is at rest, which its material carries; in pictures of space alone.
-    Checkerboard,
 }
 
 /// A value at a point.
@@ -345,82 +319,12 @@ impl Output {
     }
 }
 
-/// What moves interfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene) enum Motion {
-    /// A flow that is solved.
-    Flow,
-    /// A velocity that is given.
-    Prescribed,
-    /// The fit to an image; nothing flows.
-    Image,
-}
-
-impl Motion {
-    pub fn of(fluid: &Fluid, image: bool) -> Motion {
-        match (image, fluid.is_prescribed()) {
-            (true, _) => Motion::Image,
-            (false, true) => Motion::Prescribed,
-            (false, false) => Motion::Flow,
-        }
-    }
-}
-
-/// The table `[output]`, if there is one, and what its values must agree with.
-pub(in crate::scene) struct Source<'a> {
-    table: Option<Table<'a>>,
-    time: &'a Time,
-    pub(in crate::scene) interfaces: &'a [&'a str],
-    /// Whether there is a flow.
-    pub(in crate::scene) motion: Motion,
-    /// Whether backward characteristics are carried.
-    pub(in crate::scene) has_map: bool,
-    pub(in crate::scene) context: &'a Context,
-}
-
 /// Rows of the series of steps that follow the error, where the scene does not say.
 const ROWS: f64 = 200.0;
 
-impl<'a> Source<'a> {
-    fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
-        self.table.as_ref().map_or(Ok(None), |t| t.optional(key, read))
-    }
-
-    fn named<T>(&self, key: &str, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
-        Ok(self.optional(key, |i| named(i, read))?.unwrap_or_default())
-    }
-
-    /// An interval or `false`; by default the run is cut into `parts`.
-    fn interval_or_none(&self, key: &str, parts: f64) -> Result<Option<f64>> {
-        let given = self.optional(key, |i| unless_false(i, Item::positive))?;
-        Ok(given.unwrap_or_else(|| {
-            Some((self.time.end / parts).max(if self.time.tolerance.is_some() { 0.0 } else { self.time.step }))
-        }))
-    }
-
+impl Source<'_> {
     fn quantity(&self, item: &Item) -> Result<Quantity> {
         self.possible(item, item.choice(&QUANTITIES)?)
-    }
-
-    /// A quantity that the scene has.
-    pub(in crate::scene) fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
-        let n = self.interfaces.len();
-        if self.motion == Motion::Image && quantity != Quantity::LevelSet {
-            return Err(item
-                .error(format!("there is no `{}`: an image is segmented, and nothing flows", item.text()?))
-                .remedy("ask for level_set"));
-        }
-        if quantity == Quantity::Pressure && self.motion == Motion::Prescribed {
-            return Err(item
-                .error("there is no pressure: the velocity is prescribed and no flow is solved")
-                .remedy("ask for velocity, speed, level_set or stretch"));
-        }
-        if matches!(quantity, Quantity::LevelSet | Quantity::Stretch) && n != 1 {
-            return Err(item
-                .error(format!("`{}` belongs to one interface, but the scene has {n}", item.text()?))
-                .remedy("ask for pressure, velocity or speed"));
-        }
-        Ok(quantity)
     }
 
     fn probe(&self, name: String, item: &Item) -> Result<Probe> {
@@ -477,7 +381,6 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// The pressure where there is one.
     /// Columns of the series begin with the name of what they measure: no two may share it.
     fn check_names(&self) -> Result<()> {
         let mut taken: Vec<&str> = self.interfaces.to_vec();
@@ -503,9 +406,4 @@ fn flux(name: String, item: &Item) -> Result<Flux> {
 
 fn boundary(item: &Item) -> Result<String> {
     item.text().map(str::to_string)
-}
-
-/// `None` for `false`, else what `read` gives.
-fn unless_false<'a, T>(item: &Item<'a>, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
-    if item.is_false() { Ok(None) } else { read(item).map(Some) }
 }

@@ -1,6 +1,6 @@
 //! `[output.picture]`: how pictures look.
 
-use super::output::{Motion, Quantity, Source};
+use super::source::{Motion, Quantity, Source};
 use crate::base::Result;
 use crate::scene::keys::Item;
 use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};

@@ -1,7 +1,5 @@
 //! A flow with structures immersed in it.
 
-mod budget;
-mod clock;
 mod factor;
 mod materials;
 mod measure;
@@ -11,11 +9,11 @@ mod scheme;
 mod settings;
 mod step;
 
-pub use budget::{Budget, Energies};
-pub use clock::{Clock, Pacing};
 pub use settings::Settings;
 
+use super::budget::{Budget, Energies};
 use super::carried::{Carried, largest};
+use super::clock::Pacing;
 use super::state::State;
 use crate::base::{PHASES, Phases, Result};
 use crate::fem::{Basis, Element, Rule, Space};

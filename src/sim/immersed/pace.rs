@@ -1,11 +1,11 @@
 //! Steps that follow the error.
 
 use super::Simulation;
-use super::clock::{Clock, Pacing};
 use crate::base::{Cause, Error, Kind, Result};
 use crate::flow::StepReport;
 use crate::levelset::band_edges;
 use crate::sim::carried::largest;
+use crate::sim::clock::{Clock, Pacing};
 use crate::sim::{Pace, State};
 use nalgebra::SVector;
 

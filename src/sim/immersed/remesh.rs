@@ -14,7 +14,7 @@ impl Simulation<2> {
     /// names.
     ///
     /// Matrices, orderings and factors are those of the new mesh. The change of kinetic and elastic
-    /// energy by the transfer is added to [`Budget::transferred`](super::Budget::transferred) and
+    /// energy by the transfer is added to [`Budget::transferred`](crate::sim::Budget::transferred) and
     /// stays in the residual of the energy identity. The velocity is not made free of discrete
     /// divergence on the new mesh: old velocities enter the next step through its right-hand side
     /// alone, and the step itself solves for a velocity that is.

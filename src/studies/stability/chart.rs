@@ -1,6 +1,6 @@
 //! The limits over a value that was varied.
 
-use super::limits::{Limit, is_scheme};
+use super::limit::{Limit, is_scheme};
 use crate::output::{Chart, Curve, Stroke};
 use crate::studies::Drawing;
 use crate::studies::axis::{Axis, Choice, in_words};

@@ -1,7 +1,8 @@
 //! The largest stable step of every combination, beside the formula (1.54).
 
 use super::chart::chart;
-use super::search::{Bracket, largest_stable_step, short};
+use super::limit::Limit;
+use super::search::{largest_stable_step, short};
 use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
@@ -37,20 +38,6 @@ pub struct Limits {
     pub accuracy: f64,
     /// The [`TOLERANCE`], or another one.
     pub tolerance: f64,
-}
-
-/// What was found for a combination.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Limit {
-    pub combination: Vec<Choice>,
-    /// Shortest edge in the bands.
-    pub edge: Option<f64>,
-    /// (1.54) at the start.
-    pub formula: Option<f64>,
-    pub bracket: Bracket,
-    /// Of the largest stable step.
-    verdict: Verdict,
-    refused: Option<String>,
 }
 
 impl Limits {
@@ -197,35 +184,6 @@ const PROBES: [&str; 6] = ["step", "growth", "energy_from_nowhere", "rate", "are
 fn probe(combination: &[Choice], dt: f64, v: &Verdict) -> Vec<Cell> {
     let numbers = [dt, v.growth, v.from_nowhere, v.rate, v.area].map(|v| Cell::Number(v, 4));
     [cells(combination), numbers.to_vec(), vec![Cell::text(v.in_words())]].concat()
-}
-
-impl Limit {
-    /// The measured limit over the formula.
-    fn ratio(&self) -> Option<f64> {
-        Some(self.limit()? / self.formula?)
-    }
-    /// The limit as far as it is known; none for a combination that is unstable at every step or was refused.
-    pub fn limit(&self) -> Option<f64> {
-        self.bracket.stable.and_then(|_| self.bracket.limit())
-    }
-    /// What kept the search from finding both ends.
-    fn remark(&self) -> &'static str {
-        match (&self.refused, self.bracket.stable, self.bracket.unstable) {
-            (Some(_), ..) => "refused",
-            (None, Some(_), None) => "stable at the largest step tried",
-            (None, None, _) => "unstable at the smallest step tried",
-            (None, Some(_), Some(_)) if !self.bracket.islands.is_empty() => "unstable at smaller steps too",
-            (None, Some(_), Some(_)) => "",
-        }
-    }
-    /// What the combination says apart from the scheme.
-    fn physics(&self) -> Vec<Choice> {
-        self.combination.iter().filter(|c| !is_scheme(&c.name)).cloned().collect()
-    }
-}
-
-pub(super) fn is_scheme(name: &str) -> bool {
-    ["coupling", "order"].contains(&name)
 }
 
 /// The limit of the explicit coupling where all but the scheme is the same, of the same order if it was asked for.

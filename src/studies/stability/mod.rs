@@ -4,6 +4,7 @@
 //! more than a tolerance ([`TOLERANCE`]): growth beyond the balance (3.23), long before numbers overflow.
 
 mod chart;
+mod limit;
 mod limits;
 mod scan;
 mod search;

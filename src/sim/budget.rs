@@ -77,4 +77,27 @@ mod tests {
         let fed = Energies { elastic: 0.1, ..at(1.0) };
         assert!((budget.residual(&fed) - 0.1).abs() < 1e-7);
     }
+
+    /// Rates that change linearly in time are integrated exactly by their mean, and by the new ones to first order.
+    #[test]
+    fn rates_are_the_mean_or_the_new_ones() {
+        let old = Energies { dissipation: 1.0, grad_div: 2.0, power: -4.0, ..Energies::default() };
+        let new = Energies { dissipation: 3.0, grad_div: 6.0, power: 8.0, ..Energies::default() };
+        let after = |order| {
+            let mut budget = Budget::new(&old);
+            budget.advance(&old, &new, 0.5, order);
+            [budget.dissipated, budget.work, budget.exchanged]
+        };
+        assert_eq!(after(1), [4.5, 4.0, 4.0]);
+        assert_eq!(after(2), [3.0, 1.0, 3.0]);
+    }
+
+    /// What was exchanged counts as energy in play; where nothing is in play nothing is created.
+    #[test]
+    fn the_residual_is_relative_to_the_energy_in_play() {
+        let now = Energies { kinetic: 1.0, elastic: 4.0, ..Energies::default() };
+        let budget = Budget { initial: 3.0, dissipated: 1.0, work: 2.0, exchanged: 5.0, transferred: 0.0 };
+        assert_eq!(budget.residual(&now), 0.125);
+        assert_eq!(Budget::default().residual(&now), 0.0);
+    }
 }

@@ -184,4 +184,54 @@ mod tests {
         let e = clock.propose(&p, f64::INFINITY, 1).unwrap_err();
         assert!(e.cause() == Some(Cause::ShortestStep) && e.to_string().contains("shortest step"), "{e}");
     }
+
+    /// The step that an error suggests, over the one that made it.
+    #[test]
+    fn the_wanted_step_follows_the_root_of_the_error() {
+        for (error, accepted, ratio) in [
+            (0.0, true, 10.0),
+            (0.25, true, 1.8),
+            // Not worth a new matrix.
+            (0.81, true, 1.0),
+            (1.0, true, 1.0),
+            (1.01, false, 0.7),
+            (4.0, false, 0.45),
+            (1e6, false, 0.2),
+            (f64::NAN, false, 0.5),
+        ] {
+            let mut clock = Clock::default();
+            assert_eq!(clock.judge(0.5, error), accepted, "{error}");
+            assert!((clock.wanted - 0.5 * ratio).abs() < 1e-15, "{error}: {}", clock.wanted);
+        }
+    }
+
+    /// An interval is cut into 1, 2, 3, 4, 6, 8 .. parts; at an even one of an even number two become one.
+    #[test]
+    fn parts_of_an_interval_are_two_or_three_times_a_power_of_two() {
+        let p = pacing();
+        for (wanted, parts) in [(0.2, 1), (0.09, 2), (0.04, 3), (0.03, 4), (0.02, 6), (0.015, 8), (0.011, 12)] {
+            let mut clock = Clock { wanted, ..Clock::new(&p) };
+            let dt = clock.propose(&p, f64::INFINITY, 1).unwrap();
+            assert_eq!(clock.parts, parts, "{wanted}");
+            assert!((dt * parts as f64 - 0.1).abs() < 1e-12);
+        }
+        let mut clock = Clock { wanted: 0.03, ..Clock::new(&p) };
+        let mut walk = |wanted| {
+            clock.wanted = wanted;
+            let dt = clock.propose(&p, f64::INFINITY, 1).unwrap();
+            clock.advance(dt);
+            (clock.interval, clock.part, clock.parts)
+        };
+        // A longer step has to wait for an even part; a shorter one does not; the end of the interval is the start of the next.
+        assert_eq!([0.03, 0.09, 0.09, 0.01].map(&mut walk), [(0, 1, 4), (0, 2, 4), (1, 0, 1), (1, 1, 12)]);
+    }
+
+    /// Two steps before the next instant, as the start needs.
+    #[test]
+    fn as_many_steps_fit_before_the_next_instant_as_are_asked_for() {
+        let p = pacing();
+        let mut clock = Clock { wanted: 1.0, ..Clock::new(&p) };
+        clock.propose(&p, f64::INFINITY, 2).unwrap();
+        assert_eq!(clock.parts, 2);
+    }
 }
