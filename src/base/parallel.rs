@@ -13,7 +13,8 @@ pub fn fill<T: Send>(out: &mut [T], stride: usize, work: impl Fn(usize, &mut [T]
     out.par_chunks_mut(CHUNK * stride.max(1)).enumerate().for_each(|(k, part)| work(k * CHUNK, part));
 }
 
-/// Parts of a sum: their number does not grow with that of the terms, so that a sum needs no memory.
+/// Number of partial sums. It does not grow with the number of terms, so that a sum allocates
+/// nothing.
 const PARTS: usize = 64;
 
 /// Sum over `0..n` of `term`, as an array of `N` sums, bit-identical for any number of threads.
