@@ -4,7 +4,9 @@ use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::fem::{At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar};
-use crate::linalg::{Change, Factor, FactorSize, LaggedFactor, LaggedReport, Ledger, Solving, SymmetricMatrix, Way};
+use crate::linalg::{
+    Change, Factor, FactorSize, LaggedFactor, LaggedReport, SolveCost, SolverKind, SolverOptions, SymmetricMatrix,
+};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -33,7 +35,7 @@ pub struct FlowSolver<const D: usize> {
     /// Relative residual of iterations with an old factor; 0 where every matrix is to be factored.
     tolerance: f64,
     /// Which ways of solving are allowed.
-    solving: Solving,
+    options: SolverOptions,
     /// Nodes of the pressure on open boundaries.
     open_nodes: Vec<u32>,
     /// Whether `factor` belongs to `base` alone.
@@ -130,7 +132,7 @@ impl<const D: usize> FlowSolver<D> {
             matrix,
             factor: None,
             tolerance: 0.0,
-            solving: Solving::default(),
+            options: SolverOptions::default(),
             open_nodes,
             factor_is_base: false,
             factored_weight: f64::NAN,
@@ -151,8 +153,8 @@ impl<const D: usize> FlowSolver<D> {
         self.tolerance = tolerance;
     }
     /// Allows some ways of solving, and sets the memory that factors may take. To be called before the first step.
-    pub fn solve_by(&mut self, solving: Solving) {
-        self.solving = solving;
+    pub fn solve_by(&mut self, options: SolverOptions) {
+        self.options = options;
     }
     /// Tells that the step will change, and with it the matrix: no change of it is taken to last.
     pub fn expect_changes(&mut self) {
@@ -219,8 +221,8 @@ impl<const D: usize> FlowSolver<D> {
         self.factor.as_ref().and_then(LaggedFactor::factor)
     }
     /// The way of solving and the size of its factors, once they are planned.
-    pub fn solver_size(&self) -> Option<(Way, FactorSize)> {
-        self.factor.as_ref().map(|f| (f.way(), f.size()))
+    pub fn solver_size(&self) -> Option<(SolverKind, FactorSize)> {
+        self.factor.as_ref().map(|f| (f.kind(), f.size()))
     }
     /// Whether each system is solved for by iterations, so that a good start pays.
     pub fn always_iterates(&self) -> bool {
@@ -228,19 +230,19 @@ impl<const D: usize> FlowSolver<D> {
     }
     /// The way of solving with its sizes, and estimates of its times on one core of a server.
     pub fn way_in_words(&self) -> Option<String> {
-        let (way, size) = self.solver_size()?;
+        let (kind, size) = self.solver_size()?;
         Some(format!(
-            "solved by {way}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",
+            "solved by {kind}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",
             size.entries as f64,
             size.bytes as f64 / 1e6,
             size.factoring_seconds(),
             size.operations,
             size.solving_seconds(),
-            if way == Way::Direct { "a solve" } else { "an iteration" }
+            if kind == SolverKind::Direct { "a solve" } else { "an iteration" }
         ))
     }
     /// How a matrix that changes from step to step is solved for, with a passive verb.
-    pub fn way_of_solving(&self) -> String {
+    pub fn solver_description(&self) -> String {
         match &self.factor {
             Some(f) if f.may_iterate() => format!(
                 "solved by GMRES with an older factor to the relative residual {:e}, or factored anew, whichever is cheaper by count: \
@@ -256,8 +258,8 @@ impl<const D: usize> FlowSolver<D> {
         self.factor.as_ref().map_or(0, LaggedFactor::bytes)
     }
     /// The books of the choice between iterations and a factorisation.
-    pub fn ledger(&self) -> Ledger {
-        self.factor.as_ref().map_or(Ledger::default(), LaggedFactor::ledger)
+    pub fn solve_cost(&self) -> SolveCost {
+        self.factor.as_ref().map_or(SolveCost::default(), LaggedFactor::solve_cost)
     }
     /// Seconds of all processors by phase since it was asked last, and how often the factor was read since, each time twice.
     pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {

@@ -1,13 +1,13 @@
 //! The ellipse, with the exact distance to it.
 
-use super::shape::{Frame, Shape, check_semi_axes};
+use super::shape::{PlaneFrame, Shape, check_semi_axes};
 use crate::base::Result;
 use crate::mesh::Point;
 
 /// An ellipse.
 #[derive(Clone, Debug)]
 pub struct Ellipse {
-    frame: Frame,
+    frame: PlaneFrame,
     semi_axes: Point<2>,
 }
 
@@ -18,7 +18,7 @@ impl Ellipse {
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle that is not finite.
     pub fn new(centre: Point<2>, semi_axes: Point<2>, angle: f64) -> Result<Ellipse> {
         check_semi_axes("an ellipse", &semi_axes)?;
-        Ok(Ellipse { frame: Frame::new(centre, angle)?, semi_axes })
+        Ok(Ellipse { frame: PlaneFrame::new(centre, angle)?, semi_axes })
     }
 }
 

@@ -84,16 +84,16 @@ pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Re
 
 /// The frame of a shape that is centred somewhere and turned by an angle.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct PlaneFrame {
     centre: Point<2>,
     rotation: Rotation2<f64>,
 }
 
-impl Frame {
+impl PlaneFrame {
     /// `angle` in degrees, counterclockwise.
-    pub(super) fn new(centre: Point<2>, angle: f64) -> Result<Frame> {
+    pub(super) fn new(centre: Point<2>, angle: f64) -> Result<PlaneFrame> {
         check_point("the centre and the angle of a shape", &SVector::<f64, 3>::new(centre[0], centre[1], angle))?;
-        Ok(Frame { centre, rotation: Rotation2::new(angle.to_radians()) })
+        Ok(PlaneFrame { centre, rotation: Rotation2::new(angle.to_radians()) })
     }
     /// Absolute values of the coordinates of `x` in the frame: the shapes here have both symmetries.
     pub(super) fn quadrant(&self, x: &Point<2>) -> Point<2> {
@@ -138,7 +138,7 @@ impl<const D: usize> Shape<D> for Circle<D> {
 /// A rectangle with corners rounded by circular arcs.
 #[derive(Clone, Debug)]
 pub struct RoundedBox {
-    frame: Frame,
+    frame: PlaneFrame,
     half_size: Point<2>,
     radius: f64,
 }
@@ -158,7 +158,7 @@ impl RoundedBox {
             .value(radius)
             .remedy(format!("give a radius in [0, {}]", half_size.min())));
         }
-        Ok(RoundedBox { frame: Frame::new(centre, angle)?, half_size, radius })
+        Ok(RoundedBox { frame: PlaneFrame::new(centre, angle)?, half_size, radius })
     }
 }
 

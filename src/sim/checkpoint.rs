@@ -5,7 +5,7 @@ use super::state::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Error, Result, fnv1a};
 use crate::flow::FlowState;
-use crate::linalg::Ledger;
+use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
@@ -30,7 +30,7 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         self.fields.write(&mut out);
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { fields, weight, dt, ledger: l }) = &self.factored {
+        if let Some(Factored { fields, weight, dt, solve_cost: l }) = &self.factored {
             fields.write(&mut out);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
@@ -91,8 +91,8 @@ impl<const D: usize> State<D> {
             _ => {
                 let fields = Fields::read(from)?;
                 let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
-                let ledger = Ledger { solves, spent, last, hold, failures };
-                Some(Factored { fields, weight, dt, ledger })
+                let solve_cost = SolveCost { solves, spent, last, hold, failures };
+                Some(Factored { fields, weight, dt, solve_cost })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
@@ -135,7 +135,7 @@ mod tests {
                 fields: fields(3.0),
                 weight: 1.5,
                 dt: 0.1,
-                ledger: Ledger { spent: 9.0, ..Ledger::default() },
+                solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },
             }),
             energies: Energies { kinetic: 1.5, ..Energies::default() },
             budget: Budget { work: 0.25, ..Budget::default() },

@@ -3,7 +3,7 @@
 use super::immersed::{Budget, Clock, Energies};
 use crate::base::{Error, Result};
 use crate::flow::FlowState;
-use crate::linalg::Ledger;
+use crate::linalg::SolveCost;
 use crate::structure::Fields;
 use nalgebra::SVector;
 
@@ -27,7 +27,7 @@ pub struct Factored<const D: usize> {
     /// The step.
     pub dt: f64,
     /// Statistics of the choice between iterations and a factorisation.
-    pub ledger: Ledger,
+    pub solve_cost: SolveCost,
 }
 
 /// All that changes in time.

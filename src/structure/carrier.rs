@@ -5,8 +5,8 @@ use crate::base::{Result, parallel};
 use crate::fem::{Projector, Space};
 use crate::mesh::Location;
 use crate::transport::{
-    CharacteristicMap, Feet, Tracer, Wind, carry_displacement_nodal, carry_displacement_projected, carry_nodal,
-    carry_projected,
+    AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_displacement_nodal, carry_displacement_projected,
+    carry_nodal, carry_projected,
 };
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -74,7 +74,7 @@ impl<const D: usize> Carrier<D> {
     pub fn carry(
         &mut self,
         (from, rules): (&Fields<D>, &[Rule<D>]),
-        wind: &Wind<'_, D>,
+        advecting: &AdvectingVelocity<'_, D>,
         dt: f64,
         ahead: bool,
         to: &mut Fields<D>,
@@ -82,13 +82,13 @@ impl<const D: usize> Carrier<D> {
         to.clone_from(from);
         match &mut to.map {
             Some(map) => {
-                self.tracer.feet_of_nodes(wind, dt, &mut self.feet);
+                self.tracer.feet_of_nodes(advecting, dt, &mut self.feet);
                 map.advance(&self.tracer, &self.feet);
                 if !ahead {
                     map.restart_beyond(self.tracer.space(), self.remap);
                 }
             }
-            None => self.find_feet(wind, dt),
+            None => self.find_feet(advecting, dt),
         }
         let map = to.map.take();
         for (k, (field, rule)) in to.iter_mut().zip(rules).enumerate() {
@@ -117,10 +117,10 @@ impl<const D: usize> Carrier<D> {
     }
 
     /// Finds the feet for the following calls of [`carry_scalar`](Self::carry_scalar).
-    pub fn find_feet(&mut self, wind: &Wind<'_, D>, dt: f64) {
+    pub fn find_feet(&mut self, advecting: &AdvectingVelocity<'_, D>, dt: f64) {
         match &self.projector {
-            Some(p) => self.tracer.feet_of_quadrature(wind, dt, p.basis(), &mut self.feet),
-            None => self.tracer.feet_of_nodes(wind, dt, &mut self.feet),
+            Some(p) => self.tracer.feet_of_quadrature(advecting, dt, p.basis(), &mut self.feet),
+            None => self.tracer.feet_of_nodes(advecting, dt, &mut self.feet),
         }
     }
     /// Carries nodal values with the feet found last, by interpolation or projection.
@@ -151,7 +151,7 @@ impl<const D: usize> Carrier<D> {
     fn displacement(&self, map: &CharacteristicMap<D>, out: &mut [SVector<f64, D>]) {
         let (mesh, nodes) = (self.tracer.space().mesh(), self.tracer.space().nodes());
         parallel::fill(out, 1, |first, part| {
-            let foot = |n: usize| map.foot(&self.tracer, self.tracer.home(n));
+            let foot = |n: usize| map.foot(&self.tracer, self.tracer.node_location(n));
             let at = |n: usize| mesh.point_at(&foot(n)) - nodes[n];
             part.iter_mut().enumerate().for_each(|(i, v)| *v = at(first + i));
         });

@@ -5,7 +5,7 @@ use super::fields::Fields;
 use crate::base::Result;
 use crate::fem::{Basis, Space, Translation, VelocityFunction};
 use crate::flow::Coefficient;
-use crate::transport::Wind;
+use crate::transport::AdvectingVelocity;
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -61,10 +61,12 @@ pub enum Velocity<'a, const D: usize> {
 
 impl<'a, const D: usize> Velocity<'a, D> {
     /// The velocity as the transport takes it, over a step of length `dt`.
-    pub fn advecting(&self, dt: f64) -> Wind<'a, D> {
+    pub fn advecting(&self, dt: f64) -> AdvectingVelocity<'a, D> {
         match *self {
-            Velocity::Computed { mean, .. } => Wind::Nodal(mean),
-            Velocity::Given { velocity, start, courant } => Wind::Given { velocity, arrival: start + dt, courant },
+            Velocity::Computed { mean, .. } => AdvectingVelocity::Nodal(mean),
+            Velocity::Given { velocity, start, courant } => {
+                AdvectingVelocity::Given { velocity, arrival: start + dt, courant }
+            }
         }
     }
 }

@@ -6,8 +6,8 @@ use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
 use std::sync::{Arc, OnceLock};
 
-/// Periodic sides that one displacement passes at most.
-const MOST_DOORS: usize = 64;
+/// Largest number of periodic sides that one displacement crosses.
+const MOST_CROSSINGS: usize = 64;
 
 /// The feet of many characteristics, in the order of the points that they arrive at.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +34,7 @@ impl Feet {
 }
 
 /// The velocity that carries.
-pub enum Wind<'a, const D: usize> {
+pub enum AdvectingVelocity<'a, const D: usize> {
     /// A P2 function, one vector a node, that is frozen over the step: followed by steps of the midpoint rule, as many as keep
     /// the Courant number of one below 1, a hundred at most.
     Nodal(&'a [SVector<f64, D>]),
@@ -61,10 +61,10 @@ pub enum Wind<'a, const D: usize> {
 pub struct Tracer<const D: usize> {
     space: Arc<Space<D>>,
     /// A cell of every node, and the barycentric coordinates of the node in it; `cell` is [`NONE`] for unused nodes.
-    home: Vec<Location>,
+    node_locations: Vec<Location>,
     /// For every slot (cell, opposite vertex) on a periodic side: where it leads. Sorted by slot.
-    doors: Vec<(u32, u32, SVector<f64, D>)>,
-    /// The different shifts of the doors.
+    periodic_links: Vec<(u32, u32, SVector<f64, D>)>,
+    /// The different shifts of the periodic links.
     shifts: Vec<SVector<f64, D>>,
     /// The shortest of the longest edges of the cells.
     finest: f64,
@@ -76,41 +76,41 @@ impl<const D: usize> Tracer<D> {
     /// A tracer for velocities of `space`.
     pub fn new(space: &Arc<Space<D>>, translations: &[Translation<D>]) -> Tracer<D> {
         let mesh = space.mesh();
-        let mut home = vec![Location { cell: NONE, barycentric: [0.0; 4] }; space.len()];
+        let mut node_locations = vec![Location { cell: NONE, barycentric: [0.0; 4] }; space.len()];
         for c in 0..mesh.cell_count() {
             for (a, &n) in space.cell_nodes(c).iter().enumerate() {
-                if home[n as usize].cell == NONE {
-                    home[n as usize] = Location { cell: c as u32, barycentric: space.element().node(a, D) };
+                if node_locations[n as usize].cell == NONE {
+                    node_locations[n as usize] = Location { cell: c as u32, barycentric: space.element().node(a, D) };
                 }
             }
         }
-        let mut doors: Vec<_> = translations
+        let mut periodic_links: Vec<_> = translations
             .iter()
             .map(|t| {
                 let (mine, theirs) = (mesh.facets()[t.facet as usize], mesh.facets()[t.partner as usize]);
                 (mine.cell * (D as u32 + 1) + mine.opposite, theirs.cell, t.shift)
             })
             .collect();
-        doors.sort_by_key(|d| d.0);
-        doors.dedup_by_key(|d| d.0);
+        periodic_links.sort_by_key(|d| d.0);
+        periodic_links.dedup_by_key(|d| d.0);
         let mut shifts: Vec<SVector<f64, D>> = Vec::new();
-        for (_, _, shift) in &doors {
+        for (_, _, shift) in &periodic_links {
             if shifts.iter().all(|s| (s - shift).norm() > 1e-6 * shift.norm()) {
                 shifts.push(*shift);
             }
         }
         let finest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min);
-        Tracer { space: Arc::clone(space), home, doors, shifts, finest, locator: OnceLock::new() }
+        Tracer { space: Arc::clone(space), node_locations, periodic_links, shifts, finest, locator: OnceLock::new() }
     }
     /// The space of the velocities.
     pub fn space(&self) -> &Arc<Space<D>> {
         &self.space
     }
     /// A cell of node `n` and the place of the node in it; of a node that no cell uses any place.
-    pub fn home(&self, n: usize) -> Location {
-        match self.home[n] {
+    pub fn node_location(&self, n: usize) -> Location {
+        match self.node_locations[n] {
             Location { cell: NONE, .. } => Location { cell: 0, barycentric: [1.0, 0.0, 0.0, 0.0] },
-            home => home,
+            location => location,
         }
     }
     /// Largest `|u| dt / h` over the nodes of all cells, with `h` the longest edge of the cell.
@@ -125,69 +125,72 @@ impl<const D: usize> Tracer<D> {
     }
     /// Feet, a time `dt` earlier, of the characteristics through the quadrature points of `basis`: point `q` of cell `c` is number `c * points + q`.
     pub fn from_quadrature(&self, u: &[SVector<f64, D>], dt: f64, basis: &Basis<D>, feet: &mut Feet) {
-        self.feet_of_quadrature(&Wind::Nodal(u), dt, basis, feet);
+        self.feet_of_quadrature(&AdvectingVelocity::Nodal(u), dt, basis, feet);
     }
     /// Feet, a time `dt` earlier, of the characteristics through the nodes of the space.
     pub fn from_nodes(&self, u: &[SVector<f64, D>], dt: f64, feet: &mut Feet) {
-        self.feet_of_nodes(&Wind::Nodal(u), dt, feet);
+        self.feet_of_nodes(&AdvectingVelocity::Nodal(u), dt, feet);
     }
     /// [`from_quadrature`](Self::from_quadrature) with any velocity.
-    pub fn feet_of_quadrature(&self, wind: &Wind<'_, D>, dt: f64, basis: &Basis<D>, feet: &mut Feet) {
+    pub fn feet_of_quadrature(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, basis: &Basis<D>, feet: &mut Feet) {
         let points = basis.rule().len();
         let count = self.space.mesh().cell_count() * points;
         feet.0.resize(count, Location { cell: NONE, barycentric: [0.0; 4] });
-        let steps = self.steps(wind, dt);
+        let steps = self.steps(advecting, dt);
         parallel::fill(&mut feet.0, points, |first, part| {
             for (i, feet) in part.chunks_exact_mut(points).enumerate() {
                 let c = first + i;
                 let start = |q: usize| Location { cell: c as u32, barycentric: basis.rule().points[q] };
-                match wind {
-                    Wind::Nodal(u) if steps == 1 => {
+                match advecting {
+                    AdvectingVelocity::Nodal(u) if steps == 1 => {
                         let own = self.space.on_cell(u, c);
                         for (q, foot) in feet.iter_mut().enumerate() {
                             *foot = self.foot_of_short_step(u, dt, &own, own.combined(basis.values(q)), start(q));
                         }
                     }
-                    _ => feet.iter_mut().enumerate().for_each(|(q, foot)| *foot = self.foot(wind, dt, steps, start(q))),
+                    _ => feet
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|(q, foot)| *foot = self.foot(advecting, dt, steps, start(q))),
                 }
             }
         });
     }
     /// [`from_nodes`](Self::from_nodes) with any velocity.
-    pub fn feet_of_nodes(&self, wind: &Wind<'_, D>, dt: f64, feet: &mut Feet) {
+    pub fn feet_of_nodes(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, feet: &mut Feet) {
         feet.0.resize(self.space.len(), Location { cell: NONE, barycentric: [0.0; 4] });
-        let steps = self.steps(wind, dt);
+        let steps = self.steps(advecting, dt);
         parallel::fill(&mut feet.0, 1, |first, part| {
             for (i, foot) in part.iter_mut().enumerate() {
                 let n = first + i;
-                *foot = match (self.home[n], wind) {
+                *foot = match (self.node_locations[n], advecting) {
                     // A point that no cell uses carries nothing; any location will do.
-                    (Location { cell: NONE, .. }, _) => self.home(n),
-                    (start, Wind::Nodal(u)) if steps == 1 => {
+                    (Location { cell: NONE, .. }, _) => self.node_location(n),
+                    (start, AdvectingVelocity::Nodal(u)) if steps == 1 => {
                         let own = self.space.on_cell(u, start.cell as usize);
                         self.foot_of_short_step(u, dt, &own, u[n], start)
                     }
-                    (start, _) => self.foot(wind, dt, steps, start),
+                    (start, _) => self.foot(advecting, dt, steps, start),
                 };
             }
         });
     }
     /// Steps of the rule in one time step. The cap keeps a blown-up velocity from taking for ever.
-    fn steps(&self, wind: &Wind<'_, D>, dt: f64) -> usize {
-        let courant = match wind {
+    fn steps(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64) -> usize {
+        let courant = match advecting {
             // A bound that is cheap, and in most steps enough.
-            Wind::Nodal(u) => {
+            AdvectingVelocity::Nodal(u) => {
                 let fastest = u.iter().map(|v| v.norm_squared()).fold(0.0, f64::max).sqrt();
                 if fastest * dt <= self.finest { 1.0 } else { self.courant(u, dt) }
             }
-            Wind::Given { courant, .. } => 0.5 * courant,
+            AdvectingVelocity::Given { courant, .. } => 0.5 * courant,
         };
         (courant.ceil() as usize).clamp(1, 100)
     }
-    fn foot(&self, wind: &Wind<'_, D>, dt: f64, steps: usize, start: Location) -> Location {
-        match wind {
-            Wind::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
-            Wind::Given { velocity, arrival, .. } => {
+    fn foot(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, steps: usize, start: Location) -> Location {
+        match advecting {
+            AdvectingVelocity::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
+            AdvectingVelocity::Given { velocity, arrival, .. } => {
                 let from = self.space.mesh().point_at(&start);
                 let x = path(velocity, from, *arrival, -dt, steps);
                 self.displaced(start, x - from)
@@ -234,7 +237,7 @@ impl<const D: usize> Tracer<D> {
     /// an obstacle); one outside is replaced by the point where the way leaves the domain.
     pub fn displaced(&self, from: Location, step: SVector<f64, D>) -> Location {
         let (end, inside) = self.travel(from, step);
-        if inside || !self.doors.is_empty() {
+        if inside || !self.periodic_links.is_empty() {
             return end;
         }
         let target = self.space.mesh().point_at(&from) + step;
@@ -263,19 +266,19 @@ impl<const D: usize> Tracer<D> {
         let mesh = self.space.mesh();
         let (mut cell, mut x) = (from.cell, mesh.point_at(&from));
         let mut target: Point<D> = x + step;
-        // More doors than a particle can cross in a step, or in the time of a submap.
-        for _ in 0..MOST_DOORS {
+        // More periodic sides than a particle can cross in a step, or in the time of a submap.
+        for _ in 0..MOST_CROSSINGS {
             let (end, inside) = mesh.walk(cell, &x, &target);
-            if inside || self.doors.is_empty() {
+            if inside || self.periodic_links.is_empty() {
                 return (end, inside);
             }
-            let slots =
+            let facets =
                 (0..=D as u32).filter(|&k| end.barycentric[k as usize] <= 1e-9).map(|k| end.cell * (D as u32 + 1) + k);
-            let door = slots
-                .filter_map(|s| self.doors.binary_search_by_key(&s, |d| d.0).ok())
-                .map(|i| &self.doors[i])
+            let link = facets
+                .filter_map(|s| self.periodic_links.binary_search_by_key(&s, |d| d.0).ok())
+                .map(|i| &self.periodic_links[i])
                 .find(|d| d.2.dot(&(target - x)) < 0.0);
-            let Some(&(_, partner, shift)) = door else { return (end, false) };
+            let Some(&(_, partner, shift)) = link else { return (end, false) };
             x = mesh.point_at(&end) + shift;
             target += shift;
             cell = partner;

@@ -46,7 +46,7 @@ impl<const D: usize> CharacteristicMap<D> {
         parallel::fill(&mut next, 1, |first, part| {
             for (i, d) in part.iter_mut().enumerate() {
                 let foot = feet.get(first + i);
-                let start = space.mesh().point_at(&tracer.home(first + i));
+                let start = space.mesh().point_at(&tracer.node_location(first + i));
                 let step = tracer.unwrapped(space.mesh().point_at(foot) - start);
                 *d = step + space.value(last, foot.cell as usize, &foot.barycentric);
             }
@@ -79,7 +79,7 @@ impl<const D: usize> CharacteristicMap<D> {
     pub fn carry(&self, tracer: &Tracer<D>, f: impl Fn(&Location) -> f64 + Sync, out: &mut [f64]) {
         parallel::fill(out, 1, |first, part| {
             for (i, v) in part.iter_mut().enumerate() {
-                *v = f(&self.foot(tracer, tracer.home(first + i)));
+                *v = f(&self.foot(tracer, tracer.node_location(first + i)));
             }
         });
     }

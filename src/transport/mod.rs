@@ -6,7 +6,7 @@
 mod feet;
 mod map;
 
-pub use feet::{Feet, Tracer, Wind, path};
+pub use feet::{AdvectingVelocity, Feet, Tracer, path};
 pub use map::CharacteristicMap;
 
 use crate::base::Result;

@@ -5,7 +5,7 @@ use immersa::elastic::{AreaLaw, Band, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Transport};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings, Transport};
 use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::transport::Method;
 use nalgebra::SVector;
@@ -76,11 +76,11 @@ impl Case {
                 Immersed::boxed(interface, force)
             }
         };
-        let settings = Settings {
+        let settings = SimulationSettings {
             order: self.order,
             grad_div: self.grad_div,
             transport: Transport { method: self.transport, ..Transport::default() },
-            ..Settings::new(self.dt, Fluid { density: 1.0, viscosity: self.viscosity }, vec![])
+            ..SimulationSettings::new(self.dt, Fluid { density: 1.0, viscosity: self.viscosity }, vec![])
         };
         Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
     }

@@ -5,7 +5,7 @@ use immersa::levelset::{Contour, Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Locator, Point, rectangle};
 use immersa::output::{FieldData, Series, Table, write_pvd, write_vtu};
 use immersa::scene::Scene;
-use immersa::sim::{Fluid, Settings, Simulation};
+use immersa::sim::{Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::fs;
@@ -63,8 +63,10 @@ fn simulation(cells: usize) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
     let space = immersa::fem::Space::new(&mesh, immersa::fem::Element::P2);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), AXES.into(), 0.0).unwrap();
-    let settings =
-        Settings { grad_div: 5.0, ..Settings::new(STEP, Fluid { density: 1.0, viscosity: 0.01 }, Vec::new()) };
+    let settings = SimulationSettings {
+        grad_div: 5.0,
+        ..SimulationSettings::new(STEP, Fluid { density: 1.0, viscosity: 0.01 }, Vec::new())
+    };
     let structure = Immersed::boxed(
         ImmersedInterface::new(
             "membrane",

@@ -4,7 +4,7 @@ use super::FlowSolver;
 use crate::base::{Error, Phase, Result};
 use crate::fem::{At, Cells, VectorForm, add_point_matrix, assemble_flow_matrix, assemble_scalar_matrix};
 use crate::flow::term::{MomentumTerm, Support};
-use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Ledger, Multipliers, Saddle, SymmetricMatrix};
+use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Multipliers, Saddle, SolveCost, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
 
 /// Diagonal entry that makes the solution of an equation for a pressure zero.
@@ -36,7 +36,7 @@ impl<const D: usize> FlowSolver<D> {
             let multipliers =
                 Multipliers { first: self.numbering.first_pressure(), first_late: self.numbering.first_constant() };
             let saddle = || self.saddle(weight);
-            let factor = LaggedFactor::choose(base, multipliers, self.solving, self.tolerance, saddle)?;
+            let factor = LaggedFactor::choose(base, multipliers, self.options, self.tolerance, saddle)?;
             self.factor = Some(factor);
             self.factor_is_base = false;
         }
@@ -152,11 +152,11 @@ impl<const D: usize> FlowSolver<D> {
     ///
     /// # Errors
     /// A factorisation that fails.
-    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], ledger: Ledger) -> Result<()> {
+    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], solve_cost: SolveCost) -> Result<()> {
         self.prepare(weight, terms)?;
         let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
         self.factored_weight = weight;
         self.factored_plain = terms.iter().all(|t| !t.is_implicit());
-        factor.restore(&self.matrix, ledger)
+        factor.restore(&self.matrix, solve_cost)
     }
 }

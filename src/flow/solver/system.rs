@@ -164,7 +164,7 @@ impl<const D: usize> FlowSolver<D> {
         let late = self.numbering.first_constant().min(self.numbering.order());
         let multipliers = Multipliers { first: self.numbering.first_pressure(), first_late: late };
         let ordering = Ordering::saddle_point(matrix, multipliers)?;
-        match self.solving.memory {
+        match self.options.memory {
             Some(limit) => Factor::analyse_within(matrix, ordering, Some(limit)),
             None => Factor::analyse(matrix, ordering),
         }

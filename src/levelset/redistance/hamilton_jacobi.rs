@@ -47,7 +47,7 @@ pub(super) fn straighten<const D: usize>(
             for (i, v) in part.iter_mut().enumerate() {
                 let n = first + i;
                 let normal = g[n] / g[n].norm().max(FLAT);
-                let home = tracer.home(n);
+                let home = tracer.node_location(n);
                 let foot = tracer.displaced(home, -normal * steps[n]);
                 // On the boundary the way may be cut short.
                 let way = tracer.unwrapped(space.mesh().point_at(&foot) - space.mesh().point_at(&home)).norm();

@@ -19,7 +19,7 @@ use crate::scene::row::Row;
 use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector, wall_nodes};
 use crate::scene::view::View;
-use crate::sim::{Budget, Energies, Settings, Simulation, State, Transfer};
+use crate::sim::{Budget, Energies, Simulation, SimulationSettings, State, Transfer};
 use crate::structure::Structure;
 use crate::transport::Method;
 use nalgebra::SVector;
@@ -398,24 +398,24 @@ fn heaviest(scene: &Scene) -> f64 {
     }
 }
 
-fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) -> Settings<D> {
+fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) -> SimulationSettings<D> {
     let (fluid, numerics) = (&scene.fluid, &scene.numerics);
     let body_force = fluid.has_force().then(|| {
         let f = vector(&fluid.force);
         Arc::new(move |x: &Point<D>, t: f64| f(x, t)) as Arc<BodyForce<D>>
     });
-    Settings {
+    SimulationSettings {
         order: scene.time.order,
         transport: ground::transport(scene),
         convection: numerics.convection.unwrap_or(scene.has_inertia()),
         grad_div,
         solve_tolerance: numerics.solve_tolerance,
-        solving: numerics.solving,
+        solver: numerics.solving,
         quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
         boussinesq: fluid.boussinesq,
         pressure: numerics.pressure,
         gravity: SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()),
         body_force,
-        ..Settings::new(scene.time.step, scene.outside(), site.conditions.clone())
+        ..SimulationSettings::new(scene.time.step, scene.outside(), site.conditions.clone())
     }
 }

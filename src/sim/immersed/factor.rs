@@ -30,14 +30,14 @@ impl<const D: usize> Simulation<D> {
         if self.settings.solve_tolerance == 0.0 || self.flow.is_constant() || has_blocks {
             return;
         }
-        let (dt, ledger) = (self.settings.dt, self.flow.ledger());
-        let empty = || Factored { fields: Fields::default(), weight, dt, ledger };
+        let (dt, solve_cost) = (self.settings.dt, self.flow.solve_cost());
+        let empty = || Factored { fields: Fields::default(), weight, dt, solve_cost };
         let kept = self.state.factored.get_or_insert_with(empty);
         if report.refactored {
             kept.fields.clone_from(fields);
             (kept.weight, kept.dt) = (weight, dt);
         }
-        kept.ledger = ledger;
+        kept.solve_cost = solve_cost;
     }
 
     /// Computes the factor again that the state was computed with.
@@ -56,7 +56,7 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))?;
         let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();
         self.carried.structures.iter().for_each(|s| s.terms(&mut terms));
-        let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.ledger);
+        let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.solve_cost);
         self.state.factored = Some(kept);
         made
     }

@@ -13,7 +13,7 @@ mod step;
 
 pub use budget::{Budget, Energies};
 pub use clock::{Clock, Pacing};
-pub use settings::Settings;
+pub use settings::SimulationSettings;
 
 use super::carried::{Carried, largest};
 use super::state::State;
@@ -29,7 +29,7 @@ use std::sync::Arc;
 
 /// A flow with structures, in progress.
 pub struct Simulation<const D: usize> {
-    settings: Settings<D>,
+    settings: SimulationSettings<D>,
     carried: Carried<D>,
     flow: FlowSolver<D>,
     pacing: Option<Pacing>,
@@ -73,10 +73,10 @@ impl<const D: usize> Simulation<D> {
     ///
     /// # Errors
     /// Boundary conditions that do not fit the mesh, a coupling that is not possible
-    /// ([`Settings::check_couplings`]), too little memory.
+    /// ([`SimulationSettings::check_couplings`]), too little memory.
     pub fn new(
         mesh: &Arc<Mesh<D>>,
-        settings: Settings<D>,
+        settings: SimulationSettings<D>,
         structures: Vec<Box<dyn Structure<D>>>,
         initial: impl Fn(&Point<D>) -> SVector<f64, D>,
     ) -> Result<Simulation<D>> {
@@ -94,7 +94,7 @@ impl<const D: usize> Simulation<D> {
     /// A simulation with fluid at rest, whose fields are `kept` where these have them.
     fn build(
         mesh: &Arc<Mesh<D>>,
-        settings: Settings<D>,
+        settings: SimulationSettings<D>,
         structures: Vec<Box<dyn Structure<D>>>,
         kept: &Fields<D>,
     ) -> Result<Simulation<D>> {
@@ -104,7 +104,7 @@ impl<const D: usize> Simulation<D> {
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let (conditions, grad_div) = (&settings.conditions, settings.grad_div);
         let mut flow = FlowSolver::new(&space, &pressure, &rule, conditions, grad_div)?;
-        flow.solve_by(settings.solving);
+        flow.solve_by(settings.solver);
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         // A matrix that stays is factored once.
         if implicit || !settings.has_constant_materials(&structures) {
@@ -178,7 +178,7 @@ impl<const D: usize> Simulation<D> {
             && structures.iter().all(|s| s.held().is_none_or(|h| h.surface_mass == 0.0))
     }
     /// The settings.
-    pub fn settings(&self) -> &Settings<D> {
+    pub fn settings(&self) -> &SimulationSettings<D> {
         &self.settings
     }
     /// The structures with their transport.

@@ -2,7 +2,7 @@
 
 use crate::fem::{Conditions, Element};
 use crate::flow::{BodyForce, Fluid};
-use crate::linalg::Solving;
+use crate::linalg::SolverOptions;
 use crate::sim::carried::Transport;
 use crate::structure::Structure;
 use nalgebra::SVector;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Settings of a flow with structures, beside those of the structures themselves.
 #[derive(Clone)]
-pub struct Settings<const D: usize> {
+pub struct SimulationSettings<const D: usize> {
     /// Time step.
     pub dt: f64,
     /// Order in time, 1 or 2.
@@ -25,7 +25,7 @@ pub struct Settings<const D: usize> {
     /// step to step; 0 factors each.
     pub solve_tolerance: f64,
     /// Solver of the linear systems of the flow, and its memory.
-    pub solving: Solving,
+    pub solver: SolverOptions,
     /// Degree of the quadrature rule.
     pub quadrature: usize,
     /// The fluid outside of all structures; those inside are told by
@@ -44,18 +44,18 @@ pub struct Settings<const D: usize> {
     pub body_force: Option<Arc<BodyForce<D>>>,
 }
 
-impl<const D: usize> Settings<D> {
+impl<const D: usize> SimulationSettings<D> {
     /// A flow of `fluid` under `conditions` in steps of length `dt`, of order 2, with convection where
     /// there is inertia, without grad-div and forces.
-    pub fn new(dt: f64, fluid: Fluid, conditions: Conditions<D>) -> Settings<D> {
-        Settings {
+    pub fn new(dt: f64, fluid: Fluid, conditions: Conditions<D>) -> SimulationSettings<D> {
+        SimulationSettings {
             dt,
             order: 2,
             transport: Transport::default(),
             convection: fluid.density > 0.0,
             grad_div: 0.0,
             solve_tolerance: 1e-10,
-            solving: Solving::default(),
+            solver: SolverOptions::default(),
             quadrature: 5,
             fluid,
             boussinesq: false,
