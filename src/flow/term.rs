@@ -1,4 +1,4 @@
-//! Terms of the momentum equation beside those of the fluid itself.
+//! Terms of the momentum equation in addition to those of the fluid.
 
 use crate::fem::{At, Cells, VectorForm};
 use nalgebra::{SMatrix, SVector};
@@ -52,7 +52,7 @@ pub trait MomentumTerm<const D: usize>: Sync {
         false
     }
     /// `C(u, v)` at a point: the pair tested with `(v, grad v)`, linear in `u` and `grad_u`. A term
-    /// on cells may be asked at points of any cell, and returns zero outside its support.
+    /// on cells may be evaluated at points of any cell, and is zero outside its support.
     fn stiffness(&self, _at: &At<D>, _u: &SVector<f64, D>, _grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
         (SVector::zeros(), SMatrix::zeros())
     }

@@ -1,4 +1,4 @@
-//! Feet of characteristics.
+//! Feet of characteristics: departure points of particles.
 
 use crate::base::parallel;
 use crate::fem::{Basis, OnCell, Space, Translation, VelocityFunction};
@@ -9,12 +9,12 @@ use std::sync::{Arc, OnceLock};
 /// Largest number of periodic sides that one displacement crosses.
 const MOST_CROSSINGS: usize = 64;
 
-/// The feet of many characteristics, in the order of the points that they arrive at.
+/// Feet of a list of characteristics, in the order of their arrival points.
 #[derive(Clone, Debug, Default)]
 pub struct Feet(Vec<Location>);
 
 impl Feet {
-    /// Feet that were found elsewhere.
+    /// Feet given by their locations.
     pub fn new(feet: Vec<Location>) -> Feet {
         Feet(feet)
     }
@@ -22,7 +22,7 @@ impl Feet {
     pub fn len(&self) -> usize {
         self.0.len()
     }
-    /// Whether there is none.
+    /// True if there are no feet.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -33,13 +33,13 @@ impl Feet {
     }
 }
 
-/// The velocity that carries.
+/// The velocity of a transport equation.
 pub enum AdvectingVelocity<'a, const D: usize> {
-    /// A P2 function, one vector a node, that is frozen over the step: followed by steps of the midpoint rule, as many as keep
-    /// the Courant number of one below 1, a hundred at most.
+    /// A P2 function (one vector per node), constant over the step. Integrated with the midpoint
+    /// rule, in as many substeps as keep the Courant number of each below 1, at most 100.
     Nodal(&'a [SVector<f64, D>]),
-    /// A function of position and time: followed by steps of the classical Runge-Kutta rule of order 4, as many as keep
-    /// the Courant number of one below 2, a hundred at most.
+    /// A function of position and time. Integrated with the classical Runge-Kutta rule of order 4,
+    /// in as many substeps as keep the Courant number of each below 2, at most 100.
     Given {
         /// The velocity.
         velocity: &'a VelocityFunction<D>,
@@ -52,23 +52,26 @@ pub enum AdvectingVelocity<'a, const D: usize> {
 
 /// Traces characteristics back in time.
 ///
-/// A characteristic that would leave the domain ends on its
-/// boundary, with the value of the old time there; through a periodic side it goes on at the other one.
+/// A characteristic that leaves the domain ends on the boundary, with the value of the old time
+/// there; through a periodic side it continues at the other one.
 ///
-/// Limits: what comes in through an inflow is of first order in time when it changes; on a curved wall that moves along
-/// itself the feet of wall vertices leave the polygon at once, so that a field carried to the nodes stays as it is there.
+/// Limits: values at an inflow that change in time are of first order in time. On a curved wall
+/// that moves along itself the feet of wall vertices lie outside the polygon, so that a field
+/// carried to the nodes does not change there.
 #[derive(Clone, Debug)]
 pub struct Tracer<const D: usize> {
     space: Arc<Space<D>>,
-    /// A cell of every node, and the barycentric coordinates of the node in it; `cell` is [`NONE`] for unused nodes.
+    /// A cell of every node with the barycentric coordinates of the node; `cell` is [`NONE`] for
+    /// nodes of no cell.
     node_locations: Vec<Location>,
-    /// For every slot (cell, opposite vertex) on a periodic side: where it leads. Sorted by slot.
+    /// For every facet (cell, opposite vertex) on a periodic side: the cell on the other side and
+    /// the translation. Sorted by facet.
     periodic_links: Vec<(u32, u32, SVector<f64, D>)>,
-    /// The different shifts of the periodic links.
+    /// The different translations.
     shifts: Vec<SVector<f64, D>>,
-    /// The shortest of the longest edges of the cells.
+    /// The shortest diameter of a cell.
     finest: f64,
-    /// Finds cells where the straight way is barred; made when it is first needed.
+    /// Finds cells where a straight walk is not possible; built at first use.
     locator: OnceLock<Locator<D>>,
 }
 
@@ -106,7 +109,8 @@ impl<const D: usize> Tracer<D> {
     pub fn space(&self) -> &Arc<Space<D>> {
         &self.space
     }
-    /// A cell of node `n` and the place of the node in it; of a node that no cell uses any place.
+    /// A cell of node `n` and its barycentric coordinates there; any location for a node of no
+    /// cell.
     pub fn node_location(&self, n: usize) -> Location {
         match self.node_locations[n] {
             Location { cell: NONE, .. } => Location { cell: 0, barycentric: [1.0, 0.0, 0.0, 0.0] },
@@ -123,11 +127,12 @@ impl<const D: usize> Tracer<D> {
             })
             .fold(0.0, f64::max)
     }
-    /// Feet, a time `dt` earlier, of the characteristics through the quadrature points of `basis`: point `q` of cell `c` is number `c * points + q`.
+    /// Feet at `t - dt` of the characteristics through the quadrature points of `basis` at `t`:
+    /// point `q` of cell `c` has number `c * points + q`.
     pub fn from_quadrature(&self, u: &[SVector<f64, D>], dt: f64, basis: &Basis<D>, feet: &mut Feet) {
         self.feet_of_quadrature(&AdvectingVelocity::Nodal(u), dt, basis, feet);
     }
-    /// Feet, a time `dt` earlier, of the characteristics through the nodes of the space.
+    /// Feet at `t - dt` of the characteristics through the nodes of the space at `t`.
     pub fn from_nodes(&self, u: &[SVector<f64, D>], dt: f64, feet: &mut Feet) {
         self.feet_of_nodes(&AdvectingVelocity::Nodal(u), dt, feet);
     }
@@ -164,7 +169,7 @@ impl<const D: usize> Tracer<D> {
             for (i, foot) in part.iter_mut().enumerate() {
                 let n = first + i;
                 *foot = match (self.node_locations[n], advecting) {
-                    // A point that no cell uses carries nothing; any location will do.
+                    // A point of no cell carries nothing; any location will do.
                     (Location { cell: NONE, .. }, _) => self.node_location(n),
                     (start, AdvectingVelocity::Nodal(u)) if steps == 1 => {
                         let own = self.space.on_cell(u, start.cell as usize);
@@ -175,10 +180,10 @@ impl<const D: usize> Tracer<D> {
             }
         });
     }
-    /// Steps of the rule in one time step. The cap keeps a blown-up velocity from taking for ever.
+    /// Number of substeps, at most 100, so that a diverging velocity does not stop the program.
     fn steps(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64) -> usize {
         let courant = match advecting {
-            // A bound that is cheap, and in most steps enough.
+            // An inexpensive bound, sufficient in most steps.
             AdvectingVelocity::Nodal(u) => {
                 let fastest = u.iter().map(|v| v.norm_squared()).fold(0.0, f64::max).sqrt();
                 if fastest * dt <= self.finest { 1.0 } else { self.courant(u, dt) }
@@ -197,8 +202,8 @@ impl<const D: usize> Tracer<D> {
             }
         }
     }
-    /// One step of the midpoint rule from `start`, where the velocity is `w`; `own` is the velocity on that cell, which the
-    /// characteristic seldom leaves.
+    /// One midpoint step from `start`, where the velocity is `w`; `own` is the velocity on that
+    /// cell, which the characteristic rarely leaves.
     #[inline]
     fn foot_of_short_step(
         &self,
@@ -233,8 +238,9 @@ impl<const D: usize> Tracer<D> {
         }
         here
     }
-    /// Where a straight step ends that may be long: a target in the domain is found even if the way to it is not (around
-    /// an obstacle); one outside is replaced by the point where the way leaves the domain.
+    /// End of a straight step of any length. A target in the domain is found even if the segment
+    /// leaves the domain (around an obstacle); a target outside is replaced by the point where the
+    /// segment leaves the domain.
     pub fn displaced(&self, from: Location, step: SVector<f64, D>) -> Location {
         let (end, inside) = self.travel(from, step);
         if inside || !self.periodic_links.is_empty() {
@@ -248,7 +254,7 @@ impl<const D: usize> Tracer<D> {
         let mesh = self.space.mesh();
         self.locator.get_or_init(|| Locator::new(mesh)).locate(mesh, x)
     }
-    /// The nearest of the images that periodic sides make of a displacement that is shorter than half a period.
+    /// The shortest periodic image of a displacement that is shorter than half a period.
     pub fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
         // One pair of sides after the other; a corner needs one of each.
         for _ in 0..D {
@@ -261,7 +267,8 @@ impl<const D: usize> Tracer<D> {
     fn velocity(&self, u: &[SVector<f64, D>], at: &Location) -> SVector<f64, D> {
         self.space.value(u, at.cell as usize, &at.barycentric)
     }
-    /// Moves by `step`, through periodic sides.
+    /// Moves by `step`, through periodic sides. Returns the end, and false if the step leaves the
+    /// domain.
     fn travel(&self, from: Location, step: SVector<f64, D>) -> (Location, bool) {
         let mesh = self.space.mesh();
         let (mut cell, mut x) = (from.cell, mesh.point_at(&from));
@@ -287,7 +294,8 @@ impl<const D: usize> Tracer<D> {
     }
 }
 
-/// Where a particle that is at `x` at time `t` is a time `dt` later (earlier if negative), by `steps` steps of the classical Runge-Kutta rule.
+/// Position at `t + dt` of the particle at `x` at time `t` (`dt` may be negative), by `steps` steps
+/// of the classical Runge-Kutta rule of order 4.
 pub fn path<const D: usize>(
     velocity: &VelocityFunction<D>,
     mut x: Point<D>,

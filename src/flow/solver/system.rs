@@ -12,7 +12,7 @@ use nalgebra::SVector;
 /// Matrix and factor of the system with blocks; its pattern follows the cells that blocks couple in.
 pub(super) struct BlockSystem {
     matrix: SymmetricMatrix,
-    /// Its pattern depends on the values of the matrix, which come first.
+    /// Its pattern depends on the values of the matrix, which are assembled first.
     factor: Option<Factor>,
     /// Unknowns of the blocks by cell, from which the pattern was built.
     groups: Vec<(u32, Vec<u32>)>,
