@@ -7,11 +7,11 @@ use crate::base::{Error, Result};
 pub enum Coupling {
     /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
     Explicit,
-    /// The same with the interface carried by the old velocity too (remark 1.12): without viscosity
-    /// unstable with any step. To show that.
+    /// The same with the interface also transported by the old velocity (remark 1.12): unstable for
+    /// any step without viscosity. For demonstration.
     FullyExplicit,
-    /// The force of an interface that is predicted by an implicit diffusion: the book's
-    /// semi-implicit scheme (3.62)-(3.64).
+    /// The force of an interface predicted by an implicit diffusion: the book's semi-implicit
+    /// scheme (3.62)-(3.64).
     SemiImplicit,
     /// Linearised in the velocity of the new time level.
     #[default]
@@ -51,7 +51,7 @@ impl Coupling {
         let remedy = format!("take {remedy}, or coupling = \"implicit\"");
         Err(Error::scene(what).value(value).remedy(remedy))
     }
-    /// The refusal of the semi-implicit scheme by a force that it is not made for.
+    /// The error for a force without a semi-implicit scheme.
     pub fn refuse_semi_implicit(self, what: &str, value: &str, remedy: &str) -> Result<()> {
         if self != Coupling::SemiImplicit {
             return Ok(());

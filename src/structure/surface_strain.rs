@@ -1,15 +1,16 @@
-//! How a surface is deformed, from the backward characteristics `Y`: area and shear, frame by frame of its tangent plane.
+//! Strain of a surface from the backward characteristics `Y`: change of area and shear.
 
 use nalgebra::{ArrayStorage, Matrix2, SMatrix, SVector, Vector3};
 
 /// The deformation of a surface at a point, from the unit normal `n` and `grad Y` (row `i`, column `j` is `d Y_i / d x_j`).
 ///
-/// The surface tensor of the book is (3.38), the paper's (4.3), `A = B - (B n)(B n)/(B n . n)` with `B = (grad Y)^-1 (grad Y)^-T` (3.37). It
-/// maps the tangent plane to itself and is there the inverse of the metric `G = (grad Y)^T (grad Y)`: the Schur complement of a
-/// block is the inverse of that block of the inverse. So `A` is found from derivatives of `Y` along the surface alone, without inverting
-/// `grad Y`, and errors of `Y` across the surface do not enter.
+/// The surface tensor of the book is (3.38), the paper's (4.3), `A = B - (B n)(B n)/(B n . n)` with
+/// `B = (grad Y)^-1 (grad Y)^-T` (3.37). It maps the tangent plane to itself and is there the
+/// inverse of the metric `G = (grad Y)^T (grad Y)`: the Schur complement of a block is the inverse
+/// of that block of the inverse. So `A` follows from tangential derivatives of `Y`, without
+/// inverting `grad Y`, and errors of `Y` across the surface do not enter.
 ///
-/// In the plane, a curve is taken for the cylinder over it, which nothing stretches along its generators.
+/// In the plane, a curve is treated as the cylinder over it, without stretch along its generators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceStrain<const D: usize> {
     /// Unit normal.
@@ -26,7 +27,7 @@ pub struct SurfaceStrain<const D: usize> {
 
 impl<const D: usize> SurfaceStrain<D> {
     const ZERO: SVector<f64, D> = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
-    /// No surface at all.
+    /// The zero of all components, outside a surface.
     pub(crate) const NOTHING: SurfaceStrain<D> = SurfaceStrain {
         normal: Self::ZERO,
         tangents: [Self::ZERO; 2],
@@ -34,7 +35,8 @@ impl<const D: usize> SurfaceStrain<D> {
         z1: 0.0,
         z2: 0.0,
     };
-    /// The strain where the unit normal is `n`. `stretch` is an area stretch in all directions that comes on top of what `Y` tells.
+    /// The strain for the unit normal `n` and `grad Y`. `stretch` is an isotropic area stretch in
+    /// addition to that of `Y`.
     pub fn new(n: &SVector<f64, D>, grad_y: &SMatrix<f64, D, D>, stretch: f64) -> SurfaceStrain<D> {
         let tangents = tangent_basis(n);
         let rest = tangents.map(|t| grad_y * t);
@@ -62,15 +64,15 @@ impl<const D: usize> SurfaceStrain<D> {
     pub(crate) fn shear_direction(&self) -> Matrix2<f64> {
         self.a * (2.0 / self.a.trace()) - Matrix2::identity()
     }
-    /// The tensor of space that a tensor of the tangent plane stands for.
+    /// A tensor of the tangent plane as a tensor in space.
     pub(crate) fn in_space(&self, m: &Matrix2<f64>) -> SMatrix<f64, D, D> {
         let [s, t] = &self.tangents;
         (s * m.m11 + t * m.m21) * s.transpose() + (s * m.m12 + t * m.m22) * t.transpose()
     }
 }
 
-/// Two unit vectors that make an orthonormal frame with `n`, which they follow without a jump but at `n = -e_z` (Duff et al. 2017); in
-/// the plane the tangent and zero.
+/// Two unit vectors that form an orthonormal frame with `n`; continuous except at `n = -e_z` (Duff
+/// et al. 2017). In the plane the tangent and zero.
 fn tangent_basis<const D: usize>(n: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     if D == 2 {
         let t = SVector::<f64, D>::from_fn(|i, _| if i == 0 { -n[1] } else { n[0] });
