@@ -1,10 +1,10 @@
-//! Energy of a membrane that resists changes of its area and shear, by `Z1` and `Z2`.
+//! Energy of a membrane that resists area change and shear, as a function of `Z1` and `Z2`.
 
 use super::area_law::AreaLaw;
 use crate::structure::SurfaceStrain;
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-/// A law `E2(Z2)` of shear alone.
+/// A law `E2(Z2)` of the shear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShearLaw {
     /// `E2' = mu (Z2 - 1)`: the second of (5.18), (3.65).
@@ -91,7 +91,7 @@ impl SurfaceLaw {
             }
         }
     }
-    /// The size of the law, in force per length: its largest modulus.
+    /// The largest modulus of the law, force per length.
     pub fn modulus(self) -> f64 {
         match self {
             SurfaceLaw::Split { area, shear } => {
@@ -104,7 +104,8 @@ impl SurfaceLaw {
     }
 }
 
-/// Tension and tangent stiffness of a law at a strained point, per unit of area at rest, in the basis of the tangent plane.
+/// Tension and tangent stiffness of a law at a point, per area at rest, in the basis of the tangent
+/// plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent {
     /// The tension `T = W_1 Z1 C1 + W_2 Z2 C2`, such that `dW/dt = T : grad u`.
@@ -148,13 +149,15 @@ impl Tangent {
         let tension = tension.eigenvectors
             * Matrix2::from_diagonal(&tension.eigenvalues.map(|v| v.max(0.0)))
             * tension.eigenvectors.transpose();
-        // The part that turns in the plane and the three symmetric ones: coupled, but only a 4 x 4 matrix.
+        // The rotation in the plane and the three symmetric components: coupled, but only a 4 x 4
+        // matrix.
         let k = self.in_plane.symmetric_eigen();
         let values = SMatrix::<f64, 4, 4>::from_diagonal(&k.eigenvalues.map(|v| v.max(0.0)));
         (tension, k.eigenvectors * values * k.eigenvectors.transpose())
     }
-    /// The largest stiffness that waves along the membrane meet, out of its plane and in it: the largest tension, and the largest eigenvalue of
-    /// the acoustic tensor `K[u k, u k]` over directions `k`, per area at rest. For an area law at rest nothing and its modulus.
+    /// Largest wave stiffnesses, normal and tangential to the membrane: the largest tension, and
+    /// the largest eigenvalue of the acoustic tensor `K[u k, u k]` over directions `k`, per area at
+    /// rest. For an area law at rest 0 and its modulus.
     pub fn stiffest_waves(&self) -> [f64; 2] {
         let along = |i: usize| {
             let (sin, cos) = (std::f64::consts::PI * i as f64 / DIRECTIONS as f64).sin_cos();
@@ -169,7 +172,7 @@ impl Tangent {
     }
 }
 
-/// Directions, over half a turn, in which waves are looked at.
+/// Number of sampled wave directions, over half a turn.
 const DIRECTIONS: usize = 8;
 
 #[cfg(test)]
