@@ -1,4 +1,4 @@
-//! A state as bytes, and back, bit by bit.
+//! Checkpoints: lossless conversion of a state to bytes and back.
 
 use super::immersed::{Budget, Clock, Energies};
 use super::state::{Factored, Pace, State};
@@ -12,7 +12,7 @@ use crate::structure::Fields;
 const MAGIC: &[u8; 8] = b"immersa\x05";
 
 impl<const D: usize> State<D> {
-    /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each
+    /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
     /// list after its length.
     pub fn to_bytes(&self, tag: u64) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());

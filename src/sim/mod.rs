@@ -1,5 +1,5 @@
-//! Problems in time: immersed flow, advection in a given velocity, segmentation of an image. Knows
-//! no files and no law of a structure.
+//! Problems in time: immersed flow, advection in a prescribed velocity, segmentation of an image.
+//! Independent of files and of constitutive laws.
 
 mod advection;
 mod carried;

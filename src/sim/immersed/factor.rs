@@ -1,4 +1,4 @@
-//! A factor that outlives its matrix, through interruptions too.
+//! The factor that preconditions later matrices, also after an interruption.
 
 use super::Simulation;
 use crate::base::Result;
@@ -7,8 +7,8 @@ use crate::flow::{FlowSolver, FlowState, StepReport};
 use crate::sim::{Factored, State};
 use crate::structure::{Fields, Place};
 
-/// Start of iterations: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`. (A
-/// pressure extrapolated too saved no iteration.)
+/// Initial guess of iterations: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`.
+/// (Extrapolating the pressure too saved no iteration.)
 pub(super) fn extrapolate<const D: usize>(
     state: &State<D>,
     solver: &FlowSolver<D>,
@@ -40,7 +40,7 @@ impl<const D: usize> Simulation<D> {
         kept.solve_cost = solve_cost;
     }
 
-    /// Computes the factor again that the state was computed with.
+    /// Computes the factor of the state again.
     pub(super) fn restore_factor(&mut self) -> Result<()> {
         let Some(kept) = self.state.factored.take() else { return Ok(()) };
         self.set_materials(&kept.fields);

@@ -1,4 +1,4 @@
-//! A flow with structures immersed in it.
+//! The immersed problem: a flow with structures.
 
 mod budget;
 mod clock;
@@ -33,7 +33,7 @@ pub struct Simulation<const D: usize> {
     carried: Carried<D>,
     flow: FlowSolver<D>,
     pacing: Option<Pacing>,
-    /// Velocity basis at the points of a finer rule, for energies; `None` where nothing acts.
+    /// Velocity basis at the points of a finer rule, for energies; `None` without forces.
     fine: Option<Basis<D>>,
     state: State<D>,
     feet: [Feet; 2],
@@ -43,7 +43,7 @@ pub struct Simulation<const D: usize> {
     work: Work<D>,
 }
 
-/// Buffers of a step, which a warmed-up step fills again.
+/// Buffers of a step, allocated once.
 #[derive(Default)]
 struct Work<const D: usize> {
     /// Velocity at the start of the step.
@@ -61,14 +61,14 @@ struct Work<const D: usize> {
 }
 
 /// Degree of the rule for energies of the band, in the plane and in space, where the rule has more
-/// points anyway: the weight is a cosine over a few cells.
+/// points: the weight is a cosine over a few cells.
 const ENERGY_DEGREE: [usize; 2] = [8, 6];
 
 impl<const D: usize> Simulation<D> {
-    /// A flow on `mesh` that starts from `initial` velocity (one vector at a position) with
-    /// `structures` in it.
+    /// A flow on `mesh` with the initial velocity `initial` (a function of position) and
+    /// `structures`.
     ///
-    /// Allocates no more than is needed: no mass matrix without projected transport, no feet without
+    /// Allocates only what is used: no mass matrix without projected transport, no feet without
     /// convection or structures.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl<const D: usize> Simulation<D> {
         let mut flow = FlowSolver::new(&space, &pressure, &rule, conditions, grad_div)?;
         flow.solve_by(settings.solver);
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
-        // A matrix that stays is factored once.
+        // A constant matrix is factored once.
         if implicit || !settings.has_constant_materials(&structures) {
             flow.iterate(settings.solve_tolerance);
         }
@@ -132,7 +132,7 @@ impl<const D: usize> Simulation<D> {
         })
     }
 
-    /// Prepares the structures where they are, for the size of their forces.
+    /// Prepares the structures for the current fields, for the size of their forces.
     fn prepare_now(&mut self) -> Result<()> {
         let at = Place {
             space: &self.carried.space,
@@ -146,13 +146,13 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 
-    /// Sets up the matrix of the coming steps and analyses it, without factoring: its size can be
-    /// asked for then.
+    /// Assembles the matrix of the coming steps and analyses it without factoring, so that its size
+    /// is known.
     ///
     /// # Errors
     /// Too little memory.
     pub fn analyse(&mut self) -> Result<()> {
-        // The first step is one of backward Euler in either order.
+        // The first step is backward Euler for either order.
         let weight = if self.is_stokes() { 0.0 } else { 1.0 };
         self.flow.analyse(weight / self.settings.dt)
     }
@@ -181,7 +181,7 @@ impl<const D: usize> Simulation<D> {
     pub fn settings(&self) -> &SimulationSettings<D> {
         &self.settings
     }
-    /// The structures with their transport.
+    /// The structures and their transport.
     pub fn carried(&self) -> &Carried<D> {
         &self.carried
     }
@@ -205,12 +205,12 @@ impl<const D: usize> Simulation<D> {
     pub fn level_set(&self, k: usize) -> Cow<'_, [f64]> {
         self.carried.level_set(&self.state.fields, k)
     }
-    /// The structures with their transport, for options such as
+    /// The structures and their transport, mutable, for options such as
     /// [`redistance_every`](Carried::redistance_every).
     pub fn carried_mut(&mut self) -> &mut Carried<D> {
         &mut self.carried
     }
-    /// Asks for [`reaction`](Self::reaction) after each step; costs one assembly a step.
+    /// Enables [`reaction`](Self::reaction) after each step; costs one assembly per step.
     pub fn keep_reactions(&mut self, keep: bool) {
         self.wants_reactions = keep;
     }
@@ -226,15 +226,15 @@ impl<const D: usize> Simulation<D> {
     pub fn fluids(&self) -> impl Iterator<Item = Fluid> {
         self.settings.fluids(&self.carried.structures)
     }
-    /// Seconds of all processors by [phase](PHASES) since this was called last, and number of
-    /// substitutions with the factor of the flow.
+    /// Processor seconds by [phase](PHASES), and number of substitutions with the factor of the
+    /// flow, since the last call.
     pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         let (flow, substitutions) = self.flow.take_costs();
         let mine = self.phases.take();
         (std::array::from_fn(|k| mine[k] + flow[k]), substitutions)
     }
-    /// Bytes of all that grows with the mesh: factors, matrices, feet, fields and the mesh itself.
-    /// An estimate from the sizes.
+    /// Estimated bytes of storage that grows with the mesh: factors, matrices, feet, fields and
+    /// mesh.
     pub fn bytes(&self) -> usize {
         let word = size_of::<f64>();
         let points = self.flow.velocity().rule().len() * self.space().mesh().cell_count();
@@ -245,7 +245,7 @@ impl<const D: usize> Simulation<D> {
         let feet = if traced { 2 * 5 * word * points } else { 0 };
         self.factor_bytes() + matrices + feet + self.carried.field_bytes(10)
     }
-    /// Bytes of the factors that are held.
+    /// Bytes of the factors.
     pub fn factor_bytes(&self) -> usize {
         self.flow.factor_bytes() + self.carried.factor_bytes()
     }
