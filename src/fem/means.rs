@@ -1,10 +1,11 @@
-//! Derivatives of finite element functions jump from cell to cell: their means at the nodes do not.
+//! Nodal means of discontinuous functions, such as derivatives.
 
 use super::space::{Space, Value};
 use nalgebra::SVector;
 
 impl<const D: usize> Space<D> {
-    /// At each node the mean of `f` over the cells around it, weighted by their volumes; `f` takes a cell and barycentric coordinates.
+    /// The volume-weighted mean of `f` over the cells of each node; `f` takes a cell and
+    /// barycentric coordinates.
     pub fn means<T: Value>(&self, f: impl Fn(usize, &[f64; 4]) -> T) -> Vec<T> {
         let mut sums = vec![(T::ZERO, 0.0); self.len()];
         for c in 0..self.mesh().cell_count() {
@@ -18,8 +19,9 @@ impl<const D: usize> Space<D> {
         sums.into_iter().map(|(sum, weight)| sum * (1.0 / weight)).collect()
     }
 
-    /// The vorticity of a velocity at the nodes, by [`means`](Self::means): `d_x u_y - d_y u_x`, positive where fluid turns counter-clockwise; in space
-    /// the length of `curl u`. Of second order in the mesh inside of the domain, of P2 functions on regular meshes.
+    /// Vorticity of a velocity at the nodes, by [`means`](Self::means): `d_x u_y - d_y u_x`,
+    /// positive for counter-clockwise rotation; in space the norm of `curl u`. Second order in the
+    /// interior, for P2 functions on regular meshes.
     pub fn vorticity(&self, u: &[SVector<f64, D>]) -> Vec<f64> {
         let curl = self.means(|c, l| {
             let jacobian = self.jacobian(u, c, l);

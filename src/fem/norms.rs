@@ -1,4 +1,4 @@
-//! Norms of errors against exact expressions.
+//! Norms of errors with respect to exact expressions.
 
 use super::assembly::{Basis, Cells, integrate};
 use super::quadrature::Rule;

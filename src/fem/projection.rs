@@ -1,4 +1,4 @@
-//! L2 projection onto a scalar space, and the like with diffusion.
+//! L2 projection onto a scalar space, optionally with diffusion.
 
 use super::assembly::{At, Basis, Cells, assemble_scalar, assemble_scalar_matrix};
 use super::numbering::Numbering;
@@ -56,7 +56,7 @@ impl<const D: usize> Projector<D> {
         assemble_scalar_matrix(&self.basis, &self.unknowns, &mut self.matrix, form)?;
         self.factor.refactor(&self.matrix)
     }
-    /// The basis that right-hand sides are integrated with.
+    /// The basis that integrates the right-hand sides.
     pub fn basis(&self) -> &Basis<D> {
         &self.basis
     }
@@ -68,7 +68,7 @@ impl<const D: usize> Projector<D> {
     pub fn bytes(&self) -> usize {
         self.factor.bytes()
     }
-    /// Writes the projection of `g`, or what the form makes of it, into `out` (one number a node).
+    /// Writes the projection of `g`, or the solution of the form, into `out` (one number per node).
     pub fn project(&mut self, g: impl Fn(&At<D>) -> f64 + Sync, out: &mut [f64]) -> Result<()> {
         self.nodal.fill(0.0);
         assemble_scalar(&self.basis, Cells::All, &mut self.nodal, &mut self.scratch, |at| (g(at), SVector::zeros()));

@@ -1,4 +1,4 @@
-//! Finite-element spaces: which nodes a cell has, and values and gradients of functions.
+//! Finite-element spaces: nodes of cells, values and gradients of functions.
 
 use super::element::{EDGES, Element, MAX_LOCAL};
 use crate::mesh::{Facet, Mesh, Point};
@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::ops::{Add, Mul};
 use std::sync::Arc;
 
-/// What a node can carry: a number or a vector.
+/// Type of a nodal value: a number or a vector.
 pub trait Value: Copy + Send + Sync + Add<Output = Self> + Mul<f64, Output = Self> {
     /// The zero.
     const ZERO: Self;
@@ -19,10 +19,12 @@ impl<const D: usize> Value for SVector<f64, D> {
     const ZERO: Self = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
 }
 
-/// A Lagrange space on a mesh, continuous but for constants of the cells in P1 + P0. A function is a slice with one [`Value`] a node.
+/// A Lagrange space on a mesh, continuous except for the constants of cells in P1 + P0. A function
+/// is a slice with one [`Value`] per node.
 ///
-/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of the edges; those of P1 + P0 the points, then the
-/// centres of the cells, whose values are constants to be added.
+/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of
+/// the edges; those of P1 + P0 are the points, then the centres of the cells, whose values are
+/// added constants.
 #[derive(Clone, Debug)]
 pub struct Space<const D: usize> {
     mesh: Arc<Mesh<D>>,
@@ -72,7 +74,7 @@ impl<const D: usize> Space<D> {
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
-    /// Whether there is no node (never, on a valid mesh).
+    /// True if there are no nodes (never, on a valid mesh).
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -85,7 +87,7 @@ impl<const D: usize> Space<D> {
         let n = self.local_count();
         &self.cell_nodes[c * n..(c + 1) * n]
     }
-    /// Whether each node belongs to a cell: a mesh may hold points that no cell uses.
+    /// For every node: true if it belongs to a cell. A mesh may have points of no cell.
     pub fn used_nodes(&self) -> Vec<bool> {
         let mut used = vec![false; self.len()];
         self.cell_nodes.iter().for_each(|&n| used[n as usize] = true);
@@ -140,7 +142,8 @@ impl<const D: usize> Space<D> {
     }
 }
 
-/// Basis functions on a cell of dimension `d`, at most. Loops to this constant are unrolled; what an element has less is zero.
+/// Largest number of basis functions on a cell of dimension `d`. Loops to this constant are
+/// unrolled; unused entries are zero.
 pub(super) const fn most_local(d: usize) -> usize {
     Element::P2.local_count(d)
 }
