@@ -1,9 +1,9 @@
-//! Meshes made here: rectangles, boxes and discs.
+//! Mesh generators: rectangles, boxes and discs.
 
 use super::{Mesh, Point};
 use crate::base::{Error, Result};
 
-/// How the squares of a rectangle are halved.
+/// Diagonals of the squares of a rectangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Diagonals {
     /// All from lower left to upper right: FreeFEM's `square(n, m, flags = 0)`.
@@ -11,8 +11,8 @@ pub enum Diagonals {
     Right,
     /// All from lower right to upper left: `flags = 2`.
     Left,
-    /// Square `(i, j)` to the left if `i + j` is even, else to the right: `flags = 1`. The mesh is symmetric about both
-    /// middle lines if the numbers of squares are even.
+    /// Square `(i, j)` to the left if `i + j` is even, else to the right: `flags = 1`. The mesh is
+    /// symmetric about both middle lines if the numbers of squares are even.
     UnionJack,
 }
 
@@ -127,7 +127,7 @@ pub fn disc(centre: [f64; 2], radius: f64, rings: usize) -> Result<Mesh<2>> {
     Ok(mesh)
 }
 
-/// More than this would not fit the 32-bit numbers of points.
+/// Larger numbers of points would not fit into 32 bits.
 const MOST_ALONG_A_SIDE: usize = 20_000;
 
 fn check_box<const D: usize>(min: &[f64; D], max: &[f64; D], cells: &[usize; D]) -> Result<()> {

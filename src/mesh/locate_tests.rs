@@ -39,7 +39,7 @@ fn is_at<const D: usize>(mesh: &Mesh<D>, at: &Location, x: &Point<D>) -> bool {
     at.barycentric[..=D].iter().all(|&l| l >= -TOLERANCE) && (mesh.point_at(at) - x).norm() < 1e-11
 }
 
-/// Every way to find a point of a convex domain gives it back.
+/// Every search for a point of a convex domain finds it.
 fn finds<const D: usize>(mesh: &Mesh<D>, from: Location, to: Location) {
     let (x, y) = (mesh.point_at(&from), mesh.point_at(&to));
     let (found, inside) = mesh.walk(from.cell, &x, &y);
@@ -86,8 +86,9 @@ proptest! {
     }
 }
 
-/// Where a segment between points with whole coordinates first enters the open cube `(low, high)^D`: `None` if never,
-/// without rounding (parameters are fractions over the product of the steps).
+/// Parameter at which a segment between points with integer coordinates first enters the open cube
+/// `(low, high)^D`; `None` if never. Without rounding (parameters are fractions over the product of
+/// the steps).
 fn entry<const D: usize>(from: [i64; D], to: [i64; D], low: i64, high: i64) -> Option<f64> {
     let step: [i64; D] = std::array::from_fn(|i| to[i] - from[i]);
     let all: i64 = step.iter().filter(|s| **s != 0).map(|s| s.abs()).product();

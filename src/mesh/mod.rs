@@ -1,4 +1,4 @@
-//! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
+//! Simplicial meshes: points, cells, named regions and boundaries, neighbours.
 
 pub mod adapt;
 mod bisect;
@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use topology::connect;
 pub(crate) use topology::facet_key;
 
-/// A point of space.
+/// A point of the plane or of space.
 pub type Point<const D: usize> = SVector<f64, D>;
 
 /// "No cell": the neighbour across a facet on the boundary.
@@ -53,7 +53,8 @@ impl<const D: usize> Affine<D> {
         }
         b
     }
-    /// Barycentric coordinates of the point at `step` from the one with the coordinates `l`, if it lies in the cell.
+    /// Barycentric coordinates of the point at `step` from the point with coordinates `l`, if it
+    /// lies in the cell.
     #[inline]
     pub fn moved(&self, l: &[f64; 4], step: &SVector<f64, D>) -> Option<[f64; 4]> {
         let dl = self.inverse * step;
@@ -104,13 +105,14 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// A mesh from points and cells (`D + 1` point numbers a cell, flat). Negatively oriented cells are turned round
-    /// and listed in [`Mesh::reoriented`].
+    /// A mesh from points and cells (`D + 1` point numbers per cell, flat). Negatively oriented
+    /// cells are reoriented and listed in [`Mesh::reoriented`].
     ///
     /// # Errors
-    /// A point number out of range, a coordinate that is not finite, a degenerate cell (volume below `1e-14` of the
-    /// cube of its longest edge, or square in 2-D), a facet shared by more than two cells, or two cells on the same side of
-    /// a facet (they overlap). Each names the cell and its coordinates.
+    /// A point number out of range, a coordinate that is not finite, a degenerate cell (volume
+    /// below `1e-14` of the cube of its longest edge, in 2-D of the square), a facet shared by more
+    /// than two cells, or two cells on the same side of a facet (they overlap). Each names the cell
+    /// and its coordinates.
     pub fn new(points: Vec<Point<D>>, mut cells: Vec<u32>) -> Result<Mesh<D>> {
         if cells.is_empty() || !cells.len().is_multiple_of(D + 1) {
             return Err(Error::input(format!("the mesh has no cells of dimension {D}"))
@@ -213,15 +215,15 @@ impl<const D: usize> Mesh<D> {
     pub fn regions(&self) -> &BTreeMap<String, Vec<u32>> {
         &self.regions
     }
-    /// Gives a boundary part a name. Numbers are those of [`Mesh::facets`].
+    /// Names a boundary part. Numbers are those of [`Mesh::facets`].
     pub fn set_boundary(&mut self, name: impl Into<String>, facets: Vec<u32>) {
         self.boundaries.insert(name.into(), facets);
     }
-    /// Gives a set of cells a name.
+    /// Names a set of cells.
     pub fn set_region(&mut self, name: impl Into<String>, cells: Vec<u32>) {
         self.regions.insert(name.into(), cells);
     }
-    /// The cells that came with the wrong orientation and were turned round.
+    /// The cells given with negative orientation, which were reoriented.
     pub fn reoriented(&self) -> &[u32] {
         &self.reoriented
     }

@@ -1,4 +1,4 @@
-//! Names of facets or cells as one small number each: the set of names that it has.
+//! Named sets of facets or cells, encoded as one small number each: the set of its names.
 
 use std::collections::BTreeMap;
 

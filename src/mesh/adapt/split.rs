@@ -1,12 +1,13 @@
-//! Edges that are too long are cut.
+//! Splitting of long edges.
 
 use super::triangulation::{Kind, Side, Triangle, Triangulation, Vertex};
 use super::{LONG, measure};
 
-/// A cut must not make a triangle of less than this quality, unless from one that was worse.
+/// Least quality of triangles after a split, unless the split triangle was worse.
 const FLOOR: f64 = 0.1;
 
-/// Cuts edges longer than [`LONG`] once each, the longest first, until there are `most` vertices; returns how many.
+/// Splits edges longer than [`LONG`] once each, the longest first, until there are `most` vertices;
+/// returns their number.
 pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     let mut long: Vec<(f64, Side, [u32; 2])> = t
         .sides()
@@ -18,7 +19,8 @@ pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
     let mut count = 0;
     for (_, side, [a, b]) in long {
-        // The edge is still there, though a cut beside it may have moved it to another place in its triangle or to a new one.
+        // The edge still exists, but an earlier split may have moved it within its triangle or to a
+        // new one.
         let at = t.side_of(side.triangle, a, b);
         if t.vertex_count() < most
             && let Some(side) = at
@@ -29,7 +31,7 @@ pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     count
 }
 
-/// Cuts a side in the middle of its length in the metric, unless a bad triangle would come of it.
+/// Splits a side at the middle of its metric length, unless this gives a bad triangle.
 fn split(t: &mut Triangulation, side: Side) -> bool {
     let [a, b] = t.ends(side);
     let (from, to) = (t.vertices[a as usize], t.vertices[b as usize]);

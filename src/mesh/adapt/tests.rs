@@ -58,8 +58,9 @@ fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
     all
 }
 
-/// What every adapted mesh must be: conforming, positive, of the same domain with the same parts. `Mesh::new` has refused sides of more
-/// than two triangles and overlaps; a hanging vertex would make boundary inside and change its length.
+/// Checks the properties of every adapted mesh: conforming, positive, of the same domain with the
+/// same parts. `Mesh::new` rejects sides of more than two triangles and overlaps; a hanging vertex
+/// would give inner boundaries and change their length.
 fn assert_same_domain(old: &Mesh<2>, new: &Mesh<2>) {
     assert!(new.reoriented().is_empty());
     assert!((new.volume() - old.volume()).abs() < 1e-12 * old.volume(), "{} {}", new.volume(), old.volume());
@@ -149,7 +150,8 @@ fn frozen_boundaries_keep_their_points_and_edges() {
     };
     assert_eq!(edges(&mesh), edges(&new.mesh));
     assert!(new.report.worst_quality > 0.5 && new.report.vertices > 130, "{:?}", new.report);
-    // Edges of a sixth of what there is cannot be had: the sizes inside follow those on the boundary.
+    // Edges of a sixth of the boundary's cannot be reached: the sizes inside follow those on the
+    // boundary.
     let new = adapt(&mesh, &isotropic(&mesh, |_| 0.02), &options).unwrap();
     assert_same_domain(&mesh, &new.mesh);
     assert_eq!(edges(&mesh), edges(&new.mesh));

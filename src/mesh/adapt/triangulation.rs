@@ -1,4 +1,5 @@
-//! A triangulation that can be changed locally: triangles with their neighbours, and what must be kept of boundaries and regions.
+//! A triangulation with local changes: triangles with their neighbours, and the fixed parts of
+//! boundaries and regions.
 
 use super::background::{Background, Sample};
 use super::measure;
@@ -6,10 +7,10 @@ use super::parts::Parts;
 use crate::base::Result;
 use crate::mesh::{Mesh, NONE, Point};
 
-/// Two sides of a polygon that turn by less than this (sine of the angle) are one straight line.
+/// Sine of the angle below which two sides of a polygon form a straight line.
 const STRAIGHT: f64 = 1e-10;
 
-/// How a vertex may move.
+/// Freedom of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Anywhere.
@@ -25,22 +26,22 @@ pub(super) struct Vertex {
     pub point: Point<2>,
     pub metric: Sample,
     pub kind: Kind,
-    /// A triangle that has it.
+    /// A triangle that contains it.
     pub triangle: u32,
-    /// Whether something around it has changed since it was last tried to move it.
+    /// True if something around it has changed since its last trial move.
     pub restless: bool,
 }
 
 /// A positively oriented triangle; side `k` lies opposite to vertex `k`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Triangle {
-    /// Numbers of its vertices; the first is [`NONE`] when the triangle was removed.
+    /// Its vertices; the first is [`NONE`] if the triangle was removed.
     pub vertices: [u32; 3],
     /// The triangles across its sides, [`NONE`] on the boundary.
     pub neighbours: [u32; 3],
-    /// Which set of boundaries each side belongs to, 0 inside.
+    /// Set of boundaries of each side, 0 inside.
     pub sides: [u32; 3],
-    /// Which set of regions it belongs to.
+    /// Set of regions.
     pub region: u32,
 }
 
@@ -55,11 +56,11 @@ pub(super) struct Triangulation<'a> {
     pub background: Background<'a>,
     pub vertices: Vec<Vertex>,
     pub triangles: Vec<Triangle>,
-    /// Triangles that were removed and whose numbers can be used again.
+    /// Removed triangles whose numbers can be reused.
     free: Vec<u32>,
-    /// The same of vertices.
+    /// Removed vertices whose numbers can be reused.
     free_vertices: Vec<u32>,
-    /// Whether sides on the boundary must stay as they are.
+    /// True if sides on the boundary are fixed.
     pub frozen_boundary: bool,
     boundaries: Parts,
     regions: Parts,
@@ -110,7 +111,7 @@ impl<'a> Triangulation<'a> {
         new
     }
 
-    /// Finds which vertices may move where, from the sides that must be kept.
+    /// Determines the freedom of every vertex from the fixed sides.
     fn find_kinds(&mut self) {
         // Number of kept sides at a vertex, and the first two: other end, boundaries, regions on both sides.
         let mut kept = vec![(0, [(0, [0; 3]); 2]); self.vertices.len()];
@@ -166,7 +167,7 @@ impl<'a> Triangulation<'a> {
         self.triangles[side.triangle as usize].neighbours[side.opposite] == NONE
     }
 
-    /// Whether a side lies on the boundary or between two regions.
+    /// True if a side lies on the boundary or between two regions.
     pub fn is_kept(&self, side: Side) -> bool {
         let triangle = &self.triangles[side.triangle as usize];
         let other = triangle.neighbours[side.opposite];
@@ -189,7 +190,7 @@ impl<'a> Triangulation<'a> {
         has_both.then_some(Side { triangle, opposite })
     }
 
-    /// Lets two sides be neighbours, or makes `side` part of the boundary.
+    /// Makes two sides neighbours, or `side` part of the boundary.
     pub fn link(&mut self, side: Side, twin: Option<Side>) {
         self.triangles[side.triangle as usize].neighbours[side.opposite] = twin.map_or(NONE, |t| t.triangle);
         if let Some(twin) = twin {
@@ -197,7 +198,7 @@ impl<'a> Triangulation<'a> {
         }
     }
 
-    /// Puts a triangle in the place of number `t` and makes it the one that its vertices know.
+    /// Stores a triangle as number `t` and registers it with its vertices.
     pub fn put(&mut self, t: u32, triangle: Triangle) {
         self.triangles[t as usize] = triangle;
         for v in triangle.vertices {
@@ -281,7 +282,7 @@ impl<'a> Triangulation<'a> {
         measure::length(&a.point, &a.metric.tensor, &b.point, &b.metric.tensor)
     }
 
-    /// Quality of a triangle in the metric; 0 if it is flat or turned over.
+    /// Quality of a triangle in the metric; 0 if it is flat or inverted.
     #[inline]
     pub fn quality(&self, v: [u32; 3]) -> f64 {
         let [a, b, c] = v.map(|v| &self.vertices[v as usize]);

@@ -6,7 +6,7 @@ pub(super) struct Simplex {
     pub(super) nodes: usize,
 }
 
-/// The simplex with this number, or what the element is and what to do about it.
+/// The simplex with this number, or the name of the element and a remedy.
 pub(super) fn simplex(code: i64) -> Result<Simplex, (String, &'static str)> {
     let (dimension, nodes) = match code {
         15 => (0, 1),
