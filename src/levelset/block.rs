@@ -1,11 +1,11 @@
-//! Shapes in space with a closed formula for the distance, and the frame that they are turned with.
+//! Shapes in space with a closed formula for the distance, and their local frame.
 
 use super::shape::{Shape, check_lengths, check_point};
 use crate::base::{Error, Result};
 use crate::mesh::Point;
 use nalgebra::{Rotation3, SVector};
 
-/// The frame of a shape in space that is centred somewhere and turned about an axis.
+/// The local frame of a shape in space: centre and rotation.
 #[derive(Clone, Debug)]
 pub(super) struct SpaceFrame {
     centre: Point<3>,
@@ -81,10 +81,11 @@ pub struct Torus {
 }
 
 impl Torus {
-    /// `axis`, of any length, is perpendicular to the circle.
+    /// `axis`, of any length, is normal to the plane of the circle.
     ///
     /// # Errors
-    /// Radii that are not positive, `minor > major`, an axis without length, a centre that is not finite.
+    /// Radii that are not positive, `minor > major`, an axis of length zero, a centre that is not
+    /// finite.
     pub fn new(centre: Point<3>, axis: SVector<f64, 3>, major: f64, minor: f64) -> Result<Torus> {
         check_point("the centre of a torus", &centre)?;
         check_point("the axis of a torus", &axis)?;

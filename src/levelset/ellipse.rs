@@ -12,7 +12,8 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// `semi_axes` along the axes of the frame, which is turned by `angle` degrees counterclockwise.
+    /// `semi_axes` along the axes of the frame, which is rotated by `angle` degrees
+    /// counterclockwise.
     ///
     /// # Errors
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle that is not finite.

@@ -14,8 +14,8 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// `semi_axes` along x, y and z of the frame, which is turned by `turn`: the axis of the rotation times its angle in degrees (right-hand
-    /// rule; zero: none).
+    /// `semi_axes` along x, y and z of the frame, which is rotated by `turn`: the axis of the
+    /// rotation times its angle in degrees (right-hand rule; zero for none).
     ///
     /// # Errors
     /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or a rotation that is not finite.

@@ -1,4 +1,4 @@
-//! Level functions, and the grid on which their zero sets are found.
+//! Level functions, and the grid on which their zero sets are traced.
 
 use crate::base::{Error, Result, parallel};
 use crate::mesh::Point;

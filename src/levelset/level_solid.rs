@@ -7,21 +7,23 @@ use crate::base::Result;
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 
-/// Cubes of the grid along the longest side of the domain, and beyond it on every side.
+/// Number of cubes of the grid along the longest side of the domain, and of the margin on every
+/// side.
 const GRID: usize = 48;
-/// The zeros on the lines of the grid, and the closest points, are found to this fraction of a cube.
+/// Tolerance for zeros on the lines of the grid and for closest points, as a fraction of a cube.
 const TOLERANCE: f64 = 1e-10;
-/// Steps of Newton's method towards the closest point, at most.
+/// Largest number of steps of Newton's method for the closest point.
 const MOST_STEPS: usize = 12;
 /// The six tetrahedra of a cube along its diagonal, by corners whose bits are the steps in x, y and z.
 const KUHN: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
 
 /// The set in space where a function is negative, with the true distance to its boundary (not the value of the function).
 ///
-/// The zero set is triangulated on a grid of 48 cubes along the domain (and a quarter of the domain around it, for an interface that
-/// leaves the domain). From the nearest point of the triangles Newton's method, with derivatives by differences, leads to the closest point of
-/// the zero set; the distance then has an error below `1e-9` of the domain. Where it fails, as at edges and corners, the
-/// distance is that to the triangles: edges and corners are cut at a fraction of a cube.
+/// The zero set is triangulated on a grid of 48 cubes along the domain (and a quarter of the domain
+/// around it, for an interface that leaves the domain). Newton's method, with derivatives by
+/// differences, finds the closest point of the zero set from the nearest point of the triangles;
+/// the distance then has an error below `1e-9` of the domain. If it fails, as at edges and corners,
+/// the distance is that to the triangles: edges and corners are truncated by a fraction of a cube.
 /// Limits: a part smaller than a cube of the grid may be missed.
 pub struct LevelSolid {
     function: Box<Level<3>>,
@@ -79,7 +81,8 @@ impl Shape<3> for LevelSolid {
     fn distance(&self, x: &Point<3>) -> f64 {
         let difference = self.zero_set.difference(x);
         let start = x - difference;
-        // The triangles are within a cube of the zero set; a foot that is farther is not the closest one.
+        // The triangles are within a cube of the zero set; a foot farther away is not the closest
+        // point.
         let foot = self.foot(x, start).map(|y| (x - y).norm()).filter(|d| *d <= difference.norm() + self.step);
         let d = foot.unwrap_or_else(|| difference.norm());
         if (self.function)(x) < 0.0 { -d } else { d }

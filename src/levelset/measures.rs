@@ -1,4 +1,4 @@
-//! What is measured on a contour: area, perimeter, axes, extents, integrals.
+//! Measures of a contour: area, perimeter, axes, extents, integrals.
 
 use super::contour::{Contour, Segment};
 use super::quadratic::{Quadratic, barycentric_direction};

@@ -6,7 +6,7 @@ use nalgebra::SVector;
 
 /// A piece of a surface inside one cell: the image of the reference triangle under the quadratic map through six points.
 ///
-/// Its corners stand in the order that makes the normal point out of `phi < 0` (right-hand rule).
+/// Its corners are ordered such that the normal points out of `phi < 0` (right-hand rule).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triangle {
     /// The cell.

@@ -58,7 +58,7 @@ impl Polygon {
         Ok(Polygon { vertices, sides })
     }
 
-    /// Whether `x` lies inside: the number of sides that a ray to the right crosses is odd.
+    /// True if `x` lies inside: the number of sides that a ray to the right crosses is odd.
     fn contains(&self, x: &Point<2>) -> bool {
         let n = self.vertices.len();
         let mut inside = false;
@@ -89,8 +89,8 @@ fn orientation(a: &Point<2>, b: &Point<2>, c: &Point<2>) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Whether two sides share more than the vertex that neighbours share (`next`: the second starts where the first ends;
-/// `previous`: it ends where the first starts).
+/// True if two sides share more than the common vertex of neighbours (`next`: the second starts at
+/// the end of the first; `previous`: it ends at the start of the first).
 fn sides_conflict([a, b]: [Point<2>; 2], [c, d]: [Point<2>; 2], next: bool, previous: bool) -> bool {
     let apart =
         |axis: usize| a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis]);

@@ -5,7 +5,7 @@ use crate::fem::Space;
 use crate::mesh::Point;
 use nalgebra::{Rotation2, SVector};
 
-/// A closed set with a boundary to which the distance can be computed.
+/// A closed set with a signed distance to its boundary.
 pub trait Shape<const D: usize>: Send + Sync {
     /// Signed Euclidean distance from `x` to the boundary, negative inside.
     fn distance(&self, x: &Point<D>) -> f64;
@@ -24,13 +24,13 @@ pub fn signed_distance<const D: usize>(space: &Space<D>, shape: &dyn Shape<D>) -
     phi
 }
 
-/// Refuses a shape that comes nearer than `margin` to the sides of the domain.
+/// Rejects a shape that is nearer than `margin` to the sides of the domain.
 ///
-/// `bounds` are those of the shape, `domain` is the bounding box of the mesh, `margin` is usually the half-width of the
-/// band: a band cut by a wall has lost part of its weight.
+/// `bounds` are those of the shape, `domain` is the bounding box of the mesh, `margin` is usually
+/// the half-width of the band: a band cut by a wall loses part of its weight.
 ///
 /// # Errors
-/// Names the side, the box of the shape and by how much it has to move or shrink.
+/// Names the side, the box of the shape and the distance by which it has to move or shrink.
 pub fn check_inside<const D: usize>(
     bounds: (Point<D>, Point<D>),
     domain: (Point<D>, Point<D>),
@@ -54,7 +54,7 @@ pub fn check_inside<const D: usize>(
     Ok(())
 }
 
-/// Refuses a point that is not finite.
+/// Rejects a point that is not finite.
 pub(super) fn check_point<const D: usize>(what: &str, x: &Point<D>) -> Result<()> {
     if x.iter().all(|c| c.is_finite()) {
         return Ok(());
@@ -62,7 +62,7 @@ pub(super) fn check_point<const D: usize>(what: &str, x: &Point<D>) -> Result<()
     Err(Error::scene(format!("{what} must be finite numbers")).value(format!("{:?}", x.as_slice())))
 }
 
-/// Refuses lengths that are not positive and finite.
+/// Rejects lengths that are not positive and finite.
 pub(super) fn check_lengths(what: &str, lengths: &[f64]) -> Result<()> {
     if lengths.iter().all(|&l| l > 0.0 && l.is_finite()) {
         return Ok(());
@@ -72,7 +72,7 @@ pub(super) fn check_lengths(what: &str, lengths: &[f64]) -> Result<()> {
         .remedy("give finite lengths > 0, in the units of the mesh"))
 }
 
-/// Refuses semi-axes that are not positive, or too different; `what` is the shape with its article.
+/// Rejects semi-axes that are not positive, or too different; `what` is the shape with its article.
 pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Result<()> {
     check_lengths(&format!("the semi-axes of {what}"), axes.as_slice())?;
     if axes.max() <= 1e6 * axes.min() {
@@ -82,7 +82,7 @@ pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Re
         .value(format!("{:?}", axes.as_slice())))
 }
 
-/// The frame of a shape that is centred somewhere and turned by an angle.
+/// The local frame of a plane shape: centre and rotation.
 #[derive(Clone, Debug)]
 pub(super) struct PlaneFrame {
     centre: Point<2>,

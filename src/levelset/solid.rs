@@ -1,4 +1,4 @@
-//! What is measured on a surface: volume, area, axes, extents.
+//! Measures of a surface: volume, area, axes, extents.
 
 use super::isosurface::Isosurface;
 use super::patch::Triangle;
@@ -7,7 +7,8 @@ use crate::fem::Rule;
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 
-/// Degree that makes the second moments of the region under a curved triangle exact: cubes of quadratic functions times two tangents.
+/// Degree at which the second moments of the region under a curved triangle are exact: cubes of
+/// quadratic functions times two tangents.
 const DEGREE: usize = 8;
 
 /// Geometry of the set `phi < 0` in space and of its surface, in the units of the mesh.
@@ -25,8 +26,8 @@ pub struct SolidMeasures {
     pub axis_2: f64,
     /// Smallest semi-axis of that ellipsoid.
     pub axis_3: f64,
-    /// Directions of its axes, largest axis first, orthonormal, each with its largest component positive. Without meaning where axes
-    /// are equal.
+    /// Directions of its axes, largest axis first, orthonormal, each with its largest component
+    /// positive. Arbitrary for equal axes.
     pub directions: [SVector<f64, 3>; 3],
     /// Half the extent of the surface in x.
     pub extent_x: f64,
@@ -146,14 +147,14 @@ mod tests {
     fn space(n: usize) -> Space<3> {
         Space::new(&Arc::new(box_mesh([-1.0; 3], [1.0; 3], [n, n, n]).unwrap()), Element::P2)
     }
-    /// Halvings of the mesh are this many orders apart.
+    /// Observed orders between meshes of half the edge length.
     fn orders(e: [[f64; 5]; 3]) -> [[f64; 2]; 5] {
         std::array::from_fn(|k| [(e[0][k] / e[1][k]).log2(), (e[1][k] / e[2][k]).log2()])
     }
 
     #[test]
     fn the_measures_of_a_sphere_converge() {
-        // Root mean squares over eight places: on a single one the error falls unevenly.
+        // Root mean squares over eight positions: for a single one the error decreases unevenly.
         let r = 0.55;
         let e = [6, 12, 24].map(|n| {
             let space = space(n);

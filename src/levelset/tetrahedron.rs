@@ -22,18 +22,20 @@ const FACES: [[usize; 6]; 4] = [[1, 2, 3, 7, 9, 8], [0, 3, 2, 6, 9, 5], [0, 1, 3
 /// The four triangles of a face by its six nodes.
 const QUARTERS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 
-/// Farther than this fraction of the chord, a zero of a line through its middle belongs to another branch.
+/// Largest distance of a zero from the middle of a chord, as a fraction of the chord; farther zeros
+/// belong to another branch.
 const FARTHEST: f64 = 0.5;
 
-/// A tetrahedron with its vertices sorted by their numbers in the mesh. What lies on a face is computed from the vertices of the
-/// face alone (the others add exact zeros) and in their order, hence with the same bits from both cells.
+/// A tetrahedron with its vertices sorted by their numbers in the mesh. Points on a face are
+/// computed from the vertices of the face only (the others add exact zeros) and in their order,
+/// hence are bit-identical from both cells.
 pub(super) struct Tetrahedron<'a> {
     space: &'a Space<3>,
     phi: &'a [f64],
     c: usize,
     /// Local numbers of the sorted vertices.
     order: [usize; 4],
-    /// Whether sorting turned the orientation round.
+    /// True if sorting reversed the orientation.
     odd: bool,
     vertices: [Point<3>; 4],
     /// At the nodes of the lattice.
@@ -70,7 +72,7 @@ impl<'a> Tetrahedron<'a> {
         for tetrahedron in CORNERS {
             self.march(&tetrahedron, out);
         }
-        // Any diagonal fits the neighbours; the shortest makes the best triangles.
+        // Any diagonal is compatible with the neighbours; the shortest gives the best triangles.
         let length = |d: &[usize; 2]| (self.point(&node(d[0])) - self.point(&node(d[1]))).norm_squared();
         let mut best = &DIAGONALS[0];
         for other in &DIAGONALS[1..] {
@@ -147,7 +149,7 @@ impl<'a> Tetrahedron<'a> {
         }
     }
 
-    /// Appends a triangle with these corners; a side whose middle is not given is straight.
+    /// Appends a triangle with these corners; a side without a given middle is straight.
     fn push(&self, corners: &[Sorted; 3], middles: [Option<Middle>; 3], out: &mut Vec<Triangle>) {
         let straight = |i: usize| self.placed(between(&corners[i], &corners[(i + 1) % 3]));
         let m: [Middle; 3] = std::array::from_fn(|i| middles[i].unwrap_or_else(|| straight(i)));
@@ -158,7 +160,7 @@ impl<'a> Tetrahedron<'a> {
             points: all.map(|(x, _)| x),
             barycentric: all.map(|(_, l)| self.own_order(&l)),
         };
-        // A zero that is a node leaves pieces without area.
+        // A zero at a node gives pieces of area zero.
         if (0..6).any(|k| triangle.area_vector(&corner(k)) != SVector::<f64, 3>::zeros()) {
             out.push(triangle);
         }
@@ -233,8 +235,8 @@ impl<'a> Tetrahedron<'a> {
         if s.abs() <= FARTHEST && scale.is_finite() { std::array::from_fn(|k| middle[k] + s * step[k]) } else { middle }
     }
 
-    /// The zero half-way between two crossings along the mean gradient in two cells, that of the function in the first of them: nothing here
-    /// depends on the cell that asks.
+    /// The zero half-way between two crossings along the mean gradient in two cells, that of the
+    /// function in the first of them; independent of the calling cell.
     fn middle_inside(&self, start: &Sorted, end: &Sorted, [first, second]: [usize; 2]) -> Middle {
         let mesh = self.space.mesh();
         let middle = between(start, end);
