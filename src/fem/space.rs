@@ -25,6 +25,24 @@ impl<const D: usize> Value for SVector<f64, D> {
 /// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of
 /// the edges; those of P1 + P0 are the points, then the centres of the cells, whose values are
 /// added constants.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::mesh::{Diagonals, rectangle};
+/// use std::sync::Arc;
+///
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 2], Diagonals::Right)?);
+/// let space = Space::new(&mesh, Element::P2);
+/// assert_eq!(space.len(), 9 * 5);
+///
+/// // A quadratic function is in the space: its interpolant has the exact gradient.
+/// let f = space.interpolate(|x| x[0] * x[0]);
+/// let centre = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0];
+/// let x = mesh.point_at(&immersa::mesh::Location { cell: 3, barycentric: centre });
+/// assert!((space.gradient(&f, 3, &centre)[0] - 2.0 * x[0]).abs() < 1e-13);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Space<const D: usize> {
     mesh: Arc<Mesh<D>>,
@@ -182,7 +200,8 @@ impl<T: Value, const D: usize> OnCell<T, D> {
 }
 
 impl<const D: usize> OnCell<f64, D> {
-    /// The gradient in the coordinates of the reference cell, where the basis functions have the gradients `g`.
+    /// The gradient in the coordinates of the reference cell, where the basis functions have the
+    /// gradients `g`.
     #[inline(always)]
     pub fn reference_gradient(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SVector<f64, D> {
         let mut r = g[0] * self.values[0];
@@ -194,7 +213,8 @@ impl<const D: usize> OnCell<f64, D> {
 }
 
 impl<const D: usize> OnCell<SVector<f64, D>, D> {
-    /// The derivative with respect to the coordinates of the reference cell, where the basis functions have the gradients `g`.
+    /// The derivative with respect to the coordinates of the reference cell, where the basis
+    /// functions have the gradients `g`.
     #[inline(always)]
     pub fn reference_jacobian(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SMatrix<f64, D, D> {
         let mut r = SMatrix::<f64, D, D>::zeros();

@@ -12,6 +12,22 @@ use std::sync::Arc;
 
 /// The interface `phi = 0` of a P2 function in `D` dimensions: a curve of the plane or a surface in
 /// space, with its measures.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::levelset::Interface;
+/// use immersa::mesh::{Diagonals, rectangle};
+/// use std::sync::Arc;
+///
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 4], Diagonals::Right)?);
+/// let space = Arc::new(Space::new(&mesh, Element::P2));
+/// let phi = space.interpolate(|x| x[0] - 0.7);
+/// let measures = Interface::cut(&space, phi)?.measures().unwrap();
+/// assert!((measures.enclosed - 0.7).abs() < 1e-12);
+/// assert!((measures.own - 1.0).abs() < 1e-12);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct Interface<'a, const D: usize> {
     space: Cow<'a, Arc<Space<D>>>,
     phi: Cow<'a, [f64]>,
@@ -24,8 +40,8 @@ enum Zero {
     Solid(Isosurface),
 }
 
-/// Chords of the interface as segments or triangles, with their cells: straight pieces whose corners
-/// lie on the zero set.
+/// Chords of the interface as segments or triangles, with their cells: straight pieces whose
+/// corners lie on the zero set.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces<const D: usize> {
     pub cells: Vec<u32>,
@@ -244,9 +260,9 @@ impl<'a, const D: usize> Interface<'a, D> {
     pub fn measures(&self) -> Option<InterfaceMeasures<D>> {
         self.zero.measures()
     }
-    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along
-    /// `direction` (of any length): the semi-axis of a centred shape along that line. `None` if there
-    /// is no interface on one of the sides.
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line
+    /// along `direction` (of any length): the semi-axis of a centred shape along that line. `None`
+    /// if there is no interface on one of the sides.
     pub fn half_chord(&self, point: &Point<D>, direction: &SVector<f64, D>) -> Option<f64> {
         let space: &dyn Any = &**self.space;
         let (point, direction): (&dyn Any, &dyn Any) = (point, direction);
@@ -275,7 +291,8 @@ mod tests {
     use crate::mesh::{Diagonals, Mesh, box_mesh, rectangle};
     use std::f64::consts::PI;
 
-    /// A circle or a sphere of radius .4, cut once: measures, chords and points, all of order 4 or exact.
+    /// A circle or a sphere of radius .4, cut once: measures, chords and points, all of order 4 or
+    /// exact.
     fn check<const D: usize>(mesh: Mesh<D>, enclosed: f64, own: f64) {
         let space = Arc::new(Space::new(&Arc::new(mesh), Element::P2));
         let centre = Point::<D>::from_element(0.5);

@@ -1,4 +1,5 @@
-//! Shapes with a true signed distance: the trait, balls, rounded boxes, and the check that a shape fits its domain.
+//! Shapes with a true signed distance: the trait, balls, rounded boxes, and the check that a shape
+//! fits its domain.
 
 use crate::base::{Error, Result, parallel};
 use crate::fem::Space;
@@ -6,6 +7,17 @@ use crate::mesh::Point;
 use nalgebra::{Rotation2, SVector};
 
 /// A closed set with a signed distance to its boundary.
+///
+/// # Examples
+/// ```
+/// use immersa::levelset::{Circle, Shape};
+/// use immersa::mesh::Point;
+///
+/// let circle = Circle::new(Point::<2>::new(1.0, 1.0), 2.0)?;
+/// assert_eq!(circle.distance(&Point::<2>::new(4.0, 5.0)), 3.0);
+/// assert_eq!(circle.distance(&Point::<2>::new(1.0, 1.0)), -2.0);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub trait Shape<const D: usize>: Send + Sync {
     /// Signed Euclidean distance from `x` to the boundary, negative inside.
     fn distance(&self, x: &Point<D>) -> f64;
@@ -13,7 +25,8 @@ pub trait Shape<const D: usize>: Send + Sync {
     fn bounds(&self) -> (Point<D>, Point<D>);
 }
 
-/// The signed distance of `shape` at the nodes of `space`. Multiply by the initial stretch to get the initial `phi`.
+/// The signed distance of `shape` at the nodes of `space`. Multiply by the initial stretch to get
+/// the initial `phi`.
 pub fn signed_distance<const D: usize>(space: &Space<D>, shape: &dyn Shape<D>) -> Vec<f64> {
     let mut phi = vec![0.0; space.len()];
     parallel::fill(&mut phi, 1, |first, part| {
@@ -95,7 +108,8 @@ impl PlaneFrame {
         check_point("the centre and the angle of a shape", &SVector::<f64, 3>::new(centre[0], centre[1], angle))?;
         Ok(PlaneFrame { centre, rotation: Rotation2::new(angle.to_radians()) })
     }
-    /// Absolute values of the coordinates of `x` in the frame: the shapes here have both symmetries.
+    /// Absolute values of the coordinates of `x` in the frame: the shapes here have both
+    /// symmetries.
     pub(super) fn quadrant(&self, x: &Point<2>) -> Point<2> {
         self.rotation.inverse_transform_vector(&(x - self.centre)).abs()
     }
@@ -144,8 +158,8 @@ pub struct RoundedBox {
 }
 
 impl RoundedBox {
-    /// `half_size` is half the width and height including the rounding, `radius` that of the corners (0: sharp),
-    /// `angle` in degrees, counterclockwise.
+    /// `half_size` is half the width and height including the rounding, `radius` that of the
+    /// corners (0: sharp), `angle` in degrees, counterclockwise.
     ///
     /// # Errors
     /// Sizes that are not positive, a radius that is negative or larger than the smaller half size.
@@ -237,7 +251,8 @@ mod tests {
         fn the_bounds_of_a_box_touch_it(hx in 0.2..1.0f64, hy in 0.2..1.0f64, r in 0.0..1.0f64, angle in -180.0..180.0f64) {
             let shape = RoundedBox::new(p(0.0, 0.0), p(hx, hy), r * hx.min(hy), angle).unwrap();
             let half = shape.bounds().1;
-            // The distance from a far point on the axis to the supporting line is the smallest along that line.
+            // The distance from a far point on the axis to the supporting line is the smallest
+            // along that line.
             for axis in 0..2 {
                 let nearest = (0..4000)
                     .map(|k| {

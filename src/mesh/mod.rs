@@ -29,8 +29,8 @@ pub type Point<const D: usize> = SVector<f64, D>;
 /// "No cell": the neighbour across a facet on the boundary.
 pub const NONE: u32 = u32::MAX;
 
-/// The affine map of a cell: barycentric coordinates are `lambda_k = (inverse * (x - origin))_(k-1)` for `k = 1..=D`,
-/// `lambda_0 = 1 - sum`.
+/// The affine map of a cell: barycentric coordinates are
+/// `lambda_k = (inverse * (x - origin))_(k-1)` for `k = 1..=D`, `lambda_0 = 1 - sum`.
 #[derive(Clone, Debug)]
 pub struct Affine<const D: usize> {
     /// First vertex of the cell.
@@ -91,7 +91,19 @@ pub struct Facet {
 
 /// A conforming simplicial mesh with named parts.
 ///
-/// Cells are positively oriented. Neighbour `k` of a cell lies across the facet opposite to its local vertex `k`.
+/// Cells are positively oriented. Neighbour `k` of a cell lies across the facet opposite to its
+/// local vertex `k`.
+///
+/// # Examples
+/// ```
+/// use immersa::mesh::{Diagonals, rectangle};
+///
+/// let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [4, 2], Diagonals::UnionJack)?;
+/// assert_eq!((mesh.points().len(), mesh.cell_count()), (15, 16));
+/// assert!((mesh.volume() - 2.0).abs() < 1e-14);
+/// assert_eq!(mesh.boundary("left")?.len(), 2);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     points: Vec<Point<D>>,
@@ -195,7 +207,8 @@ impl<const D: usize> Mesh<D> {
     pub fn facets(&self) -> &[Facet] {
         &self.facets
     }
-    /// Point numbers of a boundary facet, oriented so that the normal of [`Mesh::facet_normal`] points outward.
+    /// Point numbers of a boundary facet, oriented so that the normal of [`Mesh::facet_normal`]
+    /// points outward.
     pub fn facet_points(&self, f: &Facet) -> impl Iterator<Item = u32> + '_ {
         let opposite = f.opposite as usize;
         self.cell(f.cell as usize).iter().enumerate().filter(move |(k, _)| *k != opposite).map(|(_, &v)| v)
@@ -261,7 +274,8 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// Determinant of a 2 x 2 or 3 x 3 matrix (nalgebra's needs bounds that do not go through a generic dimension).
+/// Determinant of a 2 x 2 or 3 x 3 matrix (nalgebra's needs bounds that do not go through a generic
+/// dimension).
 pub(crate) fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
     match D {
         2 => m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)],

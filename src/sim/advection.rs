@@ -14,6 +14,28 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Structures transported by a prescribed velocity; there is no flow matrix and no pressure.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use immersa::sim::{Advection, LevelSet, Transport};
+/// use std::sync::Arc;
+///
+/// // The shear (y, 0) carries the line x = 1 to the line x = 1 + t y.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [8, 4], Diagonals::Right)?);
+/// let phi = Space::new(&mesh, Element::P2).interpolate(|x| x[0] - 1.0);
+/// let velocity = Arc::new(|x: &Point<2>, _: f64| Point::<2>::new(x[1], 0.0));
+/// let line = Box::new(LevelSet::new("line", phi));
+/// let transport = (Transport::default(), &vec![]);
+/// let mut advection = Advection::new(&mesh, (velocity, 0.1), transport, vec![line])?;
+/// advection.step()?;
+/// for (value, x) in advection.level_set(0).iter().zip(advection.space().nodes()) {
+///     let exact = x[0] - 0.1 * x[1] - 1.0;
+///     assert!((value - exact).abs() < 1e-12 || x[0] < 0.1); // inflow at x = 0
+/// }
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct Advection<const D: usize> {
     velocity: VelocityFunction<D>,
     dt: f64,

@@ -63,6 +63,29 @@ pub struct Held {
 }
 
 /// A structure in a flow: one body, or many of the same kind.
+///
+/// # Examples
+/// ```
+/// use immersa::elastic::{AreaLaw, Membrane};
+/// use immersa::fem::{Element, Space};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use immersa::sim::{Fluid, Simulation, SimulationSettings};
+/// use immersa::structure::{Immersed, ImmersedInterface};
+/// use std::sync::Arc;
+///
+/// // A flat membrane that is not stretched exerts no force: the fluid stays at rest.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [6, 6], Diagonals::UnionJack)?);
+/// let phi = Space::new(&mesh, Element::P2).interpolate(|x| x[0] - 0.5);
+/// let law = AreaLaw::Linear { modulus: 1.0 };
+/// let interface = ImmersedInterface::new("sheet", phi, 0.3);
+/// let sheet = Immersed::boxed(interface, Membrane::new(law, 0.3));
+/// let settings = SimulationSettings::new(0.1, Fluid { density: 1.0, viscosity: 0.1 }, vec![]);
+/// let mut sim = Simulation::new(&mesh, settings, vec![sheet], |_| Point::<2>::zeros())?;
+/// sim.step()?;
+/// assert_eq!(sim.structures()[0].name(), "sheet");
+/// assert!(sim.largest_speed() < 1e-12);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub trait Structure<const D: usize>: Send + Sync {
     /// Name in results; unique in a simulation.
     fn name(&self) -> &str;
@@ -88,7 +111,8 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn coupling(&self) -> Coupling {
         Coupling::Explicit
     }
-    /// Checks that its coupling is possible in steps of order `order` with least density `lightest`.
+    /// Checks that its coupling is possible in steps of order `order` with least density
+    /// `lightest`.
     ///
     /// # Errors
     /// A coupling that is not.
