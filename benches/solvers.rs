@@ -46,7 +46,7 @@ fn solver(case: &Case<3>, kind: SolverKind, grad_div: f64) -> FlowSolver<3> {
 fn plan(n: usize, case: &Case<3>, kind: SolverKind) {
     let mut solver = solver(case, kind, 1.0);
     solver.analyse(200.0).unwrap();
-    println!("n = {n}, {} unknowns: {}", solver.numbering().order(), solver.way_in_words().unwrap());
+    println!("n = {n}, {} unknowns: {}", solver.numbering().order(), solver.solver_summary().unwrap());
 }
 
 /// The first step factors; the second one, of the same matrix, does not.

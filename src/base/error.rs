@@ -58,8 +58,9 @@ impl Snippet {
 
 /// An error: description, place, wrong value and remedy.
 ///
-/// Built by [`Error::scene`], [`Error::input`], [`Error::computation`], [`Error::internal`] or [`Error::interrupted`]
-/// and completed by [`at`](Error::at), [`value`](Error::value) and [`remedy`](Error::remedy).
+/// Built by [`Error::scene`], [`Error::input`], [`Error::computation`], [`Error::internal`] or
+/// [`Error::interrupted`] and completed by [`at`](Error::at), [`value`](Error::value) and
+/// [`remedy`](Error::remedy).
 #[derive(Clone, PartialEq, Eq)]
 pub struct Error(Box<Parts>);
 

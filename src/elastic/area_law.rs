@@ -24,9 +24,9 @@ pub enum AreaLaw {
 }
 
 impl AreaLaw {
-    /// The tensor tested with `grad v` in the form implicit in the velocity, with `P = I - n n`: `a
-    /// (P : grad u) P + b n n grad u P`, `[a, b]` being `weights`. For constant tension and in 3-D
-    /// the last term is `b grad u P`.
+    /// The tensor tested with `grad v` in the form implicit in the velocity, with `P = I - n n`:
+    /// `a (P : grad u) P + b n n grad u P`, `[a, b]` being `weights`. For constant tension and in
+    /// 3-D the last term is `b grad u P`.
     pub(super) fn implicit_form<const D: usize>(
         &self,
         n: &SVector<f64, D>,

@@ -15,8 +15,8 @@ pub enum Band {
     /// energy is produced slowly, and a drop at rest breaks up in the end.
     Renormalised,
     /// `|phi| < s eps`, with `s` the slope of the level set at time 0. The band moves with the
-    /// fluid, so that the force is the derivative of the energy; its half-width in space is `eps s
-    /// / r`.
+    /// fluid, so that the force is the derivative of the energy; its half-width in space is
+    /// `eps s / r`.
     Carried,
 }
 
@@ -79,7 +79,8 @@ impl BandWidth {
         let n = if r > 0.0 { g / r } else { SVector::zeros() };
         BandPoint { n, r, w }
     }
-    /// Sum over the quadrature points of the band of `value(cell, point, band point)`, times the weights.
+    /// Sum over the quadrature points of the band of `value(cell, point, band point)`, times the
+    /// weights.
     pub fn integrate<const D: usize>(
         &self,
         basis: &Basis<D>,

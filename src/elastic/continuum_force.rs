@@ -15,10 +15,10 @@ use std::sync::Arc;
 /// Surface tension on the zero level of `phi` as a continuum surface force (Brackbill, Kothe and
 /// Zemach 1992; book, (1.32)).
 ///
-/// `F(v) = - int lambda H w grad phi . v`, with `w |grad phi|` the surface delta of the band, `H =
-/// div n` the curvature (1.9), positive on a sphere, and `n` outward. (1.32) is printed with the
-/// opposite sign and with the density as a factor: the jump of the normal stress is `lambda H` for
-/// any densities.
+/// `F(v) = - int lambda H w grad phi . v`, with `w |grad phi|` the surface delta of the band,
+/// `H = div n` the curvature (1.9), positive on a sphere, and `n` outward. (1.32) is printed with
+/// the opposite sign and with the density as a factor: the jump of the normal stress is `lambda H`
+/// for any densities.
 ///
 /// The curvature is computed at the points of the mesh from recovered second derivatives of `phi`
 /// ([`Curvature`]), and interpolated linearly. It is bounded by `2 (D - 1)` over the longest edge

@@ -8,10 +8,10 @@ use crate::fem::{At, Basis, Projector, Translation};
 /// and Maitre 2016): predicts the level set at which the force of the step is taken.
 ///
 /// The velocity of the step is estimated as `u^n + dt F/rho`, with the force at the predicted
-/// interface. Its normal part is `-E'(r) H r w`, with `H` the curvature and `w = zeta(phi/(r
-/// eps))/(r eps)`; in the transport equation it gives `-dt u . grad phi = dt^2 E'(r) r^2 H w/rho`.
-/// The book keeps the derivatives of highest order of `r H = lap phi - n . D^2 phi n`, omits the
-/// normal one and sets `zeta = 1` everywhere:
+/// interface. Its normal part is `-E'(r) H r w`, with `H` the curvature and
+/// `w = zeta(phi/(r eps))/(r eps)`; in the transport equation it gives
+/// `-dt u . grad phi = dt^2 E'(r) r^2 H w/rho`. The book keeps the derivatives of highest order of
+/// `r H = lap phi - n . D^2 phi n`, omits the normal one and sets `zeta = 1` everywhere:
 ///
 /// `(phi* - phi^n o X)/dt - (E'(|grad phi^n|) dt/(rho eps)) lap phi* = 0`,
 ///

@@ -38,10 +38,10 @@ pub enum Force {
 /// A tangential force gives the velocity a kink, which P2 smooths over a cell of extent `l` across
 /// the interface: the interface moves too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its
 /// positions in the cell (in one dimension, the Galerkin error at a point force at `x` of a P2
-/// element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added: `D(log r)/Dt = P : grad u +
-/// div_S(l/(15 mu) grad_S E'(r))`, solved implicitly. It dissipates `int_S l/(15 mu) |grad_S E'|^2
-/// ds` per time, the dissipation in the unresolved part of the kink. It does not move the interface
-/// along its normal.
+/// element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added:
+/// `D(log r)/Dt = P : grad u + div_S(l/(15 mu) grad_S E'(r))`, solved implicitly. It dissipates
+/// `int_S l/(15 mu) |grad_S E'|^2 ds` per time, the dissipation in the unresolved part of the kink.
+/// It does not move the interface along its normal.
 ///
 /// Limits: an interface that reaches a wall with a prescribed velocity, because the stiffness is
 /// omitted in the lift of boundary values; a fluid that crosses more than four cells in a step,

@@ -37,25 +37,29 @@ struct Strained<const D: usize> {
     strain: SurfaceStrain<D>,
     /// The tension, in the basis of the tangent plane.
     tension: Matrix2<f64>,
-    /// Positive semi-definite stiffnesses out of the plane and in it; zero without implicit coupling.
+    /// Positive semi-definite stiffnesses out of the plane and in it; zero without implicit
+    /// coupling.
     stiffness: (Matrix2<f64>, SMatrix<f64, 4, 4>),
 }
 
-/// An elastic membrane on the zero level of `phi` that resists area change and shear, smeared over a band.
+/// An elastic membrane on the zero level of `phi` that resists area change and shear, smeared over
+/// a band.
 ///
-/// The energy is (5.13), (3.45), `int W(Z1, Z2) w` with `w = zeta(phi/eps)/eps` (renormalised: `zeta(phi/(r eps))/(r eps)`, `r = |grad phi|`),
-/// an integral over the area at rest as `r` is the area stretch. The force is the divergence part of (5.15) integrated
-/// weakly, `F(v) = - int T : grad v w`, `T = W_1 Z1 C1 + W_2 Z2 C2`; the gradient in (5.15) goes into the pressure.
-/// `Z1` and `Z2` come from [`SurfaceStrain`], that is from derivatives of `Y` along the level sets of `phi`.
+/// The energy is (5.13), (3.45), `int W(Z1, Z2) w` with `w = zeta(phi/eps)/eps` (renormalised:
+/// `zeta(phi/(r eps))/(r eps)`, `r = |grad phi|`), an integral over the area at rest as `r` is the
+/// area stretch. The force is the divergence part of (5.15) integrated weakly,
+/// `F(v) = - int T : grad v w`, `T = W_1 Z1 C1 + W_2 Z2 C2`; the gradient in (5.15) goes into the
+/// pressure. `Z1` and `Z2` come from [`SurfaceStrain`], that is from derivatives of `Y` along the
+/// level sets of `phi`.
 ///
-/// Implicit in the velocity, the form `C(u, v) = dt int K[grad u, grad v] w` is added to the matrix, `K` being the second variation of `W`
-/// ([`Tangent`]) with its negative eigenvalues set to zero, point by point: symmetric, positive semi-definite, and at least as stiff as the
-/// membrane.
+/// Implicit in the velocity, the form `C(u, v) = dt int K[grad u, grad v] w` is added to the
+/// matrix, `K` being the second variation of `W` ([`Tangent`]) with its negative eigenvalues set to
+/// zero, point by point: symmetric, positive semi-definite, and at least as stiff as the membrane.
 #[derive(Clone)]
 pub struct ShearMembrane<const D: usize> {
     law: SurfaceLaw,
     width: BandWidth,
-    /// Area stretch at time 0 beside that of the map.
+    /// Area stretch at time 0 in addition to that of the map.
     stretch: f64,
     /// `Y` at time 0; `None` for the identity.
     map: Option<Arc<RestMap<D>>>,
@@ -93,7 +97,8 @@ impl<const D: usize> ShearMembrane<D> {
     pub fn with_band(self, band: Band, slope: f64) -> ShearMembrane<D> {
         ShearMembrane { width: self.width.with_band(band, slope), ..self }
     }
-    /// The same membrane over a band with another cut-off function; `norm` is that of the local slope of a renormalised one.
+    /// The same membrane over a band with another cut-off function; `norm` is that of the local
+    /// slope of a renormalised one.
     pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> ShearMembrane<D> {
         ShearMembrane { width: self.width.with_kernel(kernel, norm), ..self }
     }
@@ -133,7 +138,8 @@ impl<const D: usize> ShearMembrane<D> {
             }
         });
     }
-    /// Elastic energy (5.13) on `phi` with the displacement `rest`. `basis` may have a finer rule than the flow's.
+    /// Elastic energy (5.13) on `phi` with the displacement `rest`. `basis` may have a finer rule
+    /// than the flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64], rest: &[SVector<f64, D>]) -> f64 {
         self.width.integrate(basis, phi, |c, q, b| {
             if b.w == 0.0 {
@@ -143,25 +149,27 @@ impl<const D: usize> ShearMembrane<D> {
             self.law.response(strain.z1, strain.z2).energy
         })
     }
-    /// The strain where the level set has the gradient `slope` and the displacement `Y(x) - x` the gradient `gradient`.
+    /// The strain where the level set has the gradient `slope` and the displacement `Y(x) - x` the
+    /// gradient `gradient`.
     pub fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
         let r = slope.norm();
         strain(&(slope / r), r, gradient, (self.stretch, self.area_from))
     }
     /// Largest wave stiffnesses in the prepared band, normal and tangential to the membrane, per
     /// area at rest; 0 without any.
-    pub fn stiffest_waves(&self) -> [f64; 2] {
-        let stiffness = |b: &Strained<D>| Tangent::new(self.law, &b.strain).stiffest_waves();
+    pub fn wave_stiffnesses(&self) -> [f64; 2] {
+        let stiffness = |b: &Strained<D>| Tangent::new(self.law, &b.strain).wave_stiffnesses();
         let inside = self.band.values().iter().filter(|b| b.w > 0.0).map(stiffness);
         inside.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
     }
     /// Largest stable step of the explicit coupling, in a fluid of this viscosity on edges of
     /// length `edge`: the smaller of (1.54) with the tension, for normal waves as in
-    /// [`explicit_step_limit`], and of (1.54) with the stiffness of tangential waves and `dx =
-    /// h/2`, the distance of P2 nodes: the fluid dragged along spreads these over more than the
-    /// shortest wave of the mesh. This length is measured (user guide, "Stability"), not derived.
+    /// [`explicit_step_limit`], and of (1.54) with the stiffness of tangential waves and
+    /// `dx = h/2`, the distance of P2 nodes: the fluid dragged along spreads these over more than
+    /// the shortest wave of the mesh. This length is measured (user guide, "Stability"), not
+    /// derived.
     pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        let [tension, stiffness] = self.stiffest_waves();
+        let [tension, stiffness] = self.wave_stiffnesses();
         let along = explicit_step_limit(viscosity, self.width.thickness, stiffness, edge * 60f64.sqrt() / 4.0);
         explicit_step_limit(viscosity, self.width.thickness, tension, edge).min(along)
     }

@@ -94,7 +94,8 @@ impl<const D: usize> Basis<D> {
     pub fn values(&self, q: usize) -> &[f64; MAX_LOCAL] {
         &self.values[q]
     }
-    /// Gradients of the basis functions at point `q` in the coordinates of the reference cell; zero beyond the last.
+    /// Gradients of the basis functions at point `q` in the coordinates of the reference cell; zero
+    /// beyond the last.
     #[inline]
     pub fn reference_gradients(&self, q: usize) -> &[SVector<f64, D>; MAX_LOCAL] {
         &self.gradients[q]
@@ -181,8 +182,9 @@ pub fn assemble_vector<const D: usize>(
     });
 }
 
-/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with `f1
-/// = 0`. `source(c, load)` adds the values of `f` at the quadrature points of cell `c` to `load`.
+/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with
+/// `f1 = 0`. `source(c, load)` adds the values of `f` at the quadrature points of cell `c` to
+/// `load`.
 pub fn assemble_source<const D: usize>(
     basis: &Basis<D>,
     out: &mut [SVector<f64, D>],
@@ -266,10 +268,11 @@ fn assemble<const D: usize, T: Copy + Send + Sync + std::ops::AddAssign>(
 const WAVE: usize = 4096;
 
 /// Adds a symmetric bilinear form on vector functions to the velocity block of `matrix`. At every
-/// point, `f(at, u, grad u)` returns the pair tested with `(v, grad v)`; it must be linear in `(u,
-/// grad u)` and symmetric.
+/// point, `f(at, u, grad u)` returns the pair tested with `(v, grad v)`; it must be linear in
+/// `(u, grad u)` and symmetric.
 ///
-/// With `pressure`, the blocks `-(p, div v)` and `-(q, div u)` are added too. `scratch` is overwritten.
+/// With `pressure`, the blocks `-(p, div v)` and `-(q, div u)` are added too. `scratch` is
+/// overwritten.
 pub fn assemble_flow_matrix<const D: usize>(
     velocity: &Basis<D>,
     pressure: Option<&Basis<D>>,
@@ -321,7 +324,8 @@ fn mirror(m: usize, local: &mut [f64]) {
     }
 }
 
-/// Contribution of one quadrature point to the upper triangle of the local matrix; unknown `D a + i` is component `i` at local node `a`, pressures follow.
+/// Contribution of one quadrature point to the upper triangle of the local matrix; unknown
+/// `D a + i` is component `i` at local node `a`, pressures follow.
 fn flow_matrix_at<const D: usize>(
     velocity: &Basis<D>,
     pressure: Option<&Basis<D>>,
@@ -366,8 +370,8 @@ fn flow_matrix_at<const D: usize>(
     }
 }
 
-/// Adds `m (phi_a, phi_b) + k (grad phi_a, grad phi_b)`, with `(m, k) = form(at)`, to the matrix of a scalar space whose unknowns
-/// are `unknowns[node]`.
+/// Adds `m (phi_a, phi_b) + k (grad phi_a, grad phi_b)`, with `(m, k) = form(at)`, to the matrix of
+/// a scalar space whose unknowns are `unknowns[node]`.
 pub fn assemble_scalar_matrix<const D: usize>(
     basis: &Basis<D>,
     unknowns: &[u32],

@@ -28,7 +28,8 @@ pub enum Condition<const D: usize> {
 /// node between parts each keeps its normal velocity.
 pub type Conditions<const D: usize> = Vec<(String, Condition<D>)>;
 
-/// For every facet the number of its condition, sorted by ascending priority; `None` means no slip by default.
+/// For every facet the number of its condition, sorted by ascending priority; `None` means no slip
+/// by default.
 pub(super) fn condition_of_facets<const D: usize>(
     mesh: &Mesh<D>,
     conditions: &Conditions<D>,

@@ -10,7 +10,8 @@ const SMOOTH: f64 = 0.5;
 /// A facet at a node, and the velocity that its part of the boundary prescribes; `None` for zero.
 #[derive(Clone)]
 pub(super) struct Side<const D: usize> {
-    /// Number of the condition; `None` for the walls of a mesh without conditions, and for those that slip.
+    /// Number of the condition; `None` for the walls of a mesh without conditions, and for those
+    /// that slip.
     pub condition: Option<usize>,
     /// Outward unit normal.
     pub normal: SVector<f64, D>,
@@ -20,9 +21,9 @@ pub(super) struct Side<const D: usize> {
 
 /// The velocity prescribed at a node.
 ///
-/// At the junction of parts each keeps its own normal velocity: the lid of a driven cavity has no flux
-/// through the side walls, and an inflow keeps its flux up to the wall. The remaining components
-/// are those of the part of highest priority.
+/// At the junction of parts each keeps its own normal velocity: the lid of a driven cavity has no
+/// flux through the side walls, and an inflow keeps its flux up to the wall. The remaining
+/// components are those of the part of highest priority.
 #[derive(Clone)]
 pub(super) struct Prescribed<const D: usize> {
     /// By descending priority; a single one if all have the same condition. Not empty.
@@ -30,7 +31,8 @@ pub(super) struct Prescribed<const D: usize> {
 }
 
 impl<const D: usize> Prescribed<D> {
-    /// From all facets at the node, by ascending priority (those that slip first); `None` when every velocity there is zero.
+    /// From all facets at the node, by ascending priority (those that slip first); `None` when
+    /// every velocity there is zero.
     pub fn new(sides: &[Side<D>]) -> Option<Prescribed<D>> {
         let last = sides.last()?;
         if sides.iter().all(|s| s.velocity.is_none()) {

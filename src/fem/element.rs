@@ -5,7 +5,8 @@ use nalgebra::SVector;
 /// Largest number of local basis functions: P2 on a tetrahedron.
 pub const MAX_LOCAL: usize = 10;
 
-/// The edges of a simplex in the order of VTK's quadratic cells; the first 3 are those of a triangle.
+/// The edges of a simplex in the order of VTK's quadratic cells; the first 3 are those of a
+/// triangle.
 pub const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 
 /// An element: Lagrange, or Lagrange with a constant per cell.
@@ -57,8 +58,8 @@ impl Element {
         }
         n
     }
-    /// Gradients of all basis functions with respect to the free barycentric coordinates `(l_1, .., l_D)`,
-    /// with `l_0 = 1 - l_1 - .. - l_D`.
+    /// Gradients of all basis functions with respect to the free barycentric coordinates
+    /// `(l_1, .., l_D)`, with `l_0 = 1 - l_1 - .. - l_D`.
     #[inline]
     pub fn reference_gradients<const D: usize>(self, l: &[f64; 4]) -> [SVector<f64, D>; MAX_LOCAL] {
         let mut g = [SVector::<f64, D>::zeros(); MAX_LOCAL];

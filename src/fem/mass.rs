@@ -13,10 +13,12 @@ use std::sync::Arc;
 const TOLERANCE: f64 = 1e-15;
 /// Accepted residual if rounding stops the iteration.
 const ENOUGH: f64 = 1e-13;
-/// The scaled matrix of P2 has a condition below 8 on any mesh (Wathen 1987), so that 40 steps suffice.
+/// The scaled matrix of P2 has a condition below 8 on any mesh (Wathen 1987), so that 40 steps
+/// suffice.
 const STEPS: usize = 200;
 
-/// Solves `(u, q) = m(q)` for all `q` of a space on triangles by conjugate gradients, scaled by the diagonal.
+/// Solves `(u, q) = m(q)` for all `q` of a space on triangles by conjugate gradients, scaled by the
+/// diagonal.
 pub(super) struct Mass {
     space: Arc<Space<2>>,
     unknowns: Vec<u32>,

@@ -59,7 +59,8 @@ mod tests {
         let mesh = crate::mesh::Mesh::new(points, vec![0, 2, 1, 2, 3, 1, 2, 4, 3, 4, 5, 3]).unwrap();
         let space = Space::new(&Arc::new(mesh), Element::P1);
         let means = space.means(|c, _| f64::from(u8::from(c >= 2)));
-        // Around point 2 lie two cells of 1/8 and one of 3/8, around point 3 one of 1/8 and two of 3/8.
+        // Around point 2 lie two cells of 1/8 and one of 3/8, around point 3 one of 1/8 and two of
+        // 3/8.
         let exact = [0.0, 0.0, 0.6, 6.0 / 7.0, 1.0, 1.0];
         assert!(means.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-14), "{means:?}");
     }

@@ -1,7 +1,8 @@
 //! Numbering of the unknowns under the boundary conditions of the flow.
 //!
-//! Prescribed components are eliminated, periodic nodes share their unknowns, and at slip nodes the velocity is
-//! expressed in a frame whose first axes are the wall normals, so that the matrix stays symmetric.
+//! Prescribed components are eliminated, periodic nodes share their unknowns, and at slip nodes the
+//! velocity is expressed in a frame whose first axes are the wall normals, so that the matrix stays
+//! symmetric.
 
 use super::condition::{Condition, Conditions, condition_of_facets};
 use super::corner::{Prescribed, Side};
@@ -32,7 +33,8 @@ impl<const D: usize> Numbering<D> {
     /// Numbers the unknowns of `velocity` x `pressure` under `conditions`.
     ///
     /// # Errors
-    /// A name that the mesh does not have, a facet without a condition, periodic parts that are not translates of each other.
+    /// A name that the mesh does not have, a facet without a condition, periodic parts that are not
+    /// translates of each other.
     pub fn new(velocity: &Space<D>, pressure: &Space<D>, conditions: &Conditions<D>) -> Result<Numbering<D>> {
         let mesh = velocity.mesh();
         let translations = periodic_pairs(mesh, conditions)?;
@@ -104,7 +106,8 @@ impl<const D: usize> Numbering<D> {
     pub fn order(&self) -> usize {
         self.order
     }
-    /// The first pressure unknown that is the constant of a cell; the number of unknowns where there is none.
+    /// The first pressure unknown that is the constant of a cell; the number of unknowns where
+    /// there is none.
     pub fn first_constant(&self) -> usize {
         let constants = self.pressure.iter().skip(self.points);
         constants.copied().find(|&p| p != NONE).map_or(self.order, |p| p as usize)
@@ -149,7 +152,8 @@ impl<const D: usize> Numbering<D> {
     pub fn prescribed_nodes(&self) -> impl Iterator<Item = u32> + '_ {
         self.prescribed.iter().map(|(n, _)| *n)
     }
-    /// Writes the prescribed velocities at time `t` into `out` (one vector a node), zero elsewhere.
+    /// Writes the prescribed velocities at time `t` into `out` (one vector per node), zero
+    /// elsewhere.
     pub fn lift(&self, space: &Space<D>, t: f64, out: &mut [SVector<f64, D>]) {
         out.fill(SVector::zeros());
         for (n, g) in &self.prescribed {
@@ -236,7 +240,8 @@ impl<const D: usize> Numbering<D> {
             }
         }
     }
-    /// One unknown for each group of identified nodes of a scalar space: the level set on a periodic domain.
+    /// One unknown for each group of identified nodes of a scalar space: the level set on a
+    /// periodic domain.
     pub fn scalar_unknowns(space: &Space<D>, translations: &[Translation<D>]) -> (Vec<u32>, usize) {
         let masters = identify(space, translations);
         let used = space.used_nodes();

@@ -48,7 +48,8 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
         }
         let mean = |list: &[u32]| list.iter().fold(Point::<D>::zeros(), |s, &f| s + centre(f)) / list.len() as f64;
         let shift = mean(theirs) - mean(mine);
-        // A coordinate may fall on either side of a rounding boundary: look in the neighbouring buckets too.
+        // A coordinate may fall on either side of a rounding boundary: look in the neighbouring
+        // buckets too.
         let mut table: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
         for &f in theirs {
             table.entry(key(&centre(f))).or_default().push(f);

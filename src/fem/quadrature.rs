@@ -151,7 +151,8 @@ fn collapsed_gauss(d: usize, degree: usize) -> Rule {
     rule
 }
 
-/// Points and weights of the Gauss-Legendre rule with `n` points on `[0, 1]`, by Newton's method on the Legendre polynomial.
+/// Points and weights of the Gauss-Legendre rule with `n` points on `[0, 1]`, by Newton's method on
+/// the Legendre polynomial.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {

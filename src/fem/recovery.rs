@@ -89,8 +89,8 @@ impl<const D: usize> Recovery<D> {
     pub fn around(&self, point: usize) -> &[u32] {
         &self.cells[self.start[point] as usize..self.start[point + 1] as usize]
     }
-    /// The derivatives of the function `field` of `space`, P1 or P2 on the mesh of this recovery, at the points of the mesh numbered
-    /// `points`, in their order.
+    /// The derivatives of the function `field` of `space`, P1 or P2 on the mesh of this recovery,
+    /// at the points of the mesh numbered `points`, in their order.
     pub fn at_points(&self, space: &Space<D>, field: &[f64], points: &[u32]) -> Vec<Derivatives<D>> {
         let mut out = vec![Derivatives::zero(); points.len()];
         parallel::fill(&mut out, 1, |first, part| {
@@ -113,7 +113,8 @@ pub struct Recovered<const D: usize> {
 }
 
 impl<const D: usize> Recovered<D> {
-    /// The derivatives of the function `field` of `space` at `vertices`; `recovery` is that of its mesh.
+    /// The derivatives of the function `field` of `space` at `vertices`; `recovery` is that of its
+    /// mesh.
     pub fn new(recovery: &Recovery<D>, space: &Space<D>, field: &[f64], vertices: &[u32]) -> Recovered<D> {
         let mut slot = vec![NONE; space.mesh().points().len()];
         vertices.iter().zip(0..).for_each(|(&v, k)| slot[v as usize] = k);
@@ -274,7 +275,8 @@ fn differentiated<const D: usize, const T: usize>(c: &SVector<f64, T>) -> Deriva
     out
 }
 
-/// The derivatives of a function at `x` in its cell `c`; second ones of a linear function are zero, as all third ones.
+/// The derivatives of a function at `x` in its cell `c`; second ones of a linear function are zero,
+/// as all third ones.
 fn of_cell<const D: usize>(space: &Space<D>, field: &[f64], c: usize, x: &Point<D>) -> Derivatives<D> {
     let map = space.mesh().map(c);
     let gradient = space.gradient(field, c, &map.barycentric(x));

@@ -132,8 +132,9 @@ impl Supermesh {
         Ok(Supermesh { from: Arc::clone(from), starts, cells })
     }
 
-    /// The integrals of `f`, a function of the space `from` on the old mesh, times the basis functions of the space `to` on the new
-    /// one, with `rule` on the triangles of all intersections.
+    /// The integrals of `f`, a function of the space `from` on the old mesh, times the basis
+    /// functions of the space `to` on the new one, with `rule` on the triangles of all
+    /// intersections.
     pub fn moments<T: Value>(&self, from: &Space<2>, f: &[T], to: &Space<2>, rule: &Rule) -> Vec<T> {
         let n = to.local_count();
         let mut local = vec![T::ZERO; n * to.mesh().cell_count()];

@@ -41,9 +41,9 @@ pub struct SurfaceForm<const D: usize> {
     pub flux: SVector<f64, D>,
 }
 
-/// Finds the P1 function `s` with `int s q + k grad_S s . grad_S q = int g q + f . grad_S q` for all P1 functions `q`, where `int` is the sum
-/// over `points` and `grad_S = P grad`; the first term is lumped. One number a vertex; NaN at the vertices of cells that the surface
-/// does not cut.
+/// Finds the P1 function `s` with `int s q + k grad_S s . grad_S q = int g q + f . grad_S q` for
+/// all P1 functions `q`, where `int` is the sum over `points` and `grad_S = P grad`; the first term
+/// is lumped. One number per vertex; NaN at the vertices of cells that the surface does not cut.
 ///
 /// The lumped mass gives every vertex a local average, so without diffusion this is a filter of
 /// second order in the mesh size that reproduces constants, for any position of the surface in its
@@ -142,7 +142,8 @@ mod tests {
         Space::new(&Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [n, n], Diagonals::UnionJack).unwrap()), Element::P2)
     }
 
-    /// `s - k s'' = (1 + k pi^2) cos(pi x)` has the solution `cos(pi x)`; half of the right-hand side comes as a flux.
+    /// `s - k s'' = (1 + k pi^2) cos(pi x)` has the solution `cos(pi x)`; half of the right-hand
+    /// side comes as a flux.
     #[test]
     fn diffusion_along_a_line_is_solved_to_second_order() {
         let k = 0.05;

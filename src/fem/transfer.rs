@@ -57,9 +57,10 @@ impl Interpolation {
     }
 }
 
-/// The L2 projection of functions on one mesh to a space on another, `(u_new, q) = (u_old, q)` for all `q` of the new space, integrated
-/// exactly over the intersections of old and new triangles (Farrell and others 2009): conserves the integral, and all moments
-/// with functions of the new space, to rounding. Does not keep extrema or boundary values.
+/// The L2 projection of functions on one mesh to a space on another, `(u_new, q) = (u_old, q)` for
+/// all `q` of the new space, integrated exactly over the intersections of old and new triangles
+/// (Farrell and others 2009): conserves the integral, and all moments with functions of the new
+/// space, to rounding. Does not keep extrema or boundary values.
 ///
 /// Each field costs about ten clippings of pairs of triangles per new cell and about 30 products
 /// with the mass matrix.
@@ -69,7 +70,8 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Intersects the meshes. Nodes that `translations` identifies in the new space share their values.
+    /// Intersects the meshes. Nodes that `translations` identifies in the new space share their
+    /// values.
     ///
     /// # Errors
     /// Input, if the meshes do not cover the same domain.
@@ -112,7 +114,8 @@ mod tests {
     use crate::mesh::adapt::{AdaptOptions, Metric, adapt};
     use crate::mesh::{Diagonals, Point, rectangle};
 
-    /// A mesh of about `n` triangles a side whose triangles have nothing to do with those of the other `turn`.
+    /// A mesh of about `n` triangles a side whose triangles have nothing to do with those of the
+    /// other `turn`.
     fn adapted(n: usize, turn: bool) -> Arc<Mesh<2>> {
         let mesh = rectangle([0.0; 2], [1.0; 2], [n, n], Diagonals::Right).unwrap();
         let size = |x: &Point<2>| (1.0 + if turn { x[1] } else { 1.0 - x[0] }) / (1.5 * n as f64);

@@ -18,7 +18,7 @@ pub enum Coefficient {
     Constant(f64),
     /// The value at point `q` of cell `c` is entry `c * points + q`; changes from step to step.
     Pointwise {
-        /// Quadrature points a cell.
+        /// Quadrature points per cell.
         points: usize,
         /// The values.
         values: Vec<f64>,

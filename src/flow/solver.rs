@@ -17,6 +17,28 @@ mod system;
 
 /// Assembles and solves the system of velocity and pressure; keeps the factor while the matrix does
 /// not change.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Condition, Element, Rule, Space};
+/// use immersa::flow::{Coefficient, FlowSolver, Step};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use std::sync::Arc;
+///
+/// // Stokes flow with the velocity (y, 0) on the walls: the solution is (y, 0), and P2 has it.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::UnionJack)?);
+/// let [p2, p1] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
+/// let shear = Condition::Velocity(Arc::new(|x, _| Point::<2>::new(x[1], 0.0)));
+/// let rule = Arc::new(Rule::simplex(2, 4));
+/// let mut flow = FlowSolver::new(&p2, &p1, &rule, &vec![("walls".into(), shear)], 0.0)?;
+/// flow.set_materials(Coefficient::Constant(0.0), Coefficient::Constant(1.0));
+/// let mut state = flow.at_rest();
+/// flow.step(&Step { weight: 0.0, ..Step::backward_euler(0.1, 0.1, &[]) }, &mut state)?;
+/// for (u, x) in state.u.iter().zip(p2.nodes()) {
+///     assert!((u - Point::<2>::new(x[1], 0.0)).norm() < 1e-12);
+/// }
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct FlowSolver<const D: usize> {
     velocity: Basis<D>,
     /// The velocity basis at the points of a rule that is exact for products of gradients.
@@ -165,9 +187,9 @@ impl<const D: usize> FlowSolver<D> {
         self.expects_changes = true;
     }
     /// Makes the next solve factor its matrix.
-    pub fn forget_factor(&mut self) {
+    pub fn invalidate_factor(&mut self) {
         (self.factor_is_base, self.factored_plain, self.factored_weight) = (false, false, f64::NAN);
-        self.factor.iter_mut().for_each(LaggedFactor::forget);
+        self.factor.iter_mut().for_each(LaggedFactor::invalidate);
     }
     /// Sets density and dynamic viscosity; the matrix is assembled again when they are not constant
     /// or have changed.
@@ -235,7 +257,7 @@ impl<const D: usize> FlowSolver<D> {
         self.factor.as_ref().is_some_and(LaggedFactor::always_iterates)
     }
     /// The linear solver with its sizes, and estimated times on one core of a server.
-    pub fn way_in_words(&self) -> Option<String> {
+    pub fn solver_summary(&self) -> Option<String> {
         let (kind, size) = self.solver_size()?;
         Some(format!(
             "solved by {kind}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",

@@ -40,14 +40,16 @@ pub struct History<'a, const D: usize> {
     pub feet: Option<&'a Feet>,
 }
 
-/// Data of one step: `rho (weight0 u - sum_k weight_k u_k o X_k)/dt - div(2 mu D(u)) + grad p =
-/// force`, `div u = 0`; (3.20), (3.21).
+/// Data of one step:
+/// `rho (weight0 u - sum_k weight_k u_k o X_k)/dt - div(2 mu D(u)) + grad p = force`, `div u = 0`;
+/// (3.20), (3.21).
 pub struct Step<'a, const D: usize> {
     /// The new time.
     pub time: f64,
     /// Its length.
     pub dt: f64,
-    /// Coefficient of the new velocity in the discrete time derivative: 1 (BDF1), 3/2 (BDF2), 0 (Stokes).
+    /// Coefficient of the new velocity in the discrete time derivative: 1 (BDF1), 3/2 (BDF2), 0
+    /// (Stokes).
     pub weight: f64,
     /// Earlier velocities; empty for Stokes.
     pub history: &'a [History<'a, D>],

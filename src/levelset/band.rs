@@ -5,7 +5,8 @@ use crate::fem::Space;
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
-/// The cut-off function `zeta(s) = (1 + cos(pi s)) / 2` for `|s| < 1`, 0 elsewhere (book, section 3.6). Its integral is 1.
+/// The cut-off function `zeta(s) = (1 + cos(pi s)) / 2` for `|s| < 1`, 0 elsewhere (book, section
+/// 3.6). Its integral is 1.
 pub fn zeta(s: f64) -> f64 {
     if s.abs() < 1.0 { 0.5 * (1.0 + (PI * s).cos()) } else { 0.0 }
 }
@@ -22,8 +23,9 @@ pub enum Kernel {
     /// [`zeta`], `(1 + cos(pi s))/2`.
     #[default]
     Cosine,
-    /// `1 - |s|`. With the l1 width, and a half-width that is a whole number of steps, its sums over a square lattice meet the moment conditions of
-    /// Engquist, Tornberg and Tsai (2005) to second order.
+    /// `1 - |s|`. With the l1 width, and a half-width that is a whole number of steps, its sums
+    /// over a square lattice meet the moment conditions of Engquist, Tornberg and Tsai (2005) to
+    /// second order.
     Hat,
 }
 
@@ -54,7 +56,8 @@ impl Kernel {
     }
 }
 
-/// The renormalised weight `w = zeta(phi / (r eps)) / (r eps)` of the membrane stress (3.16), with `r = |grad phi|`.
+/// The renormalised weight `w = zeta(phi / (r eps)) / (r eps)` of the membrane stress (3.16), with
+/// `r = |grad phi|`.
 ///
 /// `phi / r` is a distance to first order for any stretch (the renormalisation of (1.32)-(1.35)),
 /// so `w r = zeta(phi / (r eps)) / eps` is the surface delta of half-width `eps` in space.
@@ -72,8 +75,9 @@ pub enum Norm {
     /// `|grad phi|`: the band has the half-width `eps` in space.
     #[default]
     L2,
-    /// The sum of the moduli of the components (Engquist, Tornberg and Tsai 2005; book, section 1.5.2): the band has the half-width `eps` along the
-    /// axes, and `eps sqrt(D)` across an interface along a diagonal.
+    /// The sum of the moduli of the components (Engquist, Tornberg and Tsai 2005; book, section
+    /// 1.5.2): the band has the half-width `eps` along the axes, and `eps sqrt(D)` across an
+    /// interface along a diagonal.
     L1,
 }
 
@@ -94,10 +98,12 @@ impl Norm {
     }
 }
 
-/// Regularised density (3.19): `inside + H(phi/eps) (outside - inside) + zeta(phi/eps) surface_mass / eps`.
+/// Regularised density (3.19):
+/// `inside + H(phi/eps) (outside - inside) + zeta(phi/eps) surface_mass / eps`.
 ///
-/// `surface_mass` is the mass of the membrane per unit length (2-D) or area (3-D) at rest; `|grad phi| zeta(phi/eps) / eps`
-/// is the surface delta, so stretching the membrane by `|grad phi|` thins it by the same factor and keeps its mass.
+/// `surface_mass` is the mass of the membrane per unit length (2-D) or area (3-D) at rest;
+/// `|grad phi| zeta(phi/eps) / eps` is the surface delta, so stretching the membrane by
+/// `|grad phi|` thins it by the same factor and keeps its mass.
 pub fn density(phi: f64, eps: f64, inside: f64, outside: f64, surface_mass: f64) -> f64 {
     inside + heaviside(phi / eps) * (outside - inside) + zeta(phi / eps) / eps * surface_mass
 }
@@ -256,7 +262,8 @@ mod tests {
         }
     }
 
-    /// Largest error of the weight of the band around circles in ten places of the mesh, by the rule of degree 4.
+    /// Largest error of the weight of the band around circles in ten places of the mesh, by the
+    /// rule of degree 4.
     fn error_of_the_weight(eps_over_h: f64) -> f64 {
         let rule = Rule::simplex(2, 4);
         let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30], Diagonals::Right).unwrap());

@@ -19,7 +19,8 @@ impl SpaceFrame {
         check_point("the rotation of a shape", &turn)?;
         Ok(SpaceFrame { centre, rotation: Rotation3::new(turn.map(f64::to_radians)) })
     }
-    /// Absolute values of the coordinates of `x` in the frame: the shapes here have all three symmetries.
+    /// Absolute values of the coordinates of `x` in the frame: the shapes here have all three
+    /// symmetries.
     pub(super) fn octant(&self, x: &Point<3>) -> Point<3> {
         self.rotation.inverse_transform_vector(&(x - self.centre)).abs()
     }
@@ -42,11 +43,13 @@ pub struct RoundedBlock {
 }
 
 impl RoundedBlock {
-    /// `half_size` is half the three sides including the rounding, `radius` that of the edges (0: sharp), `turn` the axis of the rotation times
-    /// its angle in degrees (right-hand rule; zero: none).
+    /// `half_size` is half the three sides including the rounding, `radius` that of the edges (0:
+    /// sharp), `turn` the axis of the rotation times its angle in degrees (right-hand rule; zero:
+    /// none).
     ///
     /// # Errors
-    /// Sizes that are not positive, a radius that is negative or larger than the smallest half size.
+    /// Sizes that are not positive, a radius that is negative or larger than the smallest half
+    /// size.
     pub fn new(centre: Point<3>, half_size: Point<3>, radius: f64, turn: SVector<f64, 3>) -> Result<RoundedBlock> {
         check_lengths("the half sizes of a rounded block", half_size.as_slice())?;
         if !(radius >= 0.0 && radius <= half_size.min()) {

@@ -16,8 +16,8 @@ pub struct Bounds {
 
 impl Bounds {
     /// The bounds of `phi`, a function of the P2 `space`, on cell `c`: from the Bernstein-Bezier
-    /// coefficients `b`, which enclose the values, and from the gradients at the vertices, `grad
-    /// phi = 2 sum_j (b_ij - b_ii) grad lambda_j` at vertex `i`.
+    /// coefficients `b`, which enclose the values, and from the gradients at the vertices,
+    /// `grad phi = 2 sum_j (b_ij - b_ii) grad lambda_j` at vertex `i`.
     pub fn of_cell<const D: usize>(space: &Space<D>, phi: &[f64], c: usize) -> Bounds {
         let (own, map) = (space.on_cell(phi, c), space.mesh().map(c));
         let v = own.nodal();

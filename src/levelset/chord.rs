@@ -12,11 +12,12 @@ use nalgebra::SVector;
 const OVERLAP: f64 = 1e-9;
 
 impl Contour {
-    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along `direction` (of any
-    /// length): the semi-axis of a centred shape along that line.
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line
+    /// along `direction` (of any length): the semi-axis of a centred shape along that line.
     ///
-    /// The crossing with the contour gives the cell; in it `phi` on the line is quadratic and its zero exact. `phi` must be
-    /// the function that the contour was made from. `None` if there is no contour on one of the sides.
+    /// The crossing with the contour gives the cell; in it `phi` on the line is quadratic and its
+    /// zero exact. `phi` must be the function that the contour was made from. `None` if there is no
+    /// contour on one of the sides.
     pub fn half_chord(
         &self,
         space: &Space<2>,
@@ -53,8 +54,8 @@ impl Contour {
 }
 
 impl Isosurface {
-    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along `direction` (of any
-    /// length): the semi-axis of a centred shape along that line.
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line
+    /// along `direction` (of any length): the semi-axis of a centred shape along that line.
     ///
     /// In every cell with a part of the surface, `phi` on the line is quadratic and its zeros are
     /// exact. `phi` must be the function that the surface was made from. `None` if there is no

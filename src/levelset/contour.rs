@@ -10,7 +10,8 @@ use std::ops::Range;
 
 /// The four triangles of the P2 lattice of a triangle, positively oriented, by local nodes.
 pub(super) const LATTICE: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-/// The tetrahedra at the corners of the P2 lattice of a tetrahedron, by local nodes; between them is an octahedron.
+/// The tetrahedra at the corners of the P2 lattice of a tetrahedron, by local nodes; between them
+/// is an octahedron.
 pub(super) const CORNERS: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
 
 /// A piece of the contour inside one cell: the parabola through three points of the P2 zero set.
@@ -22,7 +23,8 @@ pub struct Segment {
     pub cell: u32,
     /// Start, middle (at parameter 1/2) and end.
     pub points: [Point<2>; 3],
-    /// Barycentric coordinates of the three points in the cell; the middle may lie outside of it by a little.
+    /// Barycentric coordinates of the three points in the cell; the middle may lie outside of it by
+    /// a little.
     pub barycentric: [[f64; 4]; 3],
 }
 
@@ -160,7 +162,8 @@ impl Cell<'_> {
             out.push((start.key, end.key, segment));
         }
     }
-    /// The zero between the local nodes `a` and `b`, computed in the same way from both sides of an edge.
+    /// The zero between the local nodes `a` and `b`, computed in the same way from both sides of an
+    /// edge.
     fn crossing(&self, a: usize, b: usize) -> Crossing {
         let nodes = self.space.cell_nodes(self.c);
         let (a, b) = if nodes[a] < nodes[b] { (a, b) } else { (b, a) };
@@ -206,7 +209,8 @@ impl Cell<'_> {
 fn chain(pieces: Vec<(Key, Key, Segment)>) -> (Vec<Segment>, Vec<Line>) {
     let mut starts: Vec<(Key, usize)> = pieces.iter().enumerate().map(|(i, p)| (p.0, i)).collect();
     starts.sort_unstable();
-    // A lattice edge belongs to two triangles at most, and phi < 0 is on the left in both: one segment starts there.
+    // A lattice edge belongs to two triangles at most, and phi < 0 is on the left in both: one
+    // segment starts there.
     let next: Vec<Option<usize>> =
         pieces.iter().map(|p| starts.binary_search_by_key(&p.1, |s| s.0).ok().map(|k| starts[k].1)).collect();
     let mut first = vec![true; pieces.len()];
@@ -267,7 +271,8 @@ mod tests {
         let contour = Contour::new(&space, &phi).unwrap();
         (space, phi, contour)
     }
-    /// Every segment begins where the one before ends, `phi` vanishes on all its points, and barycentric coordinates fit.
+    /// Every segment begins where the one before ends, `phi` vanishes on all its points, and
+    /// barycentric coordinates fit.
     fn check(space: &Space<2>, phi: &[f64], contour: &Contour) {
         let mut covered = 0;
         for line in contour.lines() {
@@ -348,7 +353,8 @@ mod tests {
 
     #[test]
     fn a_quadratic_zero_set_is_reproduced() {
-        // A parabola lies in the space and in the segments; only lattice crossings and middles are tested elsewhere.
+        // A parabola lies in the space and in the segments; only lattice crossings and middles are
+        // tested elsewhere.
         let (space, phi, c) = contour(7, |x| x[1] - 0.3 - 0.4 * x[0] * x[0]);
         check(&space, &phi, &c);
         for s in c.segments() {

@@ -6,8 +6,8 @@ use crate::fem::{Derivatives, Recovery, Space};
 use crate::mesh::Mesh;
 use nalgebra::{SMatrix, SVector};
 
-/// The normal `n = grad phi / |grad phi|` and its gradient: row `i`, column `j` is `d n_i / d x_j = (I - n n^T) D^2 phi / |grad phi|`.
-/// `None` where the gradient vanishes.
+/// The normal `n = grad phi / |grad phi|` and its gradient: row `i`, column `j` is
+/// `d n_i / d x_j = (I - n n^T) D^2 phi / |grad phi|`. `None` where the gradient vanishes.
 pub fn normal_gradient<const D: usize>(phi: &Derivatives<D>) -> Option<(SVector<f64, D>, SMatrix<f64, D, D>)> {
     let slope = phi.gradient.norm();
     if slope <= 0.0 || !slope.is_finite() {
@@ -35,7 +35,8 @@ pub struct Curvature {
 }
 
 impl Curvature {
-    /// The curvatures of the level set `phi` of `space` at the vertices `vertices` of the mesh, zero at the others; `recovery` is that of its mesh.
+    /// The curvatures of the level set `phi` of `space` at the vertices `vertices` of the mesh,
+    /// zero at the others; `recovery` is that of its mesh.
     ///
     /// On the interface only the vertices of [`vertices_near`] are needed.
     pub fn new<const D: usize>(recovery: &Recovery<D>, space: &Space<D>, phi: &[f64], vertices: &[u32]) -> Curvature {
@@ -107,7 +108,8 @@ mod tests {
 
     #[test]
     fn a_quadratic_level_set_has_its_curvatures_exactly() {
-        // Quadratic functions are recovered exactly, and their level sets are spheres and circles about the origin.
+        // Quadratic functions are recovered exactly, and their level sets are spheres and circles
+        // about the origin.
         let (mesh, vertices, found) =
             near(rectangle([-1.0; 2], [1.0; 2], [9, 8], Diagonals::Right).unwrap(), |x| 3.0 * (x.norm_squared() - 0.5));
         for &v in &vertices {

@@ -7,8 +7,8 @@ use nalgebra::SVector;
 const LEAF: usize = 8;
 
 /// Segments (`D = 2`) or triangles (`D = 3`) in a balanced binary tree of axis-aligned boxes: the
-/// children of the box over `low..high` are its halves; the children of box `k` are the boxes `2 k
-/// + 1` and `2 k + 2`.
+/// children of the box over `low..high` are its halves; the children of box `k` are the boxes
+/// `2 k + 1` and `2 k + 2`.
 #[derive(Clone, Debug)]
 pub(super) struct Tree<const D: usize> {
     parts: Vec<Part<D>>,

@@ -8,7 +8,8 @@ use crate::mesh::Point;
 
 /// Number of squares of the tracing grid along the longer side of the domain.
 const GRID: usize = 256;
-/// The traced polygon lies within this distance of the zero set, as a fraction of the diagonal of the domain.
+/// The traced polygon lies within this distance of the zero set, as a fraction of the diagonal of
+/// the domain.
 const TOLERANCE: f64 = 1e-9;
 /// Largest number of segments; more indicate a zero set that is rough on every scale.
 const MOST_SEGMENTS: usize = 4_000_000;
@@ -51,15 +52,17 @@ impl Shape<2> for LevelFunction {
         let d = self.zero_set.distance(x);
         if (self.function)(x) < 0.0 { -d } else { d }
     }
-    /// The box around the traced zero set, which reaches a quarter of the domain beyond it where the interface does.
+    /// The box around the traced zero set, which reaches a quarter of the domain beyond it where
+    /// the interface does.
     fn bounds(&self) -> (Point<2>, Point<2>) {
         self.zero_set.bounds()
     }
 }
 
 impl Grid<2> {
-    /// The zero set of `f`, whose values at the nodes are given, as segments within the tolerance. Squares are halved
-    /// into triangles, in which a zero set is one piece; triangles with a value that is not finite are left out.
+    /// The zero set of `f`, whose values at the nodes are given, as segments within the tolerance.
+    /// Squares are halved into triangles, in which a zero set is one piece; triangles with a value
+    /// that is not finite are left out.
     pub(super) fn trace(&self, f: &Level, values: &[f64]) -> Result<Vec<[Point<2>; 2]>> {
         let tolerance = TOLERANCE * self.diagonal;
         let mut segments = Vec::new();
@@ -92,7 +95,8 @@ impl Grid<2> {
     }
 }
 
-/// Halves the segment `p q`, whose ends lie on the zero set, until the zero set is within `tolerance` of it.
+/// Halves the segment `p q`, whose ends lie on the zero set, until the zero set is within
+/// `tolerance` of it.
 fn refine(
     f: &Level,
     p: Point<2>,

@@ -91,8 +91,9 @@ pub(super) fn sampled<const D: usize>(
         )))
 }
 
-/// The zero of `f` between a point where it is negative and one where it is not, to within `tolerance`, by
-/// Chandrupatla's method (1997): inverse quadratic interpolation where it is safe, bisection elsewhere.
+/// The zero of `f` between a point where it is negative and one where it is not, to within
+/// `tolerance`, by Chandrupatla's method (1997): inverse quadratic interpolation where it is safe,
+/// bisection elsewhere.
 pub(super) fn root<const D: usize>(
     f: &Level<D>,
     inner: (Point<D>, f64),

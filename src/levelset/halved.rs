@@ -38,7 +38,8 @@ impl<const D: usize> Interface<'static, D> {
     }
 }
 
-/// A point of the lattice of a cell, the same from all cells that share it: numbers of vertices with their weights.
+/// A point of the lattice of a cell, the same from all cells that share it: numbers of vertices
+/// with their weights.
 type Key = [(u32, u32); 3];
 /// Weights of the three vertices of a cell, in units of the lattice.
 type Weights = [u32; 3];

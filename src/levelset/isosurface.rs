@@ -56,8 +56,8 @@ impl Isosurface {
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
-    /// The parts of the boundary of the mesh where `phi < 0`, with their normals out of the mesh: together with the triangles they
-    /// enclose the set `phi < 0`.
+    /// The parts of the boundary of the mesh where `phi < 0`, with their normals out of the mesh:
+    /// together with the triangles they enclose the set `phi < 0`.
     pub fn walls(&self) -> &[Triangle] {
         &self.walls
     }
@@ -66,15 +66,15 @@ impl Isosurface {
         self.triangles.is_empty()
     }
 
-    /// Quadrature points, exact on a triangle to degree 4: moved along the normal onto the P2 zero set of `phi`, which must be the
-    /// function that the surface was made from; sorted by their cells and numbered by `at.q`. Normals and weights, areas, are those of
-    /// the curved triangles.
+    /// Quadrature points, exact on a triangle to degree 4: moved along the normal onto the P2 zero
+    /// set of `phi`, which must be the function that the surface was made from; sorted by their
+    /// cells and numbered by `at.q`. Normals and weights, areas, are those of the curved triangles.
     pub fn quadrature(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE))
     }
-    /// Three points on every triangle, on the zero set of the P2 function, sorted by their cells and
-    /// numbered by `at.q`. Their normals, out of `phi < 0`, are those of the triangles: their sum over
-    /// a closed surface is 0.
+    /// Three points on every triangle, on the zero set of the P2 function, sorted by their cells
+    /// and numbered by `at.q`. Their normals, out of `phi < 0`, are those of the triangles: their
+    /// sum over a closed surface is 0.
     pub fn points_of_forms(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE_OF_FORMS))
     }
@@ -151,7 +151,8 @@ mod tests {
         let surface = Isosurface::new(&space, &phi).unwrap();
         (space, phi, surface)
     }
-    /// Area vector, and the volume from each component of the divergence theorem, of triangles and walls together.
+    /// Area vector, and the volume from each component of the divergence theorem, of triangles and
+    /// walls together.
     fn sums(s: &Isosurface) -> (Point<3>, Point<3>) {
         let rule = Rule::simplex(2, 4);
         let (mut area, mut volume) = (Point::<3>::zeros(), Point::<3>::zeros());
@@ -188,7 +189,8 @@ mod tests {
         prop_assert!(open == 0, "{} of {} sides are open", open, sides.len());
         Ok(())
     }
-    /// The points lie on the zero set, where their barycentric coordinates say, and `phi` grows along the normals.
+    /// The points lie on the zero set, where their barycentric coordinates say, and `phi` grows
+    /// along the normals.
     fn check_points(space: &Space<3>, phi: &[f64], s: &Isosurface) {
         for t in s.triangles() {
             let cell = t.cell as usize;
@@ -217,7 +219,8 @@ mod tests {
     fn two_balls_are_closed_and_lie_on_the_zero_set() {
         let ball = |x: &Point<3>, c: Point<3>, r: f64| (x - c).norm_squared() - r * r;
         let two = |x: &Point<3>| ball(x, p(0.52, 0.5, 0.6), 0.3).min(ball(x, p(1.4, 1.3, 1.2), 0.47));
-        // Fine enough that no cell with the surface, and none beside it, meets the kink between the balls.
+        // Fine enough that no cell with the surface, and none beside it, meets the kink between the
+        // balls.
         let (space, phi, s) = surface(16, two);
         assert!(s.walls().is_empty());
         check_points(&space, &phi, &s);
@@ -296,7 +299,8 @@ mod tests {
         assert_eq!(one.0.measures().unwrap(), two.0.measures().unwrap());
     }
 
-    /// A box whose inner points are moved and whose cells are stored in a mixed order of their vertices.
+    /// A box whose inner points are moved and whose cells are stored in a mixed order of their
+    /// vertices.
     fn crooked(n: usize) -> Mesh<3> {
         let regular = box_mesh([0.0; 3], [2.0; 3], [n, n, n]).unwrap();
         let inside = |x: &Point<3>| x.iter().all(|&c| c > 0.0 && c < 2.0);

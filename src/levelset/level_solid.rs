@@ -14,10 +14,12 @@ const GRID: usize = 48;
 const TOLERANCE: f64 = 1e-10;
 /// Largest number of steps of Newton's method for the closest point.
 const MOST_STEPS: usize = 12;
-/// The six tetrahedra of a cube along its diagonal, by corners whose bits are the steps in x, y and z.
+/// The six tetrahedra of a cube along its diagonal, by corners whose bits are the steps in x, y and
+/// z.
 const KUHN: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
 
-/// The set in space where a function is negative, with the true distance to its boundary (not the value of the function).
+/// The set in space where a function is negative, with the true distance to its boundary (not the
+/// value of the function).
 ///
 /// The zero set is triangulated on a grid of 48 cubes along the domain (and a quarter of the domain
 /// around it, for an interface that leaves the domain). Newton's method, with derivatives by
@@ -47,7 +49,8 @@ impl LevelSolid {
         Ok(LevelSolid { function, zero_set, step: grid.step })
     }
 
-    /// The closest point of the zero set to `x` by Newton's method on `y - x + s grad f(y) = 0`, `f(y) = 0` from `start`.
+    /// The closest point of the zero set to `x` by Newton's method on `y - x + s grad f(y) = 0`,
+    /// `f(y) = 0` from `start`.
     fn foot(&self, x: &Point<3>, start: Point<3>) -> Option<Point<3>> {
         let f = |y: &Point<3>| (self.function)(y);
         let g = gradient(&f, &start, 1e-3 * self.step);
@@ -87,7 +90,8 @@ impl Shape<3> for LevelSolid {
         let d = foot.unwrap_or_else(|| difference.norm());
         if (self.function)(x) < 0.0 { -d } else { d }
     }
-    /// The box around the triangles, which reaches a quarter of the domain beyond it where the interface does.
+    /// The box around the triangles, which reaches a quarter of the domain beyond it where the
+    /// interface does.
     fn bounds(&self) -> (Point<3>, Point<3>) {
         self.zero_set.bounds()
     }
@@ -116,7 +120,8 @@ fn hessian(f: &impl Fn(&Point<3>) -> f64, x: &Point<3>, h: f64) -> SMatrix<f64, 
 }
 
 impl Grid<3> {
-    /// The zero set, with its corners on the lines of the grid; cubes with a value that is not finite are left out.
+    /// The zero set, with its corners on the lines of the grid; cubes with a value that is not
+    /// finite are left out.
     fn triangles(&self, f: &Level<3>, values: &[f64]) -> Vec<[Point<3>; 3]> {
         let [nx, ny, nz] = self.nodes;
         let mut out = Vec::new();
@@ -158,7 +163,8 @@ mod tests {
     fn domain() -> (Point<3>, Point<3>) {
         (p(-1.0, -1.0, -1.0), p(1.0, 1.0, 1.0))
     }
-    /// Largest difference of the distances of two shapes on a grid in the domain, at points where `of` holds.
+    /// Largest difference of the distances of two shapes on a grid in the domain, at points where
+    /// `of` holds.
     fn difference(a: &dyn Shape<3>, b: &dyn Shape<3>, of: impl Fn(&Point<3>) -> bool) -> f64 {
         let n = 13;
         (0..n * n * n)

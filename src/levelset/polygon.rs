@@ -17,7 +17,8 @@ impl Polygon {
     /// The polygon with these vertices. A last vertex equal to the first is dropped.
     ///
     /// # Errors
-    /// Fewer than 3 vertices, a coordinate that is not finite, equal neighbours, sides that cross or touch, no area.
+    /// Fewer than 3 vertices, a coordinate that is not finite, equal neighbours, sides that cross
+    /// or touch, no area.
     pub fn new(mut vertices: Vec<Point<2>>) -> Result<Polygon> {
         if vertices.len() > 1 && vertices.first() == vertices.last() {
             vertices.pop();
@@ -158,7 +159,8 @@ mod tests {
             if let Ok(s) = polygon(&v) {
                 prop_assert!(v.iter().all(|p| s.distance(&Point::<2>::new(p[0], p[1])) == 0.0));
                 prop_assert!(s.distance(&Point::<2>::new(-1.0, -1.0)) >= 2f64.sqrt());
-                // Some point of a fine grid lies inside: a lattice polygon has an area of at least 1/2.
+                // Some point of a fine grid lies inside: a lattice polygon has an area of at least
+                // 1/2.
                 prop_assert!((0..2500).any(|k| s.distance(&Point::<2>::new((k % 50) as f64 * 0.1 + 0.013, (k / 50) as f64 * 0.1 + 0.029)) < 0.0));
             }
         }

@@ -31,16 +31,17 @@ pub struct SegmentationFit {
 /// The gradient flow of `alpha E1 + beta E2`, which fits the levels `c1` inside and `c2` outside to
 /// the image `u0` with a short contour:
 ///
-/// `E1 = int |u0 - c1|^2 (1 - H) + int |u0 - c2|^2 H`, `E2 = int delta |grad phi|`, `H =
-/// H(phi/eps)`, `delta = zeta(phi/eps)/eps`,
+/// `E1 = int |u0 - c1|^2 (1 - H) + int |u0 - c2|^2 H`, `E2 = int delta |grad phi|`,
+/// `H = H(phi/eps)`, `delta = zeta(phi/eps)/eps`,
 ///
-/// with `H = 1` outside (`phi > 0`). Of both, `int dE psi = int delta (alpha [(u0 - c2)^2 - (u0 -
-/// c1)^2] - beta div n) psi`, so that
+/// with `H = 1` outside (`phi > 0`). Of both,
+/// `int dE psi = int delta (alpha [(u0 - c2)^2 - (u0 - c1)^2] - beta div n) psi`, so that
 ///
 /// `d phi/dt = delta (alpha [(u0 - c1)^2 - (u0 - c2)^2] + beta div (grad phi/|grad phi|))`,
 ///
-/// which is (1.29) with the weights corrected. `c1 = int u0 (1 - H) / int (1 - H)` and `c2 = int u0
-/// H / int H` minimise `E1`. A step is implicit in the length term only, with the old slope:
+/// which is (1.29) with the weights corrected. `c1 = int u0 (1 - H) / int (1 - H)` and
+/// `c2 = int u0 H / int H` minimise `E1`. A step is implicit in the length term only, with the old
+/// slope:
 ///
 /// `(m phi', q) + beta dt (grad phi'/|grad phi|, grad q) = (m phi + dt alpha [(u0 - c1)^2 - (u0 -
 /// c2)^2], q)`, `m = 1/delta`,
@@ -263,7 +264,8 @@ mod tests {
         assert!((fit.levels[0] + fit.levels[1] - 1.0).abs() < 1e-9 && (fit.length - 20.0).abs() < 1e-3, "{fit:?}");
     }
 
-    /// Along the flow `d phi/dt = -dE` the energy falls by the square of the motion, `-int (phi' - phi)^2/dt`, for both parts of the energy.
+    /// Along the flow `d phi/dt = -dE` the energy falls by the square of the motion,
+    /// `-int (phi' - phi)^2/dt`, for both parts of the energy.
     #[test]
     fn a_small_step_goes_down_the_gradient_of_the_energy() {
         let space = space(20);

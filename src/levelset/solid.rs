@@ -20,7 +20,8 @@ pub struct SolidMeasures {
     pub surface: f64,
     /// Centroid of the set.
     pub centroid: Point<3>,
-    /// Largest semi-axis of the ellipsoid that has the same volume-weighted second moments as the set.
+    /// Largest semi-axis of the ellipsoid that has the same volume-weighted second moments as the
+    /// set.
     pub axis_1: f64,
     /// Middle semi-axis of that ellipsoid.
     pub axis_2: f64,
@@ -45,8 +46,8 @@ impl Isosurface {
         parallel::sum(self.triangles().len(), |i| [of(&self.triangles()[i])])[0]
     }
 
-    /// Volume, area, centroid, axes and extents. The integrals over `phi < 0` become integrals over its boundary by the divergence
-    /// theorem, exact for the curved triangles.
+    /// Volume, area, centroid, axes and extents. The integrals over `phi < 0` become integrals over
+    /// its boundary by the divergence theorem, exact for the curved triangles.
     ///
     /// # Errors
     /// No surface, or a set without volume.
@@ -93,7 +94,8 @@ impl Isosurface {
         }))
     }
 
-    /// `int 1, x, y, z, x^2, y^2, z^2, x y, y z, z x` over the set `phi < 0`, with coordinates from `origin`.
+    /// `int 1, x, y, z, x^2, y^2, z^2, x y, y z, z x` over the set `phi < 0`, with coordinates from
+    /// `origin`.
     fn moments(&self, origin: &Point<3>) -> [f64; 10] {
         let rule = Rule::simplex(2, DEGREE);
         let of = |t: &Triangle| {
@@ -118,7 +120,8 @@ impl Isosurface {
     }
 }
 
-/// Semi-axes of the ellipsoid with these central second moments per volume, largest first, and their directions.
+/// Semi-axes of the ellipsoid with these central second moments per volume, largest first, and
+/// their directions.
 fn principal(moments: &SMatrix<f64, 3, 3>) -> ([f64; 3], [SVector<f64, 3>; 3]) {
     let eigen = moments.symmetric_eigen();
     let mut order = [0, 1, 2];
@@ -186,7 +189,8 @@ mod tests {
     fn an_ellipsoid_in_the_space_shows_the_error_of_the_triangles_alone() {
         let (axes, centre) = (p(0.8, 0.6, 0.45), p(0.03, -0.02, 0.04));
         let turn = nalgebra::Rotation3::new(p(0.3, -0.5, 0.7));
-        // Surface of the ellipsoid by products of the trapezoidal and Gauss' rules in its parameters.
+        // Surface of the ellipsoid by products of the trapezoidal and Gauss' rules in its
+        // parameters.
         let mut area = 0.0;
         for (z, w) in crate::fem::gauss_legendre(60) {
             let z = 2.0 * z - 1.0;

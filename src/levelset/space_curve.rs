@@ -40,10 +40,10 @@ impl Frenet {
     /// parallel. Where the curve is straight, normal, binormal and torsion are not defined, and set
     /// to zero.
     ///
-    /// The curve `c' = T(c)` follows the field `T = g x h` of the gradients, so that `c'' = [grad
-    /// T] T` and `c''' = D^2 T(T, T) + [grad T] c''`; curvature and torsion are those of a curve
-    /// with any parameter: `|c' x c''|/|c'|^3` and `det(c', c'', c''')/|c' x c''|^2`. These equal
-    /// (1.21) without derivatives of a unit vector.
+    /// The curve `c' = T(c)` follows the field `T = g x h` of the gradients, so that
+    /// `c'' = [grad T] T` and `c''' = D^2 T(T, T) + [grad T] c''`; curvature and torsion are those
+    /// of a curve with any parameter: `|c' x c''|/|c'|^3` and `det(c', c'', c''')/|c' x c''|^2`.
+    /// These equal (1.21) without derivatives of a unit vector.
     pub fn new(phi1: &Derivatives<3>, phi2: &Derivatives<3>) -> Option<Frenet> {
         let (g, h) = (phi1.gradient, phi2.gradient);
         let first = g.cross(&h);
@@ -218,7 +218,8 @@ mod tests {
     use std::f64::consts::PI;
     use std::sync::Arc;
 
-    /// The derivatives at `x` of `x - a cos(k z)` and `y - a sin(k z)`, whose common zero is a right-handed helix.
+    /// The derivatives at `x` of `x - a cos(k z)` and `y - a sin(k z)`, whose common zero is a
+    /// right-handed helix.
     fn helix(a: f64, k: f64, x: &V) -> [Derivatives<3>; 2] {
         let (s, c) = (k * x[2]).sin_cos();
         let of = |axis: usize, first: f64, second: f64, third: f64| {

@@ -6,7 +6,8 @@ use crate::fem::{EDGES, Space};
 use crate::mesh::{NONE, Point};
 use nalgebra::SVector;
 
-/// The edges of the sorted vertices, in lexicographic order; node `4 + e` of the lattice is the middle of edge `e`.
+/// The edges of the sorted vertices, in lexicographic order; node `4 + e` of the lattice is the
+/// middle of edge `e`.
 const SORTED_EDGES: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 /// The tetrahedra at the corners of the lattice, positively oriented.
@@ -16,7 +17,8 @@ const CORNERS: [[usize; 4]; 4] = [[0, 4, 5, 6], [4, 1, 7, 8], [5, 7, 2, 9], [6, 
 const DIAGONALS: [([usize; 2], [usize; 4]); 3] =
     [([4, 9], [5, 6, 8, 7]), ([5, 8], [4, 7, 9, 6]), ([6, 7], [4, 5, 9, 8])];
 
-/// The faces opposite to the vertices, seen from outside, with the lattice nodes of their corners and of the middles of their sides.
+/// The faces opposite to the vertices, seen from outside, with the lattice nodes of their corners
+/// and of the middles of their sides.
 const FACES: [[usize; 6]; 4] = [[1, 2, 3, 7, 9, 8], [0, 3, 2, 6, 9, 5], [0, 1, 3, 4, 8, 6], [0, 2, 1, 5, 7, 4]];
 
 /// The four triangles of a face by its six nodes.
@@ -86,7 +88,8 @@ impl<'a> Tetrahedron<'a> {
         }
     }
 
-    /// Appends the part of the face opposite to the local vertex `opposite` where `phi < 0`, with the normal out of the cell.
+    /// Appends the part of the face opposite to the local vertex `opposite` where `phi < 0`, with
+    /// the normal out of the cell.
     pub(super) fn wall(&self, opposite: usize, out: &mut Vec<Triangle>) {
         let Some(k) = self.order.iter().position(|&o| o == opposite) else { return };
         for quarter in QUARTERS {
@@ -217,12 +220,14 @@ impl<'a> Tetrahedron<'a> {
         }
     }
 
-    /// The same on the boundary of the mesh, on the perpendicular bisector of the chord in the plane of the facet.
+    /// The same on the boundary of the mesh, on the perpendicular bisector of the chord in the
+    /// plane of the facet.
     fn middle_on_wall(&self, start: &Sorted, end: &Sorted, face: [usize; 3]) -> Sorted {
         let middle = between(start, end);
         let chord: Sorted = std::array::from_fn(|k| end[k] - start[k]);
         let (v, p, q) = (node(face[0]), node(face[1]), node(face[2]));
-        // A vector in the plane that is not along the chord; the corner between the two sides stands first in `face`.
+        // A vector in the plane that is not along the chord; the corner between the two sides
+        // stands first in `face`.
         let median: Sorted = std::array::from_fn(|k| 0.5 * (p[k] + q[k]) - v[k]);
         let (c, m) = (self.vector(&chord), self.vector(&median));
         let square = c.norm_squared();

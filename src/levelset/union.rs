@@ -116,7 +116,8 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
-        /// Two discs: inside, the nearest boundary point is the foot on one arc or one of the two corners.
+        /// Two discs: inside, the nearest boundary point is the foot on one arc or one of the two
+        /// corners.
         #[test]
         fn overlapping_discs_have_the_distance_to_their_arcs_and_corners(gap in 0.1..1.9f64, r in 0.4..1.0f64, x in -1.0..3.0f64, y in -1.0..1.0f64) {
             let centres = [p(0.0, 0.0), p(gap, 0.0)];

@@ -37,12 +37,14 @@ pub struct SolveReport {
     pub iterations: usize,
 }
 
-/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions are in double precision.
+/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions
+/// are in double precision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// 64 bits: one substitution is accurate to rounding.
     Double,
-    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to follow.
+    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to
+    /// follow.
     Single,
 }
 
@@ -62,8 +64,8 @@ enum Values {
     Single(Single),
 }
 
-/// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive definite, or a saddle
-/// point in the order of [`Ordering::saddle_point`].
+/// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive
+/// definite, or a saddle point in the order of [`Ordering::saddle_point`].
 ///
 /// Sequential, so that results do not depend on the number of threads.
 pub struct Factor {
@@ -90,7 +92,8 @@ impl Factor {
         Factor::analyse_within(matrix, ordering, available())
     }
 
-    /// [`analyse`](Factor::analyse) with a limit on the bytes that the factor may take, `None` for no limit.
+    /// [`analyse`](Factor::analyse) with a limit on the bytes that the factor may take, `None` for
+    /// no limit.
     ///
     /// # Errors
     /// As [`analyse`](Factor::analyse).
@@ -154,7 +157,8 @@ impl Factor {
         self.is_valid
     }
 
-    /// Operations of a numeric factorisation: the sum over the columns of the square of their lengths.
+    /// Operations of a numeric factorisation: the sum over the columns of the square of their
+    /// lengths.
     pub fn operations(&self) -> f64 {
         let SymbolicCholeskyRaw::Supernodal(parts) = self.symbolic.raw() else { return 0.0 };
         let columns = parts.supernode_begin().iter().zip(parts.supernode_end());
@@ -249,15 +253,16 @@ impl Factor {
         Ok(())
     }
 
-    /// Solves `A x = rhs` for one right-hand side or for several, one after another in `rhs` and `x`.
+    /// Solves `A x = rhs` for one right-hand side or for several, one after another in `rhs` and
+    /// `x`.
     ///
     /// Takes a step of iterative refinement if `|b - A x| > 1e-13 |b|` (not needed in the orderings
     /// of this module), and up to three while it exceeds `1e-9 |b|`. Allocates only if there are
     /// more right-hand sides than in all calls before.
     ///
     /// # Errors
-    /// Computation, if the right-hand side is not finite or the residual stays above 1e-9; internal, if there is no
-    /// valid factor, the pattern is another one, or the lengths are wrong.
+    /// Computation, if the right-hand side is not finite or the residual stays above 1e-9;
+    /// internal, if there is no valid factor, the pattern is another one, or the lengths are wrong.
     pub fn solve(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
         self.require_pattern_of(matrix)?;
         let n = self.order();

@@ -180,7 +180,8 @@ mod tests {
     use super::super::testing::{laplacian, scattered};
     use super::*;
 
-    /// The residual is what it says, and without preconditioner as many iterations as distinct eigenvalues suffice.
+    /// The residual is what it says, and without preconditioner as many iterations as distinct
+    /// eigenvalues suffice.
     #[test]
     fn as_many_iterations_as_there_are_different_eigenvalues_solve_a_system() {
         let mut a = SymmetricMatrix::from_groups(60, (0..60u32).map(|i| [i])).unwrap();

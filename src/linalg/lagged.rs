@@ -83,7 +83,7 @@ const DIRECT_SOLVE: f64 = 1.0;
 const OWN_TOLERANCE: f64 = 1e-10;
 
 impl SolveCost {
-    fn wants_factor(&self) -> bool {
+    fn should_factor(&self) -> bool {
         self.hold > 0.0 || self.last * self.solves > self.spent
     }
     /// Starts a period after a factorisation, preceded by `wasted` iterations; its own solve costs
@@ -184,7 +184,7 @@ impl LaggedFactor {
         self.tolerance > 0.0 && self.cost >= LEAST_COST
     }
     /// Makes the next solve factor its matrix.
-    pub fn forget(&mut self) {
+    pub fn invalidate(&mut self) {
         self.solve_cost = SolveCost { hold: 1.0, ..SolveCost::default() };
     }
     /// Cost of a factorisation, in iterations.
@@ -241,7 +241,7 @@ impl LaggedFactor {
         let try_krylov = change == Change::Passing
             && self.may_iterate()
             && self.engine.is_valid()
-            && !self.solve_cost.wants_factor();
+            && !self.solve_cost.should_factor();
         let mut wasted = 0;
         if try_krylov {
             let done = self.iterate(matrix, rhs, x, (self.tolerance, self.most_iterations()));
@@ -310,8 +310,9 @@ mod tests {
         LaggedFactor { cost: 15.0, ..LaggedFactor::analyse(&matrix, ordering, tolerance).unwrap() }
     }
 
-    /// Viscosities that grow by 2 % from solve to solve: the solutions are those of factoring each, to the tolerance, with far fewer
-    /// factorisations, and the residual that is reported is the true one.
+    /// Viscosities that grow by 2 % from solve to solve: the solutions are those of factoring each,
+    /// to the tolerance, with far fewer factorisations, and the residual that is reported is the
+    /// true one.
     #[test]
     fn an_old_factor_solves_a_matrix_that_creeps_away_from_it() {
         let (mut old, mut direct) = (lagged(1e-10), lagged(0.0));
@@ -367,14 +368,14 @@ mod tests {
         }
     }
 
-    /// Solves that cost 1, 2, 3, ... after a factorisation of 8 and its solve of 2: the mean over a period of n solves,
-    /// (10 + n (n - 1)/2)/n, is least for n = 4 and 5, both 4.
+    /// Solves that cost 1, 2, 3, ... after a factorisation of 8 and its solve of 2: the mean over a
+    /// period of n solves, (10 + n (n - 1)/2)/n, is least for n = 4 and 5, both 4.
     #[test]
     fn a_factor_is_renewed_where_the_mean_cost_is_least() {
         let mut solve_cost = SolveCost::default();
         solve_cost.factored(8.0, 1.0, 0);
         let mut solves = 1;
-        while !solve_cost.wants_factor() {
+        while !solve_cost.should_factor() {
             solve_cost.iterated(solves);
             solves += 1;
         }

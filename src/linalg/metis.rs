@@ -12,7 +12,8 @@ static ONE_CALL_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 const SEED: i32 = 1;
 
-/// An undirected graph without loops: vertex `v` has the neighbours `neighbours[starts[v]..starts[v + 1]]`.
+/// An undirected graph without loops: vertex `v` has the neighbours
+/// `neighbours[starts[v]..starts[v + 1]]`.
 pub(super) struct Graph {
     pub starts: Vec<i32>,
     pub neighbours: Vec<i32>,
@@ -23,7 +24,8 @@ pub(super) struct Graph {
 impl Graph {
     /// A fill-reducing order of the vertices: entry `k` is the vertex that is eliminated `k`-th.
     ///
-    /// G. Karypis and V. Kumar, *A fast and high quality multilevel scheme for partitioning irregular graphs*, 1998.
+    /// G. Karypis and V. Kumar, *A fast and high quality multilevel scheme for partitioning
+    /// irregular graphs*, 1998.
     ///
     /// # Errors
     /// Computation, if METIS fails (only for lack of memory).
@@ -50,7 +52,8 @@ impl Graph {
     fn call(&mut self, vertices: &mut i32, order: &mut [i32], position: &mut [i32]) -> c_int {
         let mut options = [0; metis_sys::METIS_NOPTIONS as usize];
         // SAFETY: `options` has METIS_NOPTIONS entries. The graph is one of `vertices` vertices in the form that METIS
-        // documents (checked in the tests of `ordering`); all arrays live, exclusively borrowed, until the call returns.
+        // documents (checked in the tests of `ordering`); all arrays live, exclusively borrowed,
+        // until the call returns.
         unsafe {
             metis_sys::METIS_SetDefaultOptions(options.as_mut_ptr());
             options[metis_sys::moptions_et_METIS_OPTION_SEED as usize] = SEED;

@@ -43,7 +43,8 @@ impl Ordering {
         Ordering::of_blocks(&adjacency, &singles, matrix.order())
     }
 
-    /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C` small, even zero.
+    /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C`
+    /// small, even zero.
     ///
     /// The `multipliers` belong to the second row (pressures). Each is paired with one unknown of
     /// the first row (a velocity component): the one with the largest entry of `B` that is still
@@ -59,7 +60,8 @@ impl Ordering {
     /// suffice.
     ///
     /// # Errors
-    /// Computation, if the matrix is too large for METIS; internal, if there are fewer unknowns than come before the first multiplier.
+    /// Computation, if the matrix is too large for METIS; internal, if there are fewer unknowns
+    /// than come before the first multiplier.
     pub fn saddle_point(matrix: &SymmetricMatrix, multipliers: impl Into<Multipliers>) -> Result<Ordering> {
         let Multipliers { first: first_multiplier, first_late } = multipliers.into();
         if first_multiplier > matrix.order() {
@@ -113,8 +115,8 @@ impl Ordering {
         Ordering { unknowns, positions }
     }
 
-    /// An equivalent order in which every subtree of the elimination tree is contiguous: the same fill, and
-    /// columns of the same pattern next to each other, so that supernodes are large.
+    /// An equivalent order in which every subtree of the elimination tree is contiguous: the same
+    /// fill, and columns of the same pattern next to each other, so that supernodes are large.
     fn postordered(&self, adjacency: &Adjacency) -> Ordering {
         let parents = self.elimination_tree(adjacency);
         let n = parents.len();
@@ -144,7 +146,8 @@ impl Ordering {
 
     /// The parent of every position in the elimination tree, [`NONE`] for a root.
     ///
-    /// J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990, with path compression.
+    /// J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990, with path
+    /// compression.
     fn elimination_tree(&self, adjacency: &Adjacency) -> Vec<usize> {
         let n = self.unknowns.len();
         let mut parents = vec![NONE; n];
@@ -172,7 +175,8 @@ impl Ordering {
 /// while there is another choice: with three pressures on the components of one node near the
 /// corner of a box their block of `B` is singular, and elimination meets a zero pivot.
 fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
-    // An entry must be larger by this factor to win over an earlier one: equal ones differ by rounding.
+    // An entry must be larger by this factor to win over an earlier one: equal ones differ by
+    // rounding.
     const CLEARLY_LARGER: f64 = 1.0001;
     let entries = |p: usize| {
         let (rows, values) = matrix.column(p);
@@ -241,7 +245,8 @@ impl Adjacency {
     }
 }
 
-/// A partition of the unknowns into blocks that are eliminated together, each in the order of its members.
+/// A partition of the unknowns into blocks that are eliminated together, each in the order of its
+/// members.
 struct Blocks {
     starts: Vec<usize>,
     members: Vec<usize>,
@@ -343,7 +348,8 @@ mod tests {
     fn dissection_fills_in_less_than_the_natural_order() {
         let a = laplacian(60, 0.0);
         let dissected = fill(&a, &Ordering::plain(&a).unwrap());
-        // The natural order fills the band: 60^3 entries. Nested dissection: (31/8) n^2 log2 n, about 82 000.
+        // The natural order fills the band: 60^3 entries. Nested dissection: (31/8) n^2 log2 n,
+        // about 82 000.
         assert!(fill(&a, &natural(3600)) > 200_000);
         assert!(dissected < 90_000, "{dissected}");
     }
@@ -380,7 +386,8 @@ mod tests {
 
     #[test]
     fn partners_are_the_largest_entries_on_nodes_that_are_left() {
-        // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none: 1 and 2 are of one node.
+        // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none: 1 and 2 are
+        // of one node.
         let mut a = SymmetricMatrix::from_groups(6, [[0, 3], [1, 3], [2, 3], [1, 4], [2, 4]].iter()).unwrap();
         for (i, p, b) in [(0, 3, 1.0), (1, 3, -4.0), (2, 3, 2.0), (1, 4, 3.0), (2, 4, -2.5)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();

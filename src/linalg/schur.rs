@@ -14,16 +14,16 @@ pub struct Saddle {
     pub operators: Vec<SymmetricMatrix>,
 }
 
-/// The block-triangular preconditioner `z_p = -(sum_k O_k^-1) r_p`, `z_i = A_ii^-1 (r_i - sum_{j <
-/// i} A_ij z_j - B_i^T z_p)` for the components `i` in turn.
+/// The block-triangular preconditioner `z_p = -(sum_k O_k^-1) r_p`,
+/// `z_i = A_ii^-1 (r_i - sum_{j < i} A_ij z_j - B_i^T z_p)` for the components `i` in turn.
 ///
 /// Each `A_ii` is a scalar operator with a factor of its own in single precision, which suffices
 /// for a preconditioner and halves the memory. The sweep over the components (Gauss-Seidel)
 /// includes their coupling: viscous stress, grad-div, implicit forces. For the flow the operators
 /// `O_k` are those of J. Cahouet and J.-P. Chabard, *Some fast 3D finite element solvers for the
-/// generalized Stokes problem*, 1988, with the grad-div weight added to the viscosity: with `A = r
-/// + (2 mu + gamma) k^2` on gradients of wave number `k`, the Schur complement is `k^2/A`, and its
-/// inverse `(2 mu + gamma) + r/k^2`.
+/// generalized Stokes problem*, 1988, with the grad-div weight added to the viscosity: with
+/// `A = r + (2 mu + gamma) k^2` on gradients of wave number `k`, the Schur complement is `k^2/A`,
+/// and its inverse `(2 mu + gamma) + r/k^2`.
 pub(super) struct Schur {
     blocks: Vec<Block>,
     operators: Vec<SymmetricMatrix>,

@@ -22,8 +22,8 @@ impl Single {
 
     /// Copies the values of a matrix, scaled.
     ///
-    /// `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or small beside the entries above it (a pressure), near the
-    /// reciprocal of the largest `S_i |a_ij|`.
+    /// `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or small beside the entries
+    /// above it (a pressure), near the reciprocal of the largest `S_i |a_ij|`.
     pub fn take(&mut self, matrix: &SymmetricMatrix) {
         self.scale.clear();
         let mut entry = 0;

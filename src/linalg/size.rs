@@ -14,10 +14,11 @@ const SINGLE: [f64; 2] = [0.5, 0.75];
 /// Nanoseconds of a factorisation on one core of a server: per operation, and per entry. For
 /// display only, as [`SOLVING_TIME`].
 ///
-/// Measured (November 2026, seconds of the processor) for P2-P1 on `n^3` cubes, n = 8, 12, 16: 0.065, 0.57, 3.5 to 4.5 (by this model 0.06, 0.74,
-/// 4.3), in single precision 0.04, 0.34, 2.0.
+/// Measured (November 2026, seconds of the processor) for P2-P1 on `n^3` cubes, n = 8, 12, 16:
+/// 0.065, 0.57, 3.5 to 4.5 (by this model 0.06, 0.74, 4.3), in single precision 0.04, 0.34, 2.0.
 const FACTORING_TIME: [f64; 2] = [0.018, 2.5];
-/// Nanoseconds of a solve, as [`ITERATING`]. Measured as above: 0.005, 0.028, 0.085 (by this model 0.006, 0.030, 0.10).
+/// Nanoseconds of a solve, as [`ITERATING`]. Measured as above: 0.005, 0.028, 0.085 (by this model
+/// 0.006, 0.030, 0.10).
 const SOLVING_TIME: [f64; 2] = [0.8, 100.0];
 
 /// Counts of a factor, or of several, known before it is computed.
@@ -29,7 +30,8 @@ pub struct FactorSize {
     pub entries: usize,
     /// Entries that a solve or an iteration reads, each twice.
     pub read: usize,
-    /// Operations of a numeric factorisation: the sum over the columns of the square of their lengths.
+    /// Operations of a numeric factorisation: the sum over the columns of the square of their
+    /// lengths.
     pub operations: f64,
     /// Bytes of the factor with its working space.
     pub bytes: usize,
@@ -42,9 +44,11 @@ impl FactorSize {
     /// operations and entries, weighted with measured constants that are the same on every machine,
     /// so that no decision depends on a clock.
     ///
-    /// Measured on one core of a server (November 2026): factorisation over substitution and product for P2-P1 on `n x n` squares, n = 30,
-    /// 60, 120: 6.8, 4.2, 5.3 (by this model 4.2, 5.4, 7.3); on `n^3` cubes, n = 4, 6, 8, 10: 8.3, 9.3, 10.4, 15.0 (6.4, 10.4, 14.5, 20.6);
-    /// another time, n = 8, 12, 16: 14, 20, 41 (14.5, 28, 46), in single precision 10, 17, 30 (9.9, 19, 31).
+    /// Measured on one core of a server (November 2026): factorisation over substitution and
+    /// product for P2-P1 on `n x n` squares, n = 30, 60, 120: 6.8, 4.2, 5.3 (by this model 4.2,
+    /// 5.4, 7.3); on `n^3` cubes, n = 4, 6, 8, 10: 8.3, 9.3, 10.4, 15.0 (6.4, 10.4, 14.5, 20.6);
+    /// another time, n = 8, 12, 16: 14, 20, 41 (14.5, 28, 46), in single precision 10, 17, 30 (9.9,
+    /// 19, 31).
     pub fn cost(&self) -> f64 {
         self.weighed(FACTORING, self.entries) / self.iteration(ITERATING).max(1.0)
     }

@@ -50,7 +50,8 @@ struct Block {
 }
 
 impl Supernodes {
-    /// From blocks in the order of elimination, each with its first column, its width, the start of its entries and its rows.
+    /// From blocks in the order of elimination, each with its first column, its width, the start of
+    /// its entries and its rows.
     pub fn new<R: Iterator<Item = u32>>(list: impl Iterator<Item = (usize, usize, usize, R)>) -> Supernodes {
         let (mut blocks, mut rows, mut tallest) = (Vec::new(), Vec::new(), 0);
         for (column, width, entries, below) in list {

@@ -12,8 +12,9 @@ pub const CONSTRAINED: u32 = u32::MAX;
 
 /// A square symmetric matrix `A`; only entries `A_ij` with `i <= j` are stored, by columns.
 ///
-/// The pattern is built once, from groups of unknowns that couple with each other (the unknowns of one cell), and never
-/// changes; values are set to zero and added again as often as needed. All diagonal entries are in the pattern.
+/// The pattern is built once, from groups of unknowns that couple with each other (the unknowns of
+/// one cell), and never changes; values are set to zero and added again as often as needed. All
+/// diagonal entries are in the pattern.
 #[derive(Clone, Debug)]
 pub struct SymmetricMatrix {
     upper: CsMat<f64>,
@@ -101,7 +102,8 @@ impl SymmetricMatrix {
         &self.upper
     }
 
-    /// The rows and the values of the stored entries of column `j`; rows ascend and the last one is `j`.
+    /// The rows and the values of the stored entries of column `j`; rows ascend and the last one is
+    /// `j`.
     pub(super) fn column(&self, j: usize) -> (&[usize], &[f64]) {
         let range = self.upper.indptr().outer_inds_sz(j);
         (&self.upper.indices()[range.clone()], &self.upper.data()[range])
@@ -124,10 +126,12 @@ impl SymmetricMatrix {
 
     /// Adds a full symmetric `local` matrix (`m x m`, by rows) to the entries of the `m` unknowns.
     ///
-    /// [`CONSTRAINED`] unknowns are skipped; an unknown may occur more than once (periodic boundaries).
+    /// [`CONSTRAINED`] unknowns are skipped; an unknown may occur more than once (periodic
+    /// boundaries).
     ///
     /// # Errors
-    /// Internal, if `local` is not `m x m` or couples two unknowns that no group of the pattern holds together.
+    /// Internal, if `local` is not `m x m` or couples two unknowns that no group of the pattern
+    /// holds together.
     pub fn add_group(&mut self, unknowns: &[u32], local: &[f64]) -> Result<()> {
         let m = unknowns.len();
         if local.len() != m * m {

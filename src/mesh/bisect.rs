@@ -47,13 +47,13 @@ pub fn graded_box(
     Ok(mesh)
 }
 
-/// A box of tetrahedra refined near a sphere: the cells that meet the shell `| |x - centre| -
-/// radius | < band` are bisected until their third shortest edge, the length used by
-/// [`levelset::check_band`](crate::levelset::check_band), is at most `edge`.
+/// A box of tetrahedra refined near a sphere: the cells that meet the shell
+/// `| |x - centre| - radius | < band` are bisected until their third shortest edge, the length used
+/// by [`levelset::check_band`](crate::levelset::check_band), is at most `edge`.
 ///
-/// On a cube with side `h` this length is `h` and after one, two and three bisections `.87 h`, `.71
-/// h` and `.5 h`. Outside the shell cells grow as fast as conformity allows, by about their own
-/// length from one size to the next.
+/// On a cube with side `h` this length is `h` and after one, two and three bisections `.87 h`,
+/// `.71 h` and `.5 h`. Outside the shell cells grow as fast as conformity allows, by about their
+/// own length from one size to the next.
 ///
 /// # Errors
 /// Those of [`graded_box`]; a radius, band or edge that is not positive.
@@ -91,8 +91,8 @@ fn meets_shell(v: &[Point<3>; 4], centre: &Point<3>, radius: f64, band: f64) -> 
 
 /// Distance of `x` from the simplex with one to four vertices `v`.
 ///
-/// The foot of `x` in the plane of the simplex has the barycentric coordinates `l`; if it lies outside, the nearest point
-/// is on a side that it lies beyond.
+/// The foot of `x` in the plane of the simplex has the barycentric coordinates `l`; if it lies
+/// outside, the nearest point is on a side that it lies beyond.
 fn distance(x: &Point<3>, v: &[Point<3>]) -> f64 {
     let m = v.len() - 1;
     let (mut gram, mut right) = (Matrix3::identity(), Vector3::zeros());

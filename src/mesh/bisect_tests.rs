@@ -9,7 +9,8 @@ fn area(mesh: &Mesh<3>, name: &str) -> f64 {
     mesh.boundary(name).unwrap().iter().map(|&f| mesh.facet_normal(&mesh.facets()[f as usize]).1).sum()
 }
 
-/// A mesh without hanging points has no facets but those on the sides of the box, and these cover the sides once.
+/// A mesh without hanging points has no facets but those on the sides of the box, and these cover
+/// the sides once.
 fn assert_sound(mesh: &Mesh<3>, min: [f64; 3], max: [f64; 3]) {
     let side = [0, 1, 2].map(|k| max[k] - min[k]);
     assert!((mesh.volume() / side.iter().product::<f64>() - 1.0).abs() < 1e-12);

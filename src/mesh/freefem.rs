@@ -71,7 +71,8 @@ pub fn text<const D: usize>(mesh: &Mesh<D>) -> Result<String> {
     })
 }
 
-/// The corners of a facet, counter-clockwise from the outside of its cell, as FreeFEM's own meshes have them.
+/// The corners of a facet, counter-clockwise from the outside of its cell, as FreeFEM's own meshes
+/// have them.
 fn seen_from_outside<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> impl Iterator<Item = u32> {
     let order: &[usize] = match (D, facet.opposite) {
         (2, 0) => &[1, 2],

@@ -3,8 +3,8 @@
 use super::{Mesh, NONE, Point};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-/// A barycentric coordinate above `-TOLERANCE` counts as inside. Coordinates of size `|x|` are rounded by
-/// `1e-16 |x|`, so this holds for cells larger than about `1e-4 |x|`.
+/// A barycentric coordinate above `-TOLERANCE` counts as inside. Coordinates of size `|x|` are
+/// rounded by `1e-16 |x|`, so this holds for cells larger than about `1e-4 |x|`.
 pub const TOLERANCE: f64 = 1e-12;
 
 /// Barycentric distance within which a point lies on a facet, when a walk passes a vertex or an
@@ -22,7 +22,8 @@ const STAR: usize = 256;
 pub struct Location {
     /// Number of the cell.
     pub cell: u32,
-    /// Barycentric coordinates in that cell; entries `0..=D` are used. None is below `-`[`TOLERANCE`].
+    /// Barycentric coordinates in that cell; entries `0..=D` are used. None is below
+    /// `-`[`TOLERANCE`].
     pub barycentric: [f64; 4],
 }
 
@@ -126,7 +127,8 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// The facet by which the segment with end points `a`, `b` (barycentric) leaves a cell, and the parameter in `[0, 1]`.
+/// The facet by which the segment with end points `a`, `b` (barycentric) leaves a cell, and the
+/// parameter in `[0, 1]`.
 fn exit<const D: usize>(a: &[f64; 4], b: &[f64; 4], ignored: &[bool; 4]) -> Option<(usize, f64)> {
     let mut first = None;
     let mut least = f64::INFINITY;
@@ -200,7 +202,8 @@ impl<const D: usize> Locator<D> {
         grid
     }
 
-    /// The location of `x`, or `None` outside the domain. `mesh` is the mesh that the locator was made from.
+    /// The location of `x`, or `None` outside the domain. `mesh` is the mesh that the locator was
+    /// made from.
     ///
     /// Uses exact predicates. A point in no cell but within [`TOLERANCE`] of one (a rounded point
     /// of an oblique boundary) belongs to the nearest.
@@ -268,7 +271,8 @@ fn contains<const D: usize>(mesh: &Mesh<D>, c: usize, x: &Point<D>) -> bool {
             orient2d(p(0), p(1), p(2)) >= 0.0
         } else {
             let p = |i| Coord3D { x: vertex(i)[0], y: vertex(i)[1], z: vertex(i)[2] };
-            // Positive when the first three run clockwise seen from the fourth, the opposite of our orientation.
+            // Positive when the first three run clockwise seen from the fourth, the opposite of our
+            // orientation.
             orient3d(p(0), p(1), p(2), p(3)) <= 0.0
         }
     })

@@ -11,7 +11,8 @@ fn with_hole<const D: usize>(mesh: &Mesh<D>, low: f64, high: f64) -> Mesh<D> {
     Mesh::new(mesh.points().to_vec(), kept.flat_map(|c| mesh.cell(c).to_vec()).collect()).unwrap()
 }
 
-/// Moves the inner points of a rectangle or box mesh on `[0, n]^D` with `n` cells a side, so that nothing is aligned.
+/// Moves the inner points of a rectangle or box mesh on `[0, n]^D` with `n` cells a side, so that
+/// nothing is aligned.
 fn shaken<const D: usize>(mesh: &Mesh<D>, n: f64) -> Mesh<D> {
     let move_point = |(i, p): (usize, &Point<D>)| {
         let inner = p.iter().all(|&x| x > 0.0 && x < n);
@@ -108,8 +109,9 @@ fn entry<const D: usize>(from: [i64; D], to: [i64; D], low: i64, high: i64) -> O
     (first < last).then(|| first as f64 / all as f64)
 }
 
-/// Walks between all points of a lattice (`2 n` steps a unit cell of three, with the middle cell missing) must stop at
-/// the hole exactly when they enter its interior: along its sides and past its corners they go on.
+/// Walks between all points of a lattice (`2 n` steps a unit cell of three, with the middle cell
+/// missing) must stop at the hole exactly when they enter its interior: along its sides and past
+/// its corners they go on.
 fn lattice<const D: usize>(mesh: &Mesh<D>, per_cell: i64, stride: usize) {
     let n = 3 * per_cell + 1;
     let lattice: Vec<[i64; D]> =

@@ -27,7 +27,8 @@ pub struct Extreme<const D: usize> {
 pub struct Quality<const D: usize> {
     /// Smallest angle between two sides of a cell (in 3-D the dihedral angle), in degrees.
     pub smallest_angle: Extreme<D>,
-    /// Smallest `D` x radius of the inscribed / radius of the circumscribed sphere: 1 for an equilateral cell.
+    /// Smallest `D` x radius of the inscribed / radius of the circumscribed sphere: 1 for an
+    /// equilateral cell.
     pub smallest_radius_ratio: Extreme<D>,
     /// Smallest longest edge of a cell.
     pub smallest_diameter: Extreme<D>,
@@ -261,7 +262,8 @@ mod tests {
 
     #[test]
     fn every_defect_is_reported_with_its_place() {
-        // A flat cell, an inverted one, a second part, an unused point and one that stands twice; no names.
+        // A flat cell, an inverted one, a second part, an unused point and one that stands twice;
+        // no names.
         let points = [
             [0.0, 0.0],
             [1.0, 0.0],

@@ -1,4 +1,5 @@
-//! Uniform refinement of triangles and tetrahedra, with new boundary points moved onto the geometry.
+//! Uniform refinement of triangles and tetrahedra, with new boundary points moved onto the
+//! geometry.
 
 use super::{Facet, Mesh, Point, determinant};
 use crate::base::{Error, Result};
@@ -8,8 +9,8 @@ use std::collections::{BTreeSet, HashMap};
 /// The mesh with every cell divided at the midpoints of its edges: a triangle into four similar
 /// ones ("red" refinement; Bank, Sherman and Weiser 1983), a tetrahedron into four similar ones at
 /// its corners and four about the shortest diagonal of the octahedron between them (Bey, Computing
-/// 55, 1995; Zhang, Houston J. Math. 21, 1995). Cell `c` becomes the cells `2^D c` to `2^D c + 2^D
-/// - 1`. Points keep their numbers; names of boundaries and regions are inherited.
+/// 55, 1995; Zhang, Houston J. Math. 21, 1995). Cell `c` becomes the cells `2^D c` to
+/// `2^D c + 2^D - 1`. Points keep their numbers; names of boundaries and regions are inherited.
 ///
 /// The midpoint of an edge on the boundary is passed to `onto` with the names of its boundaries in
 /// turn; the first position that `onto` returns replaces it, so that a polygon converges to the

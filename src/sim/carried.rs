@@ -215,8 +215,8 @@ impl<const D: usize> Carried<D> {
         projector + self.structures.iter().map(|s| s.bytes()).sum::<usize>()
     }
 
-    /// The interface of structure number `k`. With composed transport in the plane it is cut on halved
-    /// cells where the mesh is too coarse for the backward map.
+    /// The interface of structure number `k`. With composed transport in the plane it is cut on
+    /// halved cells where the mesh is too coarse for the backward map.
     ///
     /// # Errors
     /// A value that is not finite.

@@ -1,6 +1,6 @@
 //! Checkpoints: lossless conversion of a state to bytes and back.
 
-use super::immersed::{Budget, Clock, Energies};
+use super::immersed::{Clock, Energies, EnergyBalance};
 use super::state::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Error, Result, fnv1a};
@@ -34,7 +34,7 @@ impl<const D: usize> State<D> {
             fields.write(&mut out);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
-        let (e, b) = (self.energies, self.budget);
+        let (e, b) = (self.energies, self.balance);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred]);
         let check = fnv1a(&out.0);
@@ -98,9 +98,9 @@ impl<const D: usize> State<D> {
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
         let [initial, dissipated, work, exchanged, transferred] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
-        let budget = Budget { initial, dissipated, work, exchanged, transferred };
+        let balance = EnergyBalance { initial, dissipated, work, exchanged, transferred };
         let flow = FlowState { u, p };
-        Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, budget })
+        Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
     }
 }
 
@@ -138,7 +138,7 @@ mod tests {
                 solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },
             }),
             energies: Energies { kinetic: 1.5, ..Energies::default() },
-            budget: Budget { work: 0.25, ..Budget::default() },
+            balance: EnergyBalance { work: 0.25, ..EnergyBalance::default() },
         }
     }
 

@@ -15,7 +15,7 @@ pub use crate::linalg::{SolverKind, SolverOptions};
 pub use crate::structure::{Coupling, InitialFunction, LevelSet, REMAP, polygon_area, polygon_length};
 pub use advection::Advection;
 pub use carried::{Carried, Transport};
-pub use immersed::{Budget, Clock, Energies, Pacing, Simulation, SimulationSettings};
+pub use immersed::{Clock, Energies, EnergyBalance, Pacing, Simulation, SimulationSettings};
 pub use segmentation::Segmenting;
 pub use state::{Factored, Pace, State};
 pub use transfer::Transfer;

@@ -1,6 +1,6 @@
 //! The state of a simulation, as stored in a checkpoint.
 
-use super::immersed::{Budget, Clock, Energies};
+use super::immersed::{Clock, Energies, EnergyBalance};
 use crate::base::{Error, Result};
 use crate::flow::FlowState;
 use crate::linalg::SolveCost;
@@ -50,7 +50,7 @@ pub struct State<const D: usize> {
     /// Current energies.
     pub energies: Energies,
     /// The energy balance.
-    pub budget: Budget,
+    pub balance: EnergyBalance,
 }
 
 impl<const D: usize> State<D> {

@@ -23,11 +23,12 @@ impl Coupling {
     pub fn is_explicit(self) -> bool {
         matches!(self, Coupling::Explicit | Coupling::FullyExplicit)
     }
-    /// Checks that the coupling is possible in steps of order `order` with least density `lightest`.
+    /// Checks that the coupling is possible in steps of order `order` with least density
+    /// `lightest`.
     ///
     /// # Errors
-    /// The fully explicit scheme at order 2; the semi-implicit scheme, which is of order 1 and whose
-    /// predictor divides by the density, at order 2 or without inertia.
+    /// The fully explicit scheme at order 2; the semi-implicit scheme, which is of order 1 and
+    /// whose predictor divides by the density, at order 2 or without inertia.
     pub fn check(self, order: usize, lightest: f64) -> Result<()> {
         if self == Coupling::FullyExplicit && order != 1 {
             return Err(Error::scene("the fully explicit scheme of remark 1.12 is of order 1 in time")

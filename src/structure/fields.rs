@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// A scalar function of position at time 0.
 pub type InitialFunction<const D: usize> = dyn Fn(&Point<D>) -> f64 + Send + Sync;
 
-/// Name of the displacement `Y(x) - x` of the backward characteristics (2.2), one vector a node.
+/// Name of the displacement `Y(x) - x` of the backward characteristics (2.2), one vector per node.
 pub const DISPLACEMENT: &str = "displacement";
 
 /// Index of a field in [`Fields`].
@@ -26,9 +26,9 @@ impl FieldId {
 /// Values of a field.
 #[derive(Debug, PartialEq)]
 pub enum Data<const D: usize> {
-    /// One number a P2 node; empty where composed transport evaluates the field on demand.
+    /// One number per P2 node; empty where composed transport evaluates the field on demand.
     Scalar(Vec<f64>),
-    /// One vector a P2 node.
+    /// One vector per P2 node.
     Vector(Vec<SVector<f64, D>>),
     /// Positions of points that move.
     Points(Vec<Point<D>>),
@@ -206,7 +206,8 @@ impl<const D: usize> Fields<D> {
             _ => &[],
         }
     }
-    /// The displacement `Y(x) - x` of the backward characteristics; empty where they are not carried.
+    /// The displacement `Y(x) - x` of the backward characteristics; empty where they are not
+    /// carried.
     pub fn displacement(&self) -> &[SVector<f64, D>] {
         self.find(DISPLACEMENT).map_or(&[], |id| self.vector(id))
     }

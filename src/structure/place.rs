@@ -79,7 +79,7 @@ pub struct Moved<'a, const D: usize> {
     pub velocity: Velocity<'a, D>,
     /// All fields at the start of the step.
     pub before: &'a Fields<D>,
-    /// Values of the unknowns of the blocks of this structure, one list a block.
+    /// Values of the unknowns of the blocks of this structure, one list per block.
     pub blocks: &'a [Vec<f64>],
     /// Length of the step.
     pub dt: f64,

@@ -321,7 +321,8 @@ mod tests {
     use crate::fem::{Element, Rule};
     use crate::mesh::{Diagonals, rectangle};
 
-    /// Solid rotation: the exact foot is a rotation; the midpoint rule is of third order in one step.
+    /// Solid rotation: the exact foot is a rotation; the midpoint rule is of third order in one
+    /// step.
     #[test]
     fn feet_of_a_rotation_converge_with_order_three() {
         let mesh = Arc::new(rectangle([-1.0, -1.0], [1.0, 1.0], [8, 8], Diagonals::Right).unwrap());

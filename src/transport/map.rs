@@ -1,4 +1,5 @@
-//! The backward map of the flow as a chain of short maps (characteristic mapping; Mercier, Yin and Nave 2020).
+//! The backward map of the flow as a chain of short maps (characteristic mapping; Mercier, Yin and
+//! Nave 2020).
 
 use super::feet::{Feet, Tracer};
 use crate::base::parallel;
@@ -15,8 +16,8 @@ type Submap<const D: usize> = Vec<SVector<f64, D>>;
 ///
 /// `Y = Y_1 o Y_2 o ... o Y_k` with submaps `Y_j(x) = x + d_j(x)`, each a P2 displacement over a
 /// short time. Only the last one is advanced: `d_k <- X - x + d_k o X` with the feet `X` of a step.
-/// When its gradient is too large for the elements it is closed, and a new submap starts with `d =
-/// 0`. A field `f = f_0 o Y` is thus never interpolated; only maps near the identity are.
+/// When its gradient is too large for the elements it is closed, and a new submap starts with
+/// `d = 0`. A field `f = f_0 o Y` is thus never interpolated; only maps near the identity are.
 ///
 /// Limits: no inflow, because a particle that was outside at time 0 has no value. Each submap costs
 /// one vector field of memory, and one walk through the mesh per evaluation.

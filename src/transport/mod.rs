@@ -19,7 +19,8 @@ use nalgebra::SVector;
 pub enum Method {
     /// Values at the feet of the nodes: the book's `convect`. Each step costs one interpolation.
     Nodal,
-    /// L2 projection of the values at the feet of the quadrature points (Lagrange-Galerkin; Douglas and Russell 1982).
+    /// L2 projection of the values at the feet of the quadrature points (Lagrange-Galerkin; Douglas
+    /// and Russell 1982).
     Projected,
     /// The initial function at the backward map, a chain of P2 submaps ([`CharacteristicMap`]): the
     /// field itself is never interpolated.

@@ -134,5 +134,5 @@ pub fn largest_rise(sim: &mut Simulation<2>, end: f64) -> f64 {
 
 /// Energy that came from nowhere, over the initial energy.
 pub fn balance(sim: &Simulation<2>) -> f64 {
-    sim.state().budget.residual(&sim.state().energies)
+    sim.state().balance.residual(&sim.state().energies)
 }

@@ -104,7 +104,8 @@ impl<const D: usize> FlowSolver<D> {
             let mesh = space.mesh();
             let through: f64 = work.continuity[..self.numbering.pressure_points()].iter().sum();
             let [scale, along] = boundary_flow(mesh, space, g);
-            // A wall that moves along itself may have a normal velocity of rounding, such as sin(pi).
+            // A wall that moves along itself may have a normal velocity of rounding, such as
+            // sin(pi).
             if through.abs() > 1e-3 * scale && scale > 1e-12 * along {
                 return Err(Error::scene(
                     "the prescribed velocities let more fluid in than out, and no boundary is open",

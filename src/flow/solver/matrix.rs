@@ -57,8 +57,8 @@ impl<const D: usize> FlowSolver<D> {
         Ok(Saddle { components: self.numbering.components(), operators })
     }
 
-    /// Fills the operators on the pressure, if the solver has any: the mass matrix over `2 mu +
-    /// gamma`, and the Laplacian over `rho weight/dt`, zero at open boundaries.
+    /// Fills the operators on the pressure, if the solver has any: the mass matrix over
+    /// `2 mu + gamma`, and the Laplacian over `rho weight/dt`, zero at open boundaries.
     fn fill_operators(&mut self, weight: f64) -> Result<()> {
         let Some(factor) = &mut self.factor else { return Ok(()) };
         if factor.operators_mut().is_empty() {

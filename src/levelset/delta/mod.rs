@@ -13,8 +13,8 @@ use super::sign::cut_cells;
 use crate::base::Result;
 use crate::fem::{At, Space};
 
-/// A discrete delta function, points and weights from a level set: `int_{phi = 0} f ~ sum weight
-/// f(point)`.
+/// A discrete delta function, points and weights from a level set:
+/// `int_{phi = 0} f ~ sum weight f(point)`.
 ///
 /// Each is defined on triangles and tetrahedra for any `phi` with a gradient at the interface,
 /// distance or not.
@@ -22,11 +22,13 @@ use crate::fem::{At, Space};
 pub enum Delta {
     /// Smeared over a band, by quadrature: (1.24), renormalised or carried.
     Smeared(Smeared),
-    /// Smereka's first delta at the nodes (J. Comput. Phys. 211 (2006) 77-90): the Laplacian of a function whose normal derivative jumps by 1.
+    /// Smereka's first delta at the nodes (J. Comput. Phys. 211 (2006) 77-90): the Laplacian of a
+    /// function whose normal derivative jumps by 1.
     Smereka1,
     /// Smereka's second: includes the jump of the second derivatives, from the curvature.
     Smereka2,
-    /// Towers' (section 1.5.4) at the nodes: `(Lap I - H Lap phi)/|grad phi|` with `I = max(phi, 0)`, `H = grad I . grad phi/|grad phi|^2`.
+    /// Towers' (section 1.5.4) at the nodes: `(Lap I - H Lap phi)/|grad phi|` with
+    /// `I = max(phi, 0)`, `H = grad I . grad phi/|grad phi|^2`.
     Towers,
     /// The zero set of the P2 function itself, by curved segments or triangles.
     Cut,

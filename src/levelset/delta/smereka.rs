@@ -13,11 +13,11 @@ use nalgebra::{SMatrix, SVector};
 ///
 /// Let `u` be continuous with `[d_n u] = 1` across the interface and harmonic elsewhere, so that
 /// `Lap u` is the delta function. The jump of its gradient is `n`. Tangential derivatives of this
-/// give the jump of its Hessian except for the normal part, which follows from `[Lap u] = 0`: `[D^2
-/// u] = grad_S n - H n n^T`; in the plane `H (t t^T - n n^T)`. The linear finite-element Laplacian
-/// of the lattice at node `i` is `sum_j w_ij (u_j - u_i)`. If the edge to `j` crosses the interface
-/// at distance `d` from `j`, the smooth extension from the side of `i` differs from `u_j` by the
-/// Taylor expansion of the jump; its contribution to the Laplacian is
+/// give the jump of its Hessian except for the normal part, which follows from `[Lap u] = 0`:
+/// `[D^2 u] = grad_S n - H n n^T`; in the plane `H (t t^T - n n^T)`. The linear finite-element
+/// Laplacian of the lattice at node `i` is `sum_j w_ij (u_j - u_i)`. If the edge to `j` crosses the
+/// interface at distance `d` from `j`, the smooth extension from the side of `i` differs from `u_j`
+/// by the Taylor expansion of the jump; its contribution to the Laplacian is
 ///
 /// `w_ij (d |n.e| + s d^2/2 e.[D^2 u] e)`,
 ///

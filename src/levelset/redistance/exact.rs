@@ -103,7 +103,8 @@ impl<'a, const D: usize> Surface<'a, D> {
         }
         None
     }
-    /// The point `y` of the zero set of the function of `cell` whose gradient points to `x`, by Newton's method from `start`.
+    /// The point `y` of the zero set of the function of `cell` whose gradient points to `x`, by
+    /// Newton's method from `start`.
     fn newton(&self, cell: usize, x: &Point<D>, start: Point<D>) -> Option<Point<D>> {
         let (mesh, space) = (self.space.mesh(), self.space);
         let map = mesh.map(cell);

@@ -76,7 +76,8 @@ impl<const D: usize> Front<'_, D> {
             }
         }
     }
-    /// The least distance of corner `i` that comes through a face, an edge or a corner of the simplex whose nodes are accepted.
+    /// The least distance of corner `i` that comes through a face, an edge or a corner of the
+    /// simplex whose nodes are accepted.
     fn through(&self, simplex: &Small, i: usize, accepted: &[bool]) -> f64 {
         let x = self.space.nodes()[simplex[i] as usize];
         let (mut ways, mut values) = ([Vector3::zeros(); 3], Vector3::zeros());

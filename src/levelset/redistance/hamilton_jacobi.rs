@@ -10,18 +10,18 @@ use nalgebra::SVector;
 /// mean of opposite ones, steps are shorter.
 const FLAT: f64 = 0.5;
 
-/// Makes `phi / slope` a distance by pseudo-time steps of (1.35), `d_tau phi + s (|grad phi| - 1) =
-/// 0`.
+/// Makes `phi / slope` a distance by pseudo-time steps of (1.35),
+/// `d_tau phi + s (|grad phi| - 1) = 0`.
 ///
 /// With `n = grad phi/|grad phi|` this is transport with a source, `d_tau phi + s n . grad phi = s`
 /// (the book's (1.36), with corrections of the printed form and of the sign of the right-hand
-/// side), hence along characteristics `phi(x) <- phi(x - s n dtau) + s dtau`. Here `s =
-/// phi_0/sqrt(phi_0^2 + max(|grad phi_0|, 1)^2 dtau^2)` smooths the sign of the initial function,
-/// so that no characteristic crosses the interface; `dtau` is the distance of two nodes near the
-/// node, and the gradient at a node the volume-weighted mean over its cells. Within the range of
-/// the characteristics, counted in layers of cells around those `cut` by the interface, the steps
-/// start from `phi_0/|grad phi_0|` (1.38) where that is less: the kink that the steps would produce
-/// in a steep function displaces the interface by a cell.
+/// side), hence along characteristics `phi(x) <- phi(x - s n dtau) + s dtau`. Here
+/// `s = phi_0/sqrt(phi_0^2 + max(|grad phi_0|, 1)^2 dtau^2)` smooths the sign of the initial
+/// function, so that no characteristic crosses the interface; `dtau` is the distance of two nodes
+/// near the node, and the gradient at a node the volume-weighted mean over its cells. Within the
+/// range of the characteristics, counted in layers of cells around those `cut` by the interface,
+/// the steps start from `phi_0/|grad phi_0|` (1.38) where that is less: the kink that the steps
+/// would produce in a steep function displaces the interface by a cell.
 ///
 /// Limits: values that come from a wall instead of the interface keep the value at the wall.
 pub(super) fn straighten<const D: usize>(

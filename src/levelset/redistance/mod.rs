@@ -35,6 +35,25 @@ pub enum Redistance {
 }
 
 /// Redistancing of level sets: method and correction of the volume.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::levelset::{Redistance, Redistancing};
+/// use immersa::mesh::{Diagonals, rectangle};
+/// use immersa::transport::Tracer;
+/// use std::sync::Arc;
+///
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::Right)?);
+/// let space = Arc::new(Space::new(&mesh, Element::P2));
+/// let mut phi = space.interpolate(|x| 3.0 * (x[0] - 0.3)); // slope 3
+/// let exact = Redistancing { method: Redistance::Exact, volume: false };
+/// exact.apply(&Tracer::new(&space, &[]), &[], 1.0, &mut phi)?;
+/// for (value, x) in phi.iter().zip(space.nodes()) {
+///     assert!((value - (x[0] - 0.3)).abs() < 1e-12);
+/// }
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Redistancing {
     /// Method that computes the distance.
@@ -73,11 +92,11 @@ impl Redistancing {
             Redistance::FastMarching => {
                 let surface = Surface::new(space, phi, pieces, translations);
                 let distance = fast_marching::distances(&surface, &unknowns());
-                give(slope, distance, phi);
+                set_modulus(slope, distance, phi);
             }
             Redistance::Exact => {
                 let distance = Surface::new(space, phi, pieces, translations).distances();
-                give(slope, distance, phi);
+                set_modulus(slope, distance, phi);
             }
         }
         match before {
@@ -88,7 +107,7 @@ impl Redistancing {
 }
 
 /// Sets the modulus of `phi` to `slope` times `distance`, and keeps its sign.
-fn give(slope: f64, distance: Vec<f64>, phi: &mut [f64]) {
+fn set_modulus(slope: f64, distance: Vec<f64>, phi: &mut [f64]) {
     for (v, d) in phi.iter_mut().zip(distance) {
         // A node that is inside stays inside: 0 counts as outside.
         *v = if *v < 0.0 { -(slope * d).max(f64::MIN_POSITIVE) } else { slope * d };

@@ -52,7 +52,8 @@ fn a_straight_interface_gets_its_slope() {
     }
 }
 
-/// The exact distance to a quadratic zero set: that of the circle itself, to rounding, at all nodes; no sign changes.
+/// The exact distance to a quadratic zero set: that of the circle itself, to rounding, at all
+/// nodes; no sign changes.
 #[test]
 fn the_distance_to_a_quadratic_zero_set_is_exact() {
     let space = plane(13);
@@ -66,7 +67,8 @@ fn the_distance_to_a_quadratic_zero_set_is_exact() {
     }
 }
 
-/// Through periodic sides everything is as if the mesh were shifted: a disc in the corner has the distances of one in the middle.
+/// Through periodic sides everything is as if the mesh were shifted: a disc in the corner has the
+/// distances of one in the middle.
 #[test]
 fn distances_go_through_periodic_sides() {
     let n = 16;
@@ -97,7 +99,8 @@ fn distances_go_through_periodic_sides() {
         for (x, v) in space.nodes().iter().zip(&corner) {
             let moved = x.map(|v| (v + 0.5) % 1.0);
             let Some(k) = space.nodes().iter().position(|y| (y - moved).norm() < 1e-9) else { continue };
-            // Near the medial axis the limiter acts, and a foot on an edge belongs to either of two cells, by rounding, whose values limit it.
+            // Near the medial axis the limiter acts, and a foot on an edge belongs to either of two
+            // cells, by rounding, whose values limit it.
             if matches!(method, Redistance::HamiltonJacobi { .. }) && v.abs() > 0.05 {
                 continue;
             }

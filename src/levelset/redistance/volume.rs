@@ -10,8 +10,8 @@ const TOLERANCE: f64 = 1e-13;
 const MOST_CUTS: usize = 20;
 
 /// Adds to `phi` the constant `c` for which its cut interface encloses `wanted`, by the secant
-/// method, which starts with `d(volume)/dc = -area/slope`, the derivative where `|grad phi| =
-/// slope`. An empty interface does not change.
+/// method, which starts with `d(volume)/dc = -area/slope`, the derivative where
+/// `|grad phi| = slope`. An empty interface does not change.
 ///
 /// # Errors
 /// Those of the cut.

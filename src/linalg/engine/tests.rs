@@ -4,7 +4,8 @@ use super::*;
 
 const CELLS: usize = 12;
 
-/// Stokes flow of viscosity 1 in the plane: the inverse of the Schur complement is near that of the mass matrix of the pressure.
+/// Stokes flow of viscosity 1 in the plane: the inverse of the Schur complement is near that of the
+/// mass matrix of the pressure.
 fn case() -> (SymmetricMatrix, usize, Saddle) {
     let (matrix, first) = stokes(CELLS, 0.0, 1.0, 0.0);
     let multipliers = matrix.order() - first;

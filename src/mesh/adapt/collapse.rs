@@ -1,6 +1,6 @@
 //! Removal of short edges by edge collapse.
 
-use super::triangulation::{Kind, Side, Triangulation};
+use super::triangulation::{Freedom, Side, Triangulation};
 use super::{LONG, SHORT};
 use crate::mesh::NONE;
 
@@ -35,7 +35,7 @@ pub(super) fn collapse_short(t: &mut Triangulation) -> usize {
 /// Worst quality around `v` after moving it to `w`; 0 if the collapse is not allowed.
 fn worst_after(t: &Triangulation, v: u32, w: u32, star: &mut Vec<Side>) -> f64 {
     let kind = t.vertices[v as usize].kind;
-    if kind == Kind::Fixed {
+    if kind == Freedom::Fixed {
         return 0.0;
     }
     t.star(v, star);
@@ -46,7 +46,7 @@ fn worst_after(t: &Triangulation, v: u32, w: u32, star: &mut Vec<Side>) -> f64 {
         before = before.min(t.quality(old));
         if old.contains(&w) {
             let along = t.side_of(corner.triangle, v, w).is_some_and(|s| t.is_kept(s));
-            adjacent |= kind == Kind::Free || along;
+            adjacent |= kind == Freedom::Free || along;
             continue;
         }
         let mut new = old;

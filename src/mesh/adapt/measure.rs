@@ -9,8 +9,8 @@ const FLAT: f64 = 1e-10;
 /// Relative difference below which lengths are averaged: the logarithm would lose accuracy.
 const ALIKE: f64 = 1e-3;
 
-/// Length of the edge from `a` to `b` when the size along it changes geometrically: with the lengths `l_a`, `l_b` in the metrics of its
-/// ends, `(l_a - l_b)/ln(l_a/l_b)`.
+/// Length of the edge from `a` to `b` when the size along it changes geometrically: with the
+/// lengths `l_a`, `l_b` in the metrics of its ends, `(l_a - l_b)/ln(l_a/l_b)`.
 #[inline]
 pub(super) fn length(a: &Point<2>, m: &Tensor, b: &Point<2>, n: &Tensor) -> f64 {
     let e = b - a;
@@ -25,8 +25,9 @@ pub(super) fn middle(a: &Point<2>, m: &Tensor, b: &Point<2>, n: &Tensor) -> f64 
     if r.abs() < 1e-6 { 0.5 } else { (0.5 * (1.0 + r.exp())).ln() / r }
 }
 
-/// Quality of a triangle in the mean of the metrics of its vertices, `4 sqrt 3 area / (sum of
-/// squared sides)`: 1 if it is equilateral in the metric, 0 if it is flat or inverted.
+/// Quality of a triangle in the mean of the metrics of its vertices,
+/// `4 sqrt 3 area / (sum of squared sides)`: 1 if it is equilateral in the metric, 0 if it is flat
+/// or inverted.
 #[inline]
 pub(super) fn quality(points: [&Point<2>; 3], metrics: [&Tensor; 3]) -> f64 {
     let area = 0.5 * doubled_area(points);

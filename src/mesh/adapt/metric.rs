@@ -18,7 +18,8 @@ const FLAT: f64 = 1e-12;
 /// is the integral of `sqrt(e^T M e)` along it. The edges of a mesh that fits the metric have
 /// length 1: an isotropic size `h` is `M = I/h^2`.
 ///
-/// Between the points the logarithm of `M` is linear on every triangle (Arsigny and others 2006), so that it stays positive.
+/// Between the points the logarithm of `M` is linear on every triangle (Arsigny and others 2006),
+/// so that it stays positive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
     /// One tensor per point of the mesh, in 1/length^2.
@@ -59,7 +60,8 @@ impl Metric {
         self.map(|l| l.map(|l| l.max(low).min(high)))
     }
 
-    /// The largest size at most `ratio` (at least 1) times the smallest at every point; the smallest stays.
+    /// The largest size at most `ratio` (at least 1) times the smallest at every point; the
+    /// smallest stays.
     pub fn limited_anisotropy(&self, ratio: f64) -> Metric {
         self.map(|[a, b]| [a, b.max(a / (ratio * ratio))])
     }
@@ -98,7 +100,8 @@ impl Metric {
         let mut tensors: Vec<Tensor> = self.tensors.iter().map(Tensor::of).collect();
         let mut queued = vec![true; tensors.len()];
         let mut queue: VecDeque<u32> = fine_first(&tensors).into();
-        // Every visit makes a neighbour finer by a finite factor; the bound only guards against rounding.
+        // Every visit makes a neighbour finer by a finite factor; the bound only guards against
+        // rounding.
         let mut visits = 1000 * tensors.len();
         while let Some(p) = queue.pop_front() {
             let p = p as usize;
@@ -124,9 +127,10 @@ impl Metric {
         Ok(Metric::of(tensors.into_iter()))
     }
 
-    /// The metric times the factor `s` with which a mesh that fits it has about `vertices` vertices. By Euler's formula it has
-    /// `t/2 + b/2 + 1` with `t` triangles and `b` sides on the boundary, `t = 2.5` times the [`complexity`](Self::complexity), which
-    /// grows like `s`, and `b` the length of the boundary, which grows like `sqrt s`.
+    /// The metric times the factor `s` with which a mesh that fits it has about `vertices`
+    /// vertices. By Euler's formula it has `t/2 + b/2 + 1` with `t` triangles and `b` sides on the
+    /// boundary, `t = 2.5` times the [`complexity`](Self::complexity), which grows like `s`, and
+    /// `b` the length of the boundary, which grows like `sqrt s`.
     ///
     /// # Errors
     /// As [`check`](Self::check).
@@ -172,7 +176,8 @@ impl Metric {
     /// Checks that there is one symmetric positive tensor for every point.
     ///
     /// # Errors
-    /// Internal if the number of tensors is not that of the points; computation if a tensor is not finite or not positive.
+    /// Internal if the number of tensors is not that of the points; computation if a tensor is not
+    /// finite or not positive.
     pub fn check(&self, mesh: &Mesh<2>) -> Result<()> {
         if self.tensors.len() != mesh.points().len() {
             return Err(Error::internal("a metric needs one tensor a point of the mesh").value(format!(
@@ -202,7 +207,8 @@ fn fine_first(tensors: &[Tensor]) -> Vec<u32> {
     order.into_iter().map(|(_, p)| p).collect()
 }
 
-/// The points at the other ends of the edges of every point, those of inner edges twice: those of `p` are `others[starts[p]..starts[p + 1]]`.
+/// The points at the other ends of the edges of every point, those of inner edges twice: those of
+/// `p` are `others[starts[p]..starts[p + 1]]`.
 pub(super) fn point_neighbours(mesh: &Mesh<2>) -> (Vec<u32>, Vec<u32>) {
     let mut pairs = Vec::with_capacity(6 * mesh.cell_count());
     for c in 0..mesh.cell_count() {

@@ -60,7 +60,8 @@ pub struct AdaptReport {
     pub sweeps: usize,
     /// Fraction of the edges whose length in the metric lies in `[1/sqrt 2, sqrt 2]`.
     pub unit_edges: f64,
-    /// Smallest quality in the metric, `4 sqrt 3 area / (sum of squared sides)`: 1 for an equilateral triangle.
+    /// Smallest quality in the metric, `4 sqrt 3 area / (sum of squared sides)`: 1 for an
+    /// equilateral triangle.
     pub worst_quality: f64,
     /// Mean quality in the metric.
     pub mean_quality: f64,
@@ -102,7 +103,7 @@ pub fn adapt(mesh: &Mesh<2>, metric: &Metric, options: &AdaptOptions) -> Result<
         return Err(too_many(expected, options));
     }
     let mut t = Triangulation::new(Background::new(mesh, &metric), options.keep_boundary);
-    smooth::wake_poor(&mut t);
+    smooth::mark_poor(&mut t);
     let mut sweeps = 0;
     while sweeps < options.sweeps {
         sweeps += 1;

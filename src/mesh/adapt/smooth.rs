@@ -1,6 +1,6 @@
 //! Smoothing: vertices move towards positions where their edges have unit length.
 
-use super::triangulation::{Kind, Side, Triangulation};
+use super::triangulation::{Freedom, Side, Triangulation};
 use crate::mesh::Point;
 
 /// Fractions of the move that are tried.
@@ -12,22 +12,22 @@ const GAIN: f64 = 1.002;
 const POOR: f64 = 0.7;
 
 /// Marks the vertices of poor triangles for a move.
-pub(super) fn wake_poor(t: &mut Triangulation) {
+pub(super) fn mark_poor(t: &mut Triangulation) {
     let poor: Vec<[u32; 3]> =
         t.alive().map(|c| t.triangles[c as usize].vertices).filter(|v| t.quality(*v) < POOR).collect();
-    poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].restless = true);
+    poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].pending = true);
 }
 
 /// Moves each marked vertex once, if the surrounding triangles improve.
 pub(super) fn smooth_all(t: &mut Triangulation) {
     let mut star = Vec::new();
     for v in 0..t.vertices.len() as u32 {
-        if std::mem::take(&mut t.vertices[v as usize].restless) && smooth(t, v, &mut star) {
+        if std::mem::take(&mut t.vertices[v as usize].pending) && smooth(t, v, &mut star) {
             for side in &star {
                 t.triangles[side.triangle as usize]
                     .vertices
                     .into_iter()
-                    .for_each(|v| t.vertices[v as usize].restless = true);
+                    .for_each(|v| t.vertices[v as usize].pending = true);
             }
         }
     }
@@ -35,12 +35,13 @@ pub(super) fn smooth_all(t: &mut Triangulation) {
 
 fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {
     let old = t.vertices[v as usize];
-    if old.kind == Kind::Fixed || old.triangle == crate::mesh::NONE {
+    if old.kind == Freedom::Fixed || old.triangle == crate::mesh::NONE {
         return false;
     }
     t.star(v, star);
     let before = mean_quality(t, star);
-    let Some(wanted) = (if old.kind == Kind::Free { balance(t, v, star) } else { balance_on_line(t, v, star) }) else {
+    let Some(wanted) = (if old.kind == Freedom::Free { balance(t, v, star) } else { balance_on_line(t, v, star) })
+    else {
         return false;
     };
     for step in STEPS {

@@ -1,6 +1,6 @@
 //! Splitting of long edges.
 
-use super::triangulation::{Kind, Side, Triangle, Triangulation, Vertex};
+use super::triangulation::{Freedom, Side, Triangle, Triangulation, Vertex};
 use super::{LONG, measure};
 
 /// Least quality of triangles after a split, unless the split triangle was worse.
@@ -38,8 +38,8 @@ fn split(t: &mut Triangulation, side: Side) -> bool {
     let part = measure::middle(&from.point, &from.metric.tensor, &to.point, &to.metric.tensor);
     let point = from.point + (to.point - from.point) * part.clamp(0.1, 0.9);
     let metric = t.background.at(&from.metric, &point);
-    let kind = if t.is_kept(side) { Kind::Line } else { Kind::Free };
-    let m = t.add_vertex(Vertex { point, metric, kind, triangle: side.triangle, restless: true });
+    let kind = if t.is_kept(side) { Freedom::Line } else { Freedom::Free };
+    let m = t.add_vertex(Vertex { point, metric, kind, triangle: side.triangle, pending: true });
     let twin = t.twin(side);
     let fits = |s: Side| {
         let c = t.triangles[s.triangle as usize].vertices[s.opposite];
@@ -64,7 +64,8 @@ fn split(t: &mut Triangulation, side: Side) -> bool {
     true
 }
 
-/// Cuts the triangle `(c, a, b)` of a side `(a, b)` into `(c, a, m)` and `(c, m, b)`; returns their sides opposite to `c`.
+/// Cuts the triangle `(c, a, b)` of a side `(a, b)` into `(c, a, m)` and `(c, m, b)`; returns their
+/// sides opposite to `c`.
 fn halve(t: &mut Triangulation, side: Side, m: u32) -> [Side; 2] {
     let old = t.triangles[side.triangle as usize];
     let (c, a, b) = (side.opposite, (side.opposite + 1) % 3, (side.opposite + 2) % 3);

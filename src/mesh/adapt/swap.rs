@@ -24,7 +24,8 @@ pub(super) fn swap_all(t: &mut Triangulation) -> usize {
     count
 }
 
-/// Replaces the side `(a, b)` of the triangles `(c, a, b)` and `(d, b, a)` by `(c, d)` if the worse triangle becomes better.
+/// Replaces the side `(a, b)` of the triangles `(c, a, b)` and `(d, b, a)` by `(c, d)` if the worse
+/// triangle becomes better.
 fn swap(t: &mut Triangulation, side: Side) -> bool {
     if t.triangles[side.triangle as usize].vertices[0] == NONE || t.is_kept(side) {
         return false;

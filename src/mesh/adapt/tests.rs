@@ -30,7 +30,8 @@ fn adapted_to(mut mesh: Mesh<2>, times: usize, metric: impl Fn(&Point<2>) -> SMa
     Adapted { mesh, report: report.unwrap() }
 }
 
-/// Area of every region and, of every boundary, its length and the integral of its normal times a linear function.
+/// Area of every region and, of every boundary, its length and the integral of its normal times a
+/// linear function.
 fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
     let mut all = BTreeMap::new();
     for (name, cells) in mesh.regions() {
@@ -116,7 +117,8 @@ fn a_mesh_that_fits_is_hardly_changed() {
     assert!(second.report.sweeps <= 2 && same as f64 > 0.95 * first.mesh.points().len() as f64);
 }
 
-/// A square with a named disc of cells inside, another name for its lower half, and oblique sides (turned by one radian).
+/// A square with a named disc of cells inside, another name for its lower half, and oblique sides
+/// (turned by one radian).
 fn parts(n: usize) -> Mesh<2> {
     let straight = rectangle([0.0; 2], [1.0; 2], [n, n], Diagonals::UnionJack).unwrap();
     let turned = straight.points().iter().map(|p| nalgebra::Rotation2::new(1.0) * p).collect();

@@ -12,7 +12,7 @@ const STRAIGHT: f64 = 1e-10;
 
 /// Freedom of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum Freedom {
     /// Anywhere.
     Free,
     /// Along the straight part of a boundary or interface that it lies on.
@@ -25,11 +25,11 @@ pub(super) enum Kind {
 pub(super) struct Vertex {
     pub point: Point<2>,
     pub metric: Sample,
-    pub kind: Kind,
+    pub kind: Freedom,
     /// A triangle that contains it.
     pub triangle: u32,
     /// True if something around it has changed since its last trial move.
-    pub restless: bool,
+    pub pending: bool,
 }
 
 /// A positively oriented triangle; side `k` lies opposite to vertex `k`.
@@ -85,7 +85,7 @@ impl<'a> Triangulation<'a> {
         // Points of no cell keep the dummy until their numbers are used for others.
         let dummy = background.at_vertex(0, 0);
         let vertex =
-            |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Kind::Free, triangle: NONE, restless: false };
+            |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Freedom::Free, triangle: NONE, pending: false };
         let mut vertices: Vec<Vertex> = mesh.points().iter().map(vertex).collect();
         for (c, triangle) in triangles.iter().enumerate() {
             for (k, &v) in triangle.vertices.iter().enumerate() {
@@ -113,7 +113,8 @@ impl<'a> Triangulation<'a> {
 
     /// Determines the freedom of every vertex from the fixed sides.
     fn find_kinds(&mut self) {
-        // Number of kept sides at a vertex, and the first two: other end, boundaries, regions on both sides.
+        // Number of kept sides at a vertex, and the first two: other end, boundaries, regions on
+        // both sides.
         let mut kept = vec![(0, [(0, [0; 3]); 2]); self.vertices.len()];
         for side in self.sides().filter(|s| self.is_kept(*s)) {
             let triangle = &self.triangles[side.triangle as usize];
@@ -134,12 +135,12 @@ impl<'a> Triangulation<'a> {
         for (v, (count, [first, second])) in kept.into_iter().enumerate() {
             let to = |other: u32| self.vertices[other as usize].point - self.vertices[v].point;
             self.vertices[v].kind = match count {
-                0 => Kind::Free,
-                2 if first.1 == second.1 && is_straight(&to(first.0), &to(second.0)) => Kind::Line,
-                _ => Kind::Fixed,
+                0 => Freedom::Free,
+                2 if first.1 == second.1 && is_straight(&to(first.0), &to(second.0)) => Freedom::Line,
+                _ => Freedom::Fixed,
             };
         }
-        frozen.into_iter().for_each(|v| self.vertices[v as usize].kind = Kind::Fixed);
+        frozen.into_iter().for_each(|v| self.vertices[v as usize].kind = Freedom::Fixed);
     }
 
     /// Every side once, from the triangle with the smaller number.
@@ -203,7 +204,7 @@ impl<'a> Triangulation<'a> {
         self.triangles[t as usize] = triangle;
         for v in triangle.vertices {
             let vertex = &mut self.vertices[v as usize];
-            (vertex.triangle, vertex.restless) = (t, true);
+            (vertex.triangle, vertex.pending) = (t, true);
         }
     }
 
@@ -241,8 +242,8 @@ impl<'a> Triangulation<'a> {
         self.vertices.len() - self.free_vertices.len()
     }
 
-    /// The triangles around a vertex, counter-clockwise, each with the place of the vertex in it. On the boundary the first and
-    /// the last have the sides on it.
+    /// The triangles around a vertex, counter-clockwise, each with the place of the vertex in it.
+    /// On the boundary the first and the last have the sides on it.
     pub fn star(&self, v: u32, out: &mut Vec<Side>) {
         out.clear();
         let start = self.vertices[v as usize].triangle;

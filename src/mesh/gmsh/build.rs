@@ -15,8 +15,8 @@ impl MshData {
     /// name are named by their number; groups of the same name are merged.
     ///
     /// # Errors
-    /// A dimension other than `D`, a two-dimensional mesh that is not in a plane `z = const`, or a mesh that
-    /// [`Mesh::new`] refuses.
+    /// A dimension other than `D`, a two-dimensional mesh that is not in a plane `z = const`, or a
+    /// mesh that [`Mesh::new`] refuses.
     pub fn mesh<const D: usize>(&self) -> Result<(Mesh<D>, Vec<Warning>)> {
         let dimension = self.dimension()?;
         if dimension != D {

@@ -1,6 +1,7 @@
 //! The element types of gmsh, by their numbers in files.
 
-/// A simplex: its dimension and the number of its nodes, of which the first `dimension + 1` are the vertices.
+/// A simplex: its dimension and the number of its nodes, of which the first `dimension + 1` are the
+/// vertices.
 pub(super) struct Simplex {
     pub(super) dimension: usize,
     pub(super) nodes: usize,

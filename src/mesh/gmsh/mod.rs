@@ -1,4 +1,5 @@
-//! Meshes from gmsh: MSH files of version 2 and 4.1 in ASCII and binary, and of version 4.0 in ASCII.
+//! Meshes from gmsh: MSH files of version 2 and 4.1 in ASCII and binary, and of version 4.0 in
+//! ASCII.
 //!
 //! Triangles and tetrahedra of order 1 (of order 2 the vertices are used). Physical groups become
 //! regions (of the dimension of the mesh) and boundaries (one less). Other sections, `$Periodic`
@@ -56,8 +57,9 @@ impl MshData {
     /// Reads a file.
     ///
     /// # Errors
-    /// A file that cannot be opened, is no MSH file, is damaged, or holds elements that are no simplices of order 1 or 2.
-    /// Each names the line (ASCII) or byte (binary), the value found, and a remedy.
+    /// A file that cannot be opened, is no MSH file, is damaged, or holds elements that are no
+    /// simplices of order 1 or 2. Each names the line (ASCII) or byte (binary), the value found,
+    /// and a remedy.
     pub fn read(path: &Path) -> Result<MshData> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|e| {
@@ -196,7 +198,8 @@ enum Version {
     FourOne,
 }
 
-/// `$MeshFormat`: version, 0 (ASCII) or 1 (binary), size of a number; if binary, the integer 1 as bytes.
+/// `$MeshFormat`: version, 0 (ASCII) or 1 (binary), size of a number; if binary, the integer 1 as
+/// bytes.
 fn header(cursor: &mut Cursor) -> Result<Version> {
     let any_mesh =
         "save the mesh as MSH (gmsh FILE -save -format msh41 -o FILE.msh); gmsh also converts other mesh formats";

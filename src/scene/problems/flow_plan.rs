@@ -70,7 +70,7 @@ impl<const D: usize> FlowPlan<'_, D> {
             (false, _) => ("changes with density or viscosity", flow.solver_description()),
         };
         lines.push(format!("matrix {kind}: {why}"));
-        lines.extend(flow.way_in_words());
+        lines.extend(flow.solver_summary());
         if let Some((_, factor)) = flow.solver_size() {
             lines.push(format!(
                 "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",

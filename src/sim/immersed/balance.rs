@@ -26,7 +26,7 @@ impl Energies {
 
 /// Terms of the energy balance (3.23): `E(t) + int dissipation - int power = E(0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Budget {
+pub struct EnergyBalance {
     /// Kinetic and elastic energy at time 0.
     pub initial: f64,
     /// Energy dissipated by viscosity and grad-div.
@@ -39,10 +39,10 @@ pub struct Budget {
     pub transferred: f64,
 }
 
-impl Budget {
+impl EnergyBalance {
     /// A balance that starts with `e`.
-    pub fn new(e: &Energies) -> Budget {
-        Budget { initial: e.total(), ..Budget::default() }
+    pub fn new(e: &Energies) -> EnergyBalance {
+        EnergyBalance { initial: e.total(), ..EnergyBalance::default() }
     }
     /// Adds a step of length `dt` from `old` to `new`. Rates are taken at the new time (`order` 1,
     /// as in backward Euler) or as the mean (order 2).
@@ -70,13 +70,13 @@ mod tests {
     #[test]
     fn the_residual_measures_spurious_energy() {
         let at = |t: f64| Energies { kinetic: (-t).exp(), dissipation: (-t).exp(), ..Energies::default() };
-        let mut budget = Budget::new(&at(0.0));
+        let mut balance = EnergyBalance::new(&at(0.0));
         let dt = 1e-3;
         for k in 1..=1000 {
-            budget.advance(&at((k - 1) as f64 * dt), &at(k as f64 * dt), dt, 2);
+            balance.advance(&at((k - 1) as f64 * dt), &at(k as f64 * dt), dt, 2);
         }
-        assert!(budget.residual(&at(1.0)).abs() < 1e-7);
+        assert!(balance.residual(&at(1.0)).abs() < 1e-7);
         let fed = Energies { elastic: 0.1, ..at(1.0) };
-        assert!((budget.residual(&fed) - 0.1).abs() < 1e-7);
+        assert!((balance.residual(&fed) - 0.1).abs() < 1e-7);
     }
 }

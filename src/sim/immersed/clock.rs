@@ -148,8 +148,9 @@ mod tests {
         Pacing { tolerance: 1e-3, first: 0.004, least: 1e-6, most: 0.3, instants, speed: 1.0, length: 1.0 }
     }
 
-    /// Steps of all sizes that are wanted in turn: each instant is a time of the clock to the last bit, no step is longer than wanted,
-    /// allowed or than twice the last, and the times are the sum of the steps.
+    /// Steps of all sizes that are wanted in turn: each instant is a time of the clock to the last
+    /// bit, no step is longer than wanted, allowed or than twice the last, and the times are the
+    /// sum of the steps.
     #[test]
     fn instants_are_hit_exactly_and_growth_is_bounded() {
         let p = pacing();

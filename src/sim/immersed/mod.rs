@@ -1,6 +1,6 @@
 //! The immersed problem: a flow with structures.
 
-mod budget;
+mod balance;
 mod clock;
 mod factor;
 mod materials;
@@ -11,7 +11,7 @@ mod scheme;
 mod settings;
 mod step;
 
-pub use budget::{Budget, Energies};
+pub use balance::{Energies, EnergyBalance};
 pub use clock::{Clock, Pacing};
 pub use settings::SimulationSettings;
 
@@ -28,6 +28,28 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A flow with structures, in progress.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::Condition;
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use immersa::sim::{Fluid, Simulation, SimulationSettings};
+/// use std::sync::Arc;
+///
+/// // The velocity (y, 0) is a steady solution of the Navier-Stokes equations.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::UnionJack)?);
+/// let shear = Condition::Velocity(Arc::new(|x, _| Point::<2>::new(x[1], 0.0)));
+/// let fluid = Fluid { density: 1.0, viscosity: 0.1 };
+/// let settings = SimulationSettings::new(0.05, fluid, vec![("walls".into(), shear)]);
+/// let mut sim = Simulation::new(&mesh, settings, vec![], |x| Point::<2>::new(x[1], 0.0))?;
+/// for _ in 0..3 {
+///     sim.step()?;
+/// }
+/// assert!((sim.time() - 0.15).abs() < 1e-15);
+/// assert!((sim.largest_speed() - 1.0).abs() < 1e-12);
+/// assert!((sim.state().energies.kinetic - 1.0 / 6.0).abs() < 1e-12);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct Simulation<const D: usize> {
     settings: SimulationSettings<D>,
     carried: Carried<D>,
@@ -37,7 +59,7 @@ pub struct Simulation<const D: usize> {
     fine: Option<Basis<D>>,
     state: State<D>,
     feet: [Feet; 2],
-    wants_reactions: bool,
+    keeps_reactions: bool,
     reactions: Option<Vec<SVector<f64, D>>>,
     phases: Phases,
     work: Work<D>,
@@ -87,7 +109,7 @@ impl<const D: usize> Simulation<D> {
         sim.set_materials_now();
         sim.prepare_now()?;
         sim.state.energies = sim.measure(0.0)?;
-        sim.state.budget = Budget::new(&sim.state.energies);
+        sim.state.balance = EnergyBalance::new(&sim.state.energies);
         Ok(sim)
     }
 
@@ -125,7 +147,7 @@ impl<const D: usize> Simulation<D> {
             fine,
             state,
             feet: Default::default(),
-            wants_reactions: false,
+            keeps_reactions: false,
             reactions: None,
             phases: Phases::default(),
             work: Work::default(),
@@ -212,7 +234,7 @@ impl<const D: usize> Simulation<D> {
     }
     /// Enables [`reaction`](Self::reaction) after each step; costs one assembly per step.
     pub fn keep_reactions(&mut self, keep: bool) {
-        self.wants_reactions = keep;
+        self.keeps_reactions = keep;
     }
     /// Largest speed at a node.
     pub fn largest_speed(&self) -> f64 {

@@ -18,10 +18,11 @@ impl<const D: usize> Simulation<D> {
     /// Makes the steps adaptive from time 0 on; [`step`](Self::step) then repeats until a step is
     /// accepted.
     ///
-    /// The error of a step is the larger of two: that of the velocity, by comparing BDF2 with the extrapolation of the last three
-    /// velocities, both of whose errors are known multiples of `u''' dt^3` (Milne's device), over a speed; and that of positions, `u'' dt^3/12`
-    /// for the mean velocity of the step, over a length. Both are the largest at any node. The first two steps, one of backward Euler
-    /// and one of BDF2, are judged together.
+    /// The error of a step is the larger of two: that of the velocity, by comparing BDF2 with the
+    /// extrapolation of the last three velocities, both of whose errors are known multiples of
+    /// `u''' dt^3` (Milne's device), over a speed; and that of positions, `u'' dt^3/12` for the
+    /// mean velocity of the step, over a length. Both are the largest at any node. The first two
+    /// steps, one of backward Euler and one of BDF2, are judged together.
     ///
     /// # Errors
     /// A scheme of order 1, or a velocity that is prescribed.
@@ -97,7 +98,7 @@ impl<const D: usize> Simulation<D> {
                 Ok((_, error)) => error,
                 Err(e) if e.kind() == Kind::Computation => {
                     // The factor no longer belongs to the state.
-                    self.flow.forget_factor();
+                    self.flow.invalidate_factor();
                     self.state.factored = None;
                     failure = Some(e);
                     f64::INFINITY

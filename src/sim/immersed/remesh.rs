@@ -14,10 +14,11 @@ impl Simulation<2> {
     /// names.
     ///
     /// Matrices, orderings and factors are those of the new mesh. The change of kinetic and elastic
-    /// energy by the transfer is added to [`Budget::transferred`](super::Budget::transferred) and
-    /// stays in the residual of the energy balance. The velocity is not projected to discretely
-    /// divergence-free functions on the new mesh: old velocities enter the next step through its
-    /// right-hand side only, and the step computes a divergence-free velocity.
+    /// energy by the transfer is added to
+    /// [`EnergyBalance::transferred`](super::EnergyBalance::transferred) and stays in the residual
+    /// of the energy balance. The velocity is not projected to discretely divergence-free functions
+    /// on the new mesh: old velocities enter the next step through its right-hand side only, and
+    /// the step computes a divergence-free velocity.
     ///
     /// # Errors
     /// Those of [`Simulation::new`]; a mesh that does not cover the domain.
@@ -44,14 +45,14 @@ impl Simulation<2> {
             fields: sim.state.fields,
             factored: None,
             energies: old.energies,
-            budget: old.budget,
+            balance: old.balance,
         };
         sim.pacing.clone_from(&self.pacing);
         sim.carried.redistancing = self.carried.redistancing;
         if sim.pacing.is_some() {
             sim.flow.expect_changes();
         }
-        sim.wants_reactions = self.wants_reactions;
+        sim.keeps_reactions = self.keeps_reactions;
         sim.recount_energies()?;
         Ok(sim)
     }
@@ -65,7 +66,7 @@ impl Simulation<2> {
         self.prepare_now()?;
         let before = self.state.energies;
         let now = super::Energies { power: before.power, ..self.measure(0.0)? };
-        self.state.budget.transferred += now.total() - before.total();
+        self.state.balance.transferred += now.total() - before.total();
         self.state.energies = now;
         Ok(())
     }

@@ -21,7 +21,8 @@ pub(super) struct Scheme {
 }
 
 impl Scheme {
-    /// Coefficient of the new velocity in the discrete time derivative, times the step; 0 for Stokes.
+    /// Coefficient of the new velocity in the discrete time derivative, times the step; 0 for
+    /// Stokes.
     pub fn weight(&self) -> f64 {
         match (self.inertia, self.second) {
             (false, _) => 0.0,

@@ -44,8 +44,8 @@ pub struct SimulationSettings<const D: usize> {
 }
 
 impl<const D: usize> SimulationSettings<D> {
-    /// A flow of `fluid` under `conditions` in steps of length `dt`, of order 2, with convection where
-    /// there is inertia, without grad-div and forces.
+    /// A flow of `fluid` under `conditions` in steps of length `dt`, of order 2, with convection
+    /// where there is inertia, without grad-div and forces.
     pub fn new(dt: f64, fluid: Fluid, conditions: Conditions<D>) -> SimulationSettings<D> {
         SimulationSettings {
             dt,

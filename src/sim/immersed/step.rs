@@ -72,7 +72,7 @@ impl<const D: usize> Simulation<D> {
         self.phases.end(Phase::Assembly);
         // Energies and their balance (3.23).
         let now = self.measure(wall_power)?;
-        self.state.budget.advance(&self.state.energies, &now, scheme.dt, scheme.order());
+        self.state.balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
@@ -161,7 +161,7 @@ impl<const D: usize> Simulation<D> {
         let report = flow.step(&step, next)?;
         self.phases.begin();
         let wall_power = flow.wall_power(&step, next);
-        self.reactions = self.wants_reactions.then(|| flow.reaction(&step, next, Cells::All));
+        self.reactions = self.keeps_reactions.then(|| flow.reaction(&step, next, Cells::All));
         Ok((report, wall_power))
     }
 
