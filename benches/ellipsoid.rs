@@ -9,7 +9,7 @@ use cpu_time::ProcessTime;
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Point, box_mesh, freefem};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -66,10 +66,14 @@ fn run(n: usize, steps: usize, folder: Option<&str>) {
 }
 
 fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<3> {
-    let settings = Settings {
+    let settings = SimulationSettings {
         order: 1,
         grad_div: GRAD_DIV,
-        ..Settings::new(DT, Fluid { density: 1.0, viscosity: VISCOSITY }, vec![("walls".into(), Condition::NoSlip)])
+        ..SimulationSettings::new(
+            DT,
+            Fluid { density: 1.0, viscosity: VISCOSITY },
+            vec![("walls".into(), Condition::NoSlip)],
+        )
     };
     let space = Space::new(mesh, Element::P2);
     let level = |x: &Point<3>| (0..3).map(|k| ((x[k] - 1.0) / AXES[k]).powi(2)).sum::<f64>().sqrt() - 1.0;

@@ -9,10 +9,11 @@ mod case;
 
 use case::Case;
 use immersa::flow::{Coefficient, FlowSolver, FlowState, History, Step};
-use immersa::linalg::{Solving, Way};
+use immersa::linalg::{SolverKind, SolverOptions};
 use nalgebra::SVector;
 
-const WAYS: [(&str, Way); 3] = [("direct", Way::Direct), ("single", Way::Single), ("schur", Way::Schur)];
+const WAYS: [(&str, SolverKind); 3] =
+    [("direct", SolverKind::Direct), ("single", SolverKind::Single), ("schur", SolverKind::Schur)];
 /// `rho/dt` and grad-div weight for `rho U L = 1`, viscosity .01.
 const STEPS: [[f64; 2]; 4] = [[200.0, 0.5], [200.0, 5.0], [1000.0, 0.5], [1000.0, 5.0]];
 
@@ -24,33 +25,33 @@ fn main() {
     let all = WAYS.iter().all(|(word, _)| !named(word));
     for n in sizes {
         let case = Case::space(n);
-        for (_, way) in WAYS.iter().filter(|(word, _)| all || named(word)) {
+        for (_, kind) in WAYS.iter().filter(|(word, _)| all || named(word)) {
             if named("sizes") {
-                plan(n, &case, *way);
+                plan(n, &case, *kind);
             } else {
-                STEPS.iter().for_each(|step| time(n, &case, *way, *step));
+                STEPS.iter().for_each(|step| time(n, &case, *kind, *step));
             }
         }
     }
 }
 
-fn solver(case: &Case<3>, way: Way, grad_div: f64) -> FlowSolver<3> {
+fn solver(case: &Case<3>, kind: SolverKind, grad_div: f64) -> FlowSolver<3> {
     let (velocity, pressure) = (case.velocity.space(), case.pressure.space());
     let mut solver = FlowSolver::new(velocity, pressure, case.velocity.rule(), &case.conditions, grad_div).unwrap();
     solver.set_materials(Coefficient::Constant(1.0), Coefficient::Constant(0.01));
-    solver.solve_by(Solving { way: Some(way), memory: Some(usize::MAX) });
+    solver.solve_by(SolverOptions { kind: Some(kind), memory: Some(usize::MAX) });
     solver
 }
 
-fn plan(n: usize, case: &Case<3>, way: Way) {
-    let mut solver = solver(case, way, 1.0);
+fn plan(n: usize, case: &Case<3>, kind: SolverKind) {
+    let mut solver = solver(case, kind, 1.0);
     solver.analyse(200.0).unwrap();
-    println!("n = {n}, {} unknowns: {}", solver.numbering().order(), solver.way_in_words().unwrap());
+    println!("n = {n}, {} unknowns: {}", solver.numbering().order(), solver.solver_summary().unwrap());
 }
 
 /// The first step factors; the second one, of the same matrix, does not.
-fn time(n: usize, case: &Case<3>, way: Way, [inertia, grad_div]: [f64; 2]) {
-    let mut solver = solver(case, way, grad_div);
+fn time(n: usize, case: &Case<3>, kind: SolverKind, [inertia, grad_div]: [f64; 2]) {
+    let mut solver = solver(case, kind, grad_div);
     let dt = 1.0 / inertia;
     let force =
         |x: &immersa::mesh::Point<3>, t: f64| SVector::<f64, 3>::new(x[2] * x[2], (3.0 * x[0] + t).sin(), x[0] * x[1]);
@@ -72,7 +73,7 @@ fn time(n: usize, case: &Case<3>, way: Way, [inertia, grad_div]: [f64; 2]) {
     }
     let (_, size) = solver.solver_size().unwrap();
     println!(
-        "n = {n}, rho/dt = {inertia}, grad-div {grad_div}, {way}: {:.2e} entries, {:.0} MB, {line}",
+        "n = {n}, rho/dt = {inertia}, grad-div {grad_div}, {kind}: {:.2e} entries, {:.0} MB, {line}",
         size.entries as f64,
         size.bytes as f64 / 1e6
     );

@@ -5,7 +5,7 @@ use immersa::fem::{Basis, Cells, Condition, Element, Numbering, Rule, Space, ass
 use immersa::flow::FlowSolver;
 use immersa::linalg::{Factor, Ordering, SymmetricMatrix};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -96,10 +96,10 @@ impl<const D: usize> Case<D> {
         (matrix, factor)
     }
     pub fn simulation(&self, order: usize, coupling: Coupling) -> Simulation<D> {
-        let settings = Settings {
+        let settings = SimulationSettings {
             order,
             grad_div: 1.0,
-            ..Settings::new(DT, Fluid { density: 1.0, viscosity: 0.01 }, self.conditions.clone())
+            ..SimulationSettings::new(DT, Fluid { density: 1.0, viscosity: 0.01 }, self.conditions.clone())
         };
         let (membrane, phi) = (self.membrane(), self.phi.clone());
         let structure = Immersed::boxed(

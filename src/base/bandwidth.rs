@@ -1,14 +1,14 @@
-//! How fast the memory is.
+//! Measures the bandwidth of the memory.
 
 use cpu_time::ThreadTime;
 use std::hint::black_box;
 
-/// Bytes that are copied: more than the caches hold.
+/// Bytes copied per pass: larger than the caches.
 const BLOCK: usize = 64 << 20;
 const REPETITIONS: usize = 4;
 
-/// Bytes read and written a second when a block of 64 MiB is copied by one thread: the best of four, by the time of the processor, as the
-/// phases of a step are counted.
+/// Returns the bytes read and written per second when one thread copies a block of 64 MiB: the best
+/// of four passes. The time is processor time, as for the phases of a step.
 pub fn copy_bandwidth() -> f64 {
     let from = vec![1.0_f64; BLOCK / 8];
     let mut to = vec![0.0_f64; BLOCK / 8];

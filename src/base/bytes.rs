@@ -1,8 +1,9 @@
-//! Numbers as bytes and back, bit by bit: 8 bytes each, the lowest first, every list after its length.
+//! Lossless conversion of numbers to bytes and back: 8 bytes each, little-endian; a list follows
+//! its length.
 
 use nalgebra::SVector;
 
-/// Bytes in the making.
+/// Writer: the bytes so far.
 #[derive(Debug, Default)]
 pub struct Writer(pub Vec<u8>);
 
@@ -33,7 +34,7 @@ impl Writer {
     }
 }
 
-/// Reads from the front; `None` when the bytes are at an end or do not fit.
+/// Reader from the front of a slice. Methods return `None` if the bytes are used up or do not fit.
 #[derive(Debug)]
 pub struct Reader<'a>(pub &'a [u8]);
 
@@ -48,7 +49,7 @@ impl Reader<'_> {
     pub fn number(&mut self) -> Option<f64> {
         self.integer().map(f64::from_bits)
     }
-    /// A list of what `read` reads.
+    /// A list of elements that `read` reads.
     pub fn list<T>(&mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let count =
             usize::try_from(self.integer()?).ok().filter(|n| n.checked_mul(8).is_some_and(|b| b <= self.0.len()))?;

@@ -1,4 +1,4 @@
-//! Errors and warnings as values: what happened, where, with which value, and what to do about it.
+//! Errors and warnings as values: description, place, wrong value and remedy.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 /// The result type of the whole crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What kind of thing went wrong; decides the exit code of the program.
+/// Kind of an error; sets the exit code of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A defect of this program (exit code 1).
@@ -69,14 +69,14 @@ pub enum Cause {
     CurvedBoundary,
 }
 
-/// The piece of a text file that an error is about.
+/// Part of a text file that an error refers to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snippet {
     /// Name of the file, as the user gave it.
     pub path: String,
     /// The whole text of the file.
     pub source: String,
-    /// The bytes of `source` that are wrong.
+    /// Byte range of `source` that is wrong.
     pub span: Range<usize>,
 }
 
@@ -91,10 +91,11 @@ impl Snippet {
     }
 }
 
-/// An error: what happened, where, which value, what to do.
+/// An error: description, place, wrong value and remedy.
 ///
-/// Built by [`Error::scene`], [`Error::input`], [`Error::computation`], [`Error::internal`] or [`Error::interrupted`]
-/// and completed by [`at`](Error::at), [`value`](Error::value) and [`remedy`](Error::remedy).
+/// Built by [`Error::scene`], [`Error::input`], [`Error::computation`], [`Error::internal`] or
+/// [`Error::interrupted`] and completed by [`at`](Error::at), [`value`](Error::value) and
+/// [`remedy`](Error::remedy).
 #[derive(Clone, PartialEq, Eq)]
 pub struct Error(Box<Parts>);
 
@@ -141,22 +142,22 @@ impl Error {
     pub fn interrupted(what: impl Into<String>) -> Error {
         Error::new(Kind::Interrupted, what)
     }
-    /// Where it happened: file and line, cell and coordinates, key of the scene, time.
+    /// Adds the place: file and line, cell and coordinates, key of the scene, or time.
     pub fn at(mut self, place: impl Into<String>) -> Error {
         self.0.place = place.into();
         self
     }
-    /// The value that is wrong.
+    /// Adds the wrong value.
     pub fn value(mut self, value: impl fmt::Display) -> Error {
         self.0.value = value.to_string();
         self
     }
-    /// What the user can do.
+    /// Adds a remedy for the user.
     pub fn remedy(mut self, remedy: impl Into<String>) -> Error {
         self.0.remedy = remedy.into();
         self
     }
-    /// The place in a text file, for a report with the line and a caret.
+    /// Adds the place in a text file, for a report with the line and a caret.
     pub fn snippet(mut self, snippet: Snippet) -> Error {
         self.0.snippet = Some(snippet);
         self
@@ -174,11 +175,11 @@ impl Error {
     pub fn kind(&self) -> Kind {
         self.0.kind
     }
-    /// What happened.
+    /// Description of the error.
     pub fn what(&self) -> &str {
         &self.0.what
     }
-    /// Where it happened; may be empty.
+    /// Place of the error; may be empty.
     pub fn place(&self) -> &str {
         &self.0.place
     }
@@ -186,7 +187,7 @@ impl Error {
     pub fn wrong_value(&self) -> &str {
         &self.0.value
     }
-    /// What the user can do; may be empty.
+    /// Remedy for the user; may be empty.
     pub fn advice(&self) -> &str {
         &self.0.remedy
     }
@@ -213,7 +214,7 @@ impl fmt::Display for Error {
     }
 }
 
-/// The same as `Display`: this is what a user sees when `main` returns an error.
+/// Same as `Display`, because this is printed when `main` returns an error.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -222,17 +223,17 @@ impl fmt::Debug for Error {
 
 impl std::error::Error for Error {}
 
-/// Something the user should know but that does not stop the program.
+/// A message to the user that does not stop the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What was found, with place and value.
+    /// Description, with place and value.
     pub what: String,
-    /// What the user can do; may be empty.
+    /// Remedy for the user; may be empty.
     pub remedy: String,
 }
 
 impl Warning {
-    /// A warning with its advice.
+    /// A warning with its remedy.
     pub fn new(what: impl Into<String>, remedy: impl Into<String>) -> Warning {
         Warning { what: what.into(), remedy: remedy.into() }
     }

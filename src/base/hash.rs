@@ -1,6 +1,7 @@
-//! A hash that is the same on every machine and in every version: for files that are read again.
+//! A hash that does not depend on machine or version, for files that are read again.
 
-/// FNV-1a of some bytes, 64 bits wide (Fowler, Noll and Vo): enough to notice a file that was cut off or damaged, not one that was forged.
+/// FNV-1a hash (Fowler, Noll and Vo) of 64 bits. Detects a truncated or damaged file, not a forged
+/// one.
 pub fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }

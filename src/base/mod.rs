@@ -1,4 +1,4 @@
-//! What every layer may use: errors as values, deterministic parallel loops, and what a step spends its time on.
+//! Facilities for all layers: errors as values, deterministic parallel loops, time by phase.
 
 mod bandwidth;
 pub mod bytes;

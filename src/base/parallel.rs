@@ -1,19 +1,21 @@
 //! Parallel loops whose result does not depend on the number of threads.
 //!
-//! Work is cut into chunks of a fixed size; every chunk writes only its own part of the output, and sums over chunks
-//! are taken in the order of the chunks.
+//! Work is cut into chunks of a fixed size; every chunk writes only its own part of the output, and
+//! sums over chunks are taken in the order of the chunks.
 
 use rayon::prelude::*;
 
 /// Items per chunk. Fixed, so that sums are grouped in the same way whatever the number of threads.
 pub const CHUNK: usize = 256;
 
-/// Calls `work(first_item, part)` on consecutive parts of `out`, `stride` entries an item, in parallel.
+/// Calls `work(first_item, part)` on consecutive parts of `out`, `stride` entries an item, in
+/// parallel.
 pub fn fill<T: Send>(out: &mut [T], stride: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     out.par_chunks_mut(CHUNK * stride.max(1)).enumerate().for_each(|(k, part)| work(k * CHUNK, part));
 }
 
-/// Parts of a sum: their number does not grow with that of the terms, so that a sum needs no memory.
+/// Number of partial sums. It does not grow with the number of terms, so that a sum allocates
+/// nothing.
 const PARTS: usize = 64;
 
 /// Sum over `0..n` of `term`, as an array of `N` sums, bit-identical for any number of threads.

@@ -1,14 +1,14 @@
-//! Parts of a set of numbers that are joined pair by pair.
+//! Disjoint sets of numbers (union-find).
 
-/// The numbers from 0 on, in parts; each part is named by its least number.
+/// A partition of the numbers from 0 on; each set is represented by its least number.
 pub struct Partition(Vec<u32>);
 
 impl Partition {
-    /// `count` numbers, each a part of its own.
+    /// `count` numbers, each a set of its own.
     pub fn new(count: usize) -> Partition {
         Partition((0..count as u32).collect())
     }
-    /// The least number of the part of `n`, which must be one of the numbers; the way there is halved.
+    /// Least number of the set of `n`, which must be below `count`; halves the path.
     pub fn first(&mut self, mut n: u32) -> u32 {
         let parent = &mut self.0;
         while parent[n as usize] != n {
@@ -17,7 +17,7 @@ impl Partition {
         }
         n
     }
-    /// Makes one part of those of `a` and `b`.
+    /// Merges the sets of `a` and `b`.
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.first(a), self.first(b));
         self.0[a.max(b) as usize] = a.min(b);

@@ -1,4 +1,4 @@
-//! What a step spends its time on: seconds of all processors by phase.
+//! Processor time of a step by phase.
 
 use cpu_time::ProcessTime;
 use std::time::Duration;
@@ -6,19 +6,19 @@ use std::time::Duration;
 /// A phase of a time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Matrices and right-hand sides of the flow, the forces left aside.
+    /// Matrices and right-hand sides of the flow, without forces of structures.
     Assembly,
     /// Orderings and factors.
     Factor,
-    /// The solution of the system of velocity and pressure: the substitution, its residual, and what brings values in and out.
+    /// Solve for velocity and pressure: substitution, residual, and transfer of values.
     Solve,
     /// Feet of the characteristics of the velocity.
     Feet,
     /// Bands of the structures, and their forces.
     Force,
-    /// Level sets, with the feet that they need.
+    /// Transport of the level sets, with the feet that it needs.
     Transport,
-    /// Level sets that become distances again.
+    /// Redistancing of the level sets.
     Redistance,
     /// Energies, powers and reactions.
     Diagnostics,
@@ -36,7 +36,8 @@ pub const PHASES: [(Phase, &str); 8] = [
     (Phase::Diagnostics, "diagnostics"),
 ];
 
-/// Seconds of all processors for this process by phase. A mark costs a microsecond: one a phase, never one a cell.
+/// Processor time of this process by phase, in seconds. A measurement costs a microsecond: use it
+/// per phase, not per cell.
 #[derive(Clone, Debug, Default)]
 pub struct Phases {
     seconds: [f64; PHASES.len()],
@@ -44,22 +45,22 @@ pub struct Phases {
 }
 
 impl Phases {
-    /// Sets a mark: what was done before is not counted.
+    /// Starts a measurement: time before it is not counted.
     pub fn begin(&mut self) {
         self.mark = ProcessTime::now().as_duration();
     }
-    /// Counts what was done since the last mark for a phase, and sets the next one.
+    /// Adds the time since the last measurement to a phase, and starts the next one.
     pub fn end(&mut self, phase: Phase) {
         let now = ProcessTime::now().as_duration();
         self.seconds[phase as usize] += now.saturating_sub(self.mark).as_secs_f64();
         self.mark = now;
     }
-    /// Books seconds that were counted for one phase to another.
+    /// Moves seconds that were counted for one phase to another.
     pub fn transfer(&mut self, seconds: f64, from: Phase, to: Phase) {
         self.seconds[from as usize] -= seconds;
         self.seconds[to as usize] += seconds;
     }
-    /// Seconds by phase, and none from now on.
+    /// Returns the seconds by phase and resets them to zero.
     pub fn take(&mut self) -> [f64; PHASES.len()] {
         std::mem::take(&mut self.seconds)
     }

@@ -2,8 +2,8 @@
 
 use std::any::Any;
 
-/// `value` as a `B`, if that is its type; `None` else. Lets code for any number of dimensions call what
-/// exists for the plane or for space alone.
+/// `value` as a `B`, if that is its type; `None` else. Lets code for any number of dimensions call
+/// what exists for the plane or for space alone.
 pub fn same<A: Any, B: Any>(value: A) -> Option<B> {
     let mut value = Some(value);
     let value: &mut dyn Any = &mut value;

@@ -1,4 +1,5 @@
-//! Energy of a membrane that resists the change of its area (in 2-D: of its length), by the stretch `r = |grad phi|`.
+//! Energy of a membrane that resists change of area (in the plane: of length), as a function of the
+//! stretch `r = |grad phi|`.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -23,8 +24,9 @@ pub enum AreaLaw {
 }
 
 impl AreaLaw {
-    /// What is tested with `grad v` in the form implicit in the velocity, with `P = I - n n`:
-    /// `a (P : grad u) P + b n n grad u P`, `[a, b]` being `weights`; for constant tension and in 3-D the last term is `b grad u P`.
+    /// The tensor tested with `grad v` in the form implicit in the velocity, with `P = I - n n`:
+    /// `a (P : grad u) P + b n n grad u P`, `[a, b]` being `weights`. For constant tension and in
+    /// 3-D the last term is `b grad u P`.
     pub(super) fn implicit_form<const D: usize>(
         &self,
         n: &SVector<f64, D>,
@@ -70,7 +72,7 @@ impl AreaLaw {
             AreaLaw::Tension { .. } => 0.0,
         }
     }
-    /// `lambda`: the size of the law, in force per length.
+    /// `lambda`: the modulus of the law, force per length.
     pub fn modulus(self) -> f64 {
         match self {
             AreaLaw::Linear { modulus } | AreaLaw::OneSided { modulus } => modulus,

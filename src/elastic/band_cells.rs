@@ -1,4 +1,4 @@
-//! The band of a membrane: where it is, and what is known at its quadrature points, kept for its cells alone.
+//! The band of a membrane and its data at quadrature points, stored for the cells of the band only.
 
 use crate::base::parallel;
 use crate::fem::{At, Basis, OnCell};
@@ -6,19 +6,21 @@ use crate::levelset::{Bounds, Kernel, Norm};
 use crate::mesh::NONE;
 use nalgebra::SVector;
 
-/// Over which values of its level set a membrane is spread.
+/// Definition of the band by values of the level set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Band {
-    /// `|phi| < r eps` with the local `r` (the renormalisation of (1.32)-(1.35)): of half-width `eps` in space however the
-    /// membrane is stretched. Its weight is not carried by the fluid, so the force is the derivative of the energy but for terms
-    /// of first order in `eps`: energy comes from nowhere slowly, and a drop that should rest breaks up in the end.
+    /// `|phi| < r eps` with the local `r` (the renormalisation of (1.32)-(1.35)): half-width `eps`
+    /// in space for any stretch of the membrane. Its weight is not transported by the fluid, so the
+    /// force is the derivative of the energy only up to terms of first order in `eps`: spurious
+    /// energy is produced slowly, and a drop at rest breaks up in the end.
     Renormalised,
-    /// `|phi| < s eps`, `s` being the slope of the level set at the start: moves with the fluid, so that the force is the
-    /// derivative of the energy; of half-width `eps s / r` in space.
+    /// `|phi| < s eps`, with `s` the slope of the level set at time 0. The band moves with the
+    /// fluid, so that the force is the derivative of the energy; its half-width in space is
+    /// `eps s / r`.
     Carried,
 }
 
-/// What a point of the band knows of the level set.
+/// Level set data at a point of the band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BandPoint<const D: usize> {
     /// Unit normal, outward.
@@ -30,8 +32,8 @@ pub(super) struct BandPoint<const D: usize> {
 }
 
 impl<const D: usize> BandPoint<D> {
-    /// A point outside of any band.
-    pub fn nowhere() -> BandPoint<D> {
+    /// The data outside the band.
+    pub fn outside() -> BandPoint<D> {
         BandPoint { n: SVector::zeros(), r: 0.0, w: 0.0 }
     }
 }
@@ -54,7 +56,7 @@ impl BandWidth {
     pub fn new(thickness: f64) -> BandWidth {
         BandWidth { thickness, slope: None, kernel: Kernel::default(), norm: Norm::default() }
     }
-    /// A band of another kind; `slope` is that of the level set at the start.
+    /// A band of another kind; `slope` is that of the level set at time 0.
     pub fn with_band(self, band: Band, slope: f64) -> BandWidth {
         BandWidth { slope: (band == Band::Carried).then_some(slope), ..self }
     }
@@ -62,12 +64,12 @@ impl BandWidth {
     pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> BandWidth {
         BandWidth { kernel, norm, ..self }
     }
-    /// Whether the band may have a point in cell `c`.
+    /// True if the band may have a point in cell `c`.
     pub fn is_near<const D: usize>(&self, basis: &Basis<D>, phi: &[f64], c: usize) -> bool {
         let bounds = Bounds::of_cell(basis.space(), phi, c);
         bounds.meet(self.slope.unwrap_or(bounds.slope * self.norm.largest(D)) * self.thickness)
     }
-    /// What there is at point `q` of cell `c`, where the level set is `own`.
+    /// Data at point `q` of cell `c`, where the level set is `own`.
     pub fn point<const D: usize>(&self, basis: &Basis<D>, c: usize, q: usize, own: &OnCell<f64, D>) -> BandPoint<D> {
         let inverse = &basis.space().mesh().map(c).inverse;
         let g = inverse.tr_mul(&own.reference_gradient(basis.reference_gradients(q)));
@@ -77,7 +79,8 @@ impl BandWidth {
         let n = if r > 0.0 { g / r } else { SVector::zeros() };
         BandPoint { n, r, w }
     }
-    /// Sum over the quadrature points of the band of `value(cell, point, band point)`, times the weights.
+    /// Sum over the quadrature points of the band of `value(cell, point, band point)`, times the
+    /// weights.
     pub fn integrate<const D: usize>(
         &self,
         basis: &Basis<D>,
@@ -99,14 +102,14 @@ impl BandWidth {
     }
 }
 
-/// One `P` a quadrature point of each cell that a band may have a point in.
+/// One `P` per quadrature point of each cell that a band may have a point in.
 #[derive(Clone, Debug)]
 pub(super) struct BandCells<P> {
     points: usize,
     cells: Vec<u32>,
     /// Position of a cell in `cells`; [`NONE`] for the others.
     slot: Vec<u32>,
-    /// For every cell whether the band may have a point in it.
+    /// For every cell: true if the band may have a point in it.
     near: Vec<bool>,
     values: Vec<P>,
 }
@@ -118,7 +121,8 @@ impl<P> Default for BandCells<P> {
 }
 
 impl<P: Copy + Send + Sync> BandCells<P> {
-    /// Lists the cells of the band of `phi`, and fills in `point(cell, q, band point)`; `nothing` is a value to start from.
+    /// Lists the cells of the band of `phi`, and computes `point(cell, q, band point)`; `nothing`
+    /// is the initial value.
     pub fn prepare<const D: usize>(
         &mut self,
         width: &BandWidth,

@@ -12,24 +12,27 @@ use crate::structure::{ImmersedInterface, InterfaceForce, Place};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// Surface tension on the zero level of `phi` as a continuum surface force (Brackbill, Kothe and Zemach 1992; book, (1.32)).
+/// Surface tension on the zero level of `phi` as a continuum surface force (Brackbill, Kothe and
+/// Zemach 1992; book, (1.32)).
 ///
-/// `F(v) = - int lambda H w grad phi . v`, with `w |grad phi|` the surface delta of the band, `H = div n` the curvature (1.9), positive on a
-/// sphere, and `n` outward. (1.32) is printed with the other sign and with the density as a factor: the jump of the normal stress is
-/// `lambda H` whatever the densities.
+/// `F(v) = - int lambda H w grad phi . v`, with `w |grad phi|` the surface delta of the band,
+/// `H = div n` the curvature (1.9), positive on a sphere, and `n` outward. (1.32) is printed with
+/// the opposite sign and with the density as a factor: the jump of the normal stress is `lambda H`
+/// for any densities.
 ///
-/// The curvature is taken at the points of the mesh from recovered second derivatives of `phi` ([`Curvature`]), and is linear in between. It is cut off at `2 (D - 1)` over
-/// the longest edge of a cell.
+/// The curvature is computed at the points of the mesh from recovered second derivatives of `phi`
+/// ([`Curvature`]), and interpolated linearly. It is bounded by `2 (D - 1)` over the longest edge
+/// of a cell.
 ///
-/// Limits: explicit in time, below (1.54). The force is not the derivative of an energy on the mesh, and where two interfaces come near each other
-/// the recovery mixes their curvatures.
+/// Limits: explicit in time, below (1.54). The force is not the derivative of an energy on the
+/// mesh, and between two close interfaces the recovery mixes their curvatures.
 #[derive(Clone, Debug)]
 pub struct ContinuumForce<const D: usize> {
     /// `lambda`, force per length.
     tension: f64,
     width: BandWidth,
     band: BandCells<SVector<f64, D>>,
-    /// With the mesh that it was made for.
+    /// With its mesh.
     recovery: Option<(Arc<Mesh<D>>, Recovery<D>)>,
 }
 
@@ -38,7 +41,7 @@ impl<const D: usize> ContinuumForce<D> {
     pub fn new(tension: f64, thickness: f64) -> ContinuumForce<D> {
         ContinuumForce { tension, width: BandWidth::new(thickness), band: BandCells::default(), recovery: None }
     }
-    /// The same force over another band; `slope` is that of the level set at the start.
+    /// The same force over another band; `slope` is that of the level set at time 0.
     pub fn with_band(self, band: Band, slope: f64) -> ContinuumForce<D> {
         ContinuumForce { width: self.width.with_band(band, slope), ..self }
     }
@@ -46,7 +49,8 @@ impl<const D: usize> ContinuumForce<D> {
     pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> ContinuumForce<D> {
         ContinuumForce { width: self.width.with_kernel(kernel, norm), ..self }
     }
-    /// Takes stock of the band of `phi`, a function of the space of `basis`, which must have the rule of the flow.
+    /// Precomputes the force on the band of `phi`, a function of the space of `basis`, which must
+    /// have the rule of the flow.
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64]) {
         let (space, tension, width) = (basis.space(), self.tension, self.width);
         let mesh = space.mesh();
@@ -61,8 +65,8 @@ impl<const D: usize> ContinuumForce<D> {
         let curvature = Curvature::new(&recovery, space, phi, &vertices);
         self.recovery = Some((Arc::clone(mesh), recovery));
         self.band.prepare(&width, basis, phi, SVector::zeros(), |c, q, b| {
-            // No mesh has a curvature of more than about the inverse of its edges, but where the gradient nearly vanishes, on the medial
-            // axis, it comes out as any number.
+            // A mesh cannot represent a curvature above about the inverse of its edges; where the
+            // gradient nearly vanishes, on the medial axis, the computed value is arbitrary.
             let limit = 2.0 * (D - 1) as f64 / mesh.diameter(c);
             let h = curvature.mean_at(mesh, c, &basis.rule().points[q]).clamp(-limit, limit);
             b.n * (-tension * h * b.w * b.r)
@@ -87,7 +91,7 @@ impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
         ContinuumForce::prepare(self, at.basis, at.fields.scalar(of.level_set()));
         Ok(())
     }
-    /// That of surface tension, `int lambda r w` (3.12), over the band.
+    /// Surface energy `int lambda r w`, (3.12), over the band.
     fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
         let law = AreaLaw::Tension { tension: self.tension };
         Ok(self.width.integrate(rule, at.fields.scalar(of.level_set()), |_, _, b| law.energy(b.r)))

@@ -1,4 +1,4 @@
-//! Elastic structures that act on the flow: one law per file.
+//! Elastic structures: one constitutive law per file.
 
 mod area_law;
 mod band_cells;

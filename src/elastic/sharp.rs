@@ -1,4 +1,4 @@
-//! The membrane with an area law whose force acts on the interface itself.
+//! The membrane with an area law whose force acts on the interface itself (sharp interface).
 
 use super::area_law::AreaLaw;
 use super::membrane::explicit_step_limit;
@@ -13,10 +13,10 @@ use crate::structure::{
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// Where the force of a membrane acts.
+/// Support of the force of a membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Force {
-    /// Spread over a band: [`Membrane`](super::Membrane). Of first order in the half-width of the band.
+    /// In a band: [`Membrane`](super::Membrane). First order in the half-width of the band.
     Smeared,
     /// On the interface: [`SharpMembrane`].
     Sharp,
@@ -24,38 +24,45 @@ pub enum Force {
 
 /// An elastic membrane on the zero level `S` of `phi`.
 ///
-/// The force is the limit of (3.16) for a band without thickness, `F(v) = - int_S E'(r) P : grad v ds` with `P = I - n n`, and the energy that of
-/// (3.12), `int_S E(r)/r ds`. Two things make the one the derivative of the other on the mesh, so that energy does not come from nowhere
-/// however stiff the membrane is:
+/// The force is the limit of (3.16) for a band of zero width, `F(v) = - int_S E'(r) P : grad v ds`
+/// with `P = I - n n`, and the energy that of (3.12), `int_S E(r)/r ds`. Two choices make the force
+/// the derivative of the energy on the mesh, so that no spurious energy is produced for any
+/// stiffness:
 ///
-/// - `n` is the normal of the cut interface, whose length the force then shortens, not that of a gradient;
-/// - the stretch is not `|grad phi|` but carried in the form `D(log r)/Dt = P : grad u` with the `P : grad u` that the force works on. For
-///   divergence-free velocities that is what `|grad phi|` does; on a mesh its error in short waves is fed back by the force.
+/// - `n` is the normal of the cut interface, whose length the force shortens, not that of a
+///   gradient;
+/// - the stretch is not `|grad phi|` but transported by `D(log r)/Dt = P : grad u`, with the same
+///   `P : grad u` as in the force. For divergence-free velocities this equals `|grad phi|`; on a
+///   mesh the force amplifies the error of `|grad phi|` in short waves.
 ///
-/// A tangential force makes a kink in the velocity, which P2 on a cell of extent `l` across the interface rounds off: the interface is
-/// moved too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its positions in the cell (in one dimension, the Galerkin error at a point
-/// force at `x` of a P2 element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added:
-/// `D(log r)/Dt = P : grad u + div_S(l/(15 mu) grad_S E'(r))`, solved implicitly; it takes energy, `int_S l/(15 mu) |grad_S E'|^2 ds` a time, which
-/// is the dissipation in the unresolved part of the kink. Along the normal of `phi` it has no effect on the interface.
+/// A tangential force gives the velocity a kink, which P2 smooths over a cell of extent `l` across
+/// the interface: the interface moves too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its
+/// positions in the cell (in one dimension, the Galerkin error at a point force at `x` of a P2
+/// element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added:
+/// `D(log r)/Dt = P : grad u + div_S(l/(15 mu) grad_S E'(r))`, solved implicitly. It dissipates
+/// `int_S l/(15 mu) |grad_S E'|^2 ds` per time, the dissipation in the unresolved part of the kink.
+/// It does not move the interface along its normal.
 ///
-/// Limits: an interface that reaches a wall with a prescribed velocity, as the stiffness is left out of what is brought to the right-hand side
-/// there; a fluid that crosses more than four cells in a step, as the stretch is known no farther from the interface.
+/// Limits: an interface that reaches a wall with a prescribed velocity, because the stiffness is
+/// omitted in the lift of boundary values; a fluid that crosses more than four cells in a step,
+/// because the stretch is known no farther from the interface.
 ///
-/// Implicit in the velocity, `C(u, v) = dt int_S [E'' r (P : grad u)(P : grad v) + max(E', 0) (n grad u P) . (n grad v P)] ds` is added to the
-/// matrix; for constant tension and in 3-D the last product is `(grad u P) : (grad v P)`.
+/// Implicit in the velocity, `C(u, v) = dt int_S [E'' r (P : grad u)(P : grad v) + max(E', 0) (n
+/// grad u P) . (n grad v P)] ds` is added to the matrix; for constant tension and in 3-D the last
+/// product is `(grad u P) : (grad v P)`.
 #[derive(Clone, Debug)]
 pub struct SharpMembrane<const D: usize> {
     law: AreaLaw,
-    /// The interfaces that were cut last, with their level sets: a step asks for each several times.
+    /// Cached cut interfaces with their level sets: a step uses each several times.
     cuts: Vec<(Vec<f64>, Arc<[SurfacePoint<D>]>)>,
-    /// Viscosity of the fluid about the interface.
+    /// Viscosity of the surrounding fluid.
     viscosity: f64,
     points: Arc<[SurfacePoint<D>]>,
-    /// The same points without their normals.
+    /// The same points without normals.
     places: Vec<At<D>>,
     /// Stretch at the points.
     stretch: Vec<f64>,
-    /// Energy that the slip takes per time.
+    /// Dissipation rate of the slip.
     dissipation: f64,
     implicit_step: Option<f64>,
     /// Field of the logarithm of the stretch.
@@ -64,14 +71,15 @@ pub struct SharpMembrane<const D: usize> {
 
 /// The slip is `extent / (SLIP mu)` times the tangential force.
 const SLIP: f64 = 15.0;
-/// Interfaces that are kept: at the start of a step, predicted for its end, and at its end.
+/// Number of cached interfaces: at the start of a step, predicted for its end, and at its end.
 const KEPT: usize = 3;
-/// Rings of vertices about the cut cells that the growth of the stretch is continued to. The feet of the characteristics of these nodes lie
-/// among them as long as the fluid crosses less than so many cells in a step.
+/// Number of layers of vertices around the cut cells to which the rate of stretch is extended. It
+/// covers the feet of the characteristics of these nodes if the fluid crosses fewer cells in a
+/// step.
 const RINGS: usize = 4;
 
 impl<const D: usize> SharpMembrane<D> {
-    /// A membrane in a fluid of that viscosity (with two fluids, their mean).
+    /// A membrane in a fluid of this viscosity (between two fluids, their mean).
     pub fn new(law: AreaLaw, viscosity: f64) -> SharpMembrane<D> {
         SharpMembrane {
             law,
@@ -95,8 +103,8 @@ impl<const D: usize> SharpMembrane<D> {
         self.cuts.insert(0, (phi.to_vec(), Arc::clone(&points)));
         Ok(points)
     }
-    /// Precomputes the force on the interface of `phi`, where `log_stretch` is the logarithm of the stretch at the nodes. With `implicit_step`, a time
-    /// step, the stiffness goes into the matrix.
+    /// Precomputes the force on the interface of `phi`; `log_stretch` is the logarithm of the
+    /// stretch at the nodes. With `implicit_step`, a time step, the stiffness enters the matrix.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -122,20 +130,21 @@ impl<const D: usize> SharpMembrane<D> {
             .sum();
         Ok(())
     }
-    /// Elastic energy of the interface that was prepared last.
+    /// Elastic energy of the prepared interface.
     pub fn energy(&self) -> f64 {
         self.points.iter().zip(&self.stretch).map(|(p, &r)| p.at.weight * self.law.energy(r) / r).sum()
     }
-    /// Energy that the slip takes per time.
+    /// Dissipation rate of the slip.
     pub fn dissipation(&self) -> f64 {
         self.dissipation
     }
-    /// Largest tension `E'(r)` on the interface that was prepared last; 0 when nothing is under tension.
+    /// Largest tension `E'(r)` on the prepared interface; 0 without tension.
     pub fn largest_tension(&self) -> f64 {
         self.stretch.iter().map(|&r| self.law.tension(r)).fold(0.0, f64::max)
     }
-    /// Adds to `log_stretch` (one number a node) what the interface of `phi` grows by in the velocity `u` over the time `dt`, the same along
-    /// the normal for some cells on both sides. Nothing with constant tension, which no stretch changes.
+    /// Adds to `log_stretch` (one number per node) the growth on the interface of `phi` in the
+    /// velocity `u` over the time `dt`, constant along the normal for some cells on both sides.
+    /// Nothing for constant tension, which does not depend on the stretch.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -180,7 +189,7 @@ impl<const D: usize> SharpMembrane<D> {
         }
         Ok(())
     }
-    /// Velocity of the slip over the tangential force.
+    /// Slip velocity over tangential force.
     fn slip(&self, space: &Space<D>, p: &SurfacePoint<D>) -> f64 {
         let mesh = space.mesh();
         let heights = mesh.cell(p.at.cell).iter().map(|&v| mesh.points()[v as usize].dot(&p.normal));
@@ -195,7 +204,7 @@ impl<const D: usize> SharpMembrane<D> {
     }
 }
 
-/// Gives vertices without a value the mean of their neighbours, ring by ring.
+/// Sets vertices without a value to the mean of their neighbours, layer by layer.
 fn continue_outward<const D: usize>(space: &Space<D>, values: &mut [f64]) {
     let mesh = space.mesh();
     for _ in 0..RINGS {
@@ -252,8 +261,8 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         let (phi, stretch) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.log_stretch));
         SharpMembrane::prepare(self, at.space, phi, stretch, implicit)
     }
-    /// Half of the growth of the stretch on the old interface, carried, and half on the new one; of
-    /// second order.
+    /// Half of the growth of the stretch on the old interface, transported, and half on the new
+    /// one: second order.
     fn advance(&mut self, of: &ImmersedInterface<D>, by: &mut Moved<'_, D>, fields: &mut Fields<D>) -> Result<()> {
         let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
         let (space, half) = (by.carrier.tracer.space().clone(), 0.5 * by.dt);
@@ -272,7 +281,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn dissipation(&self) -> f64 {
         self.dissipation
     }
-    /// The force on the interface acts on the fluid about it: an edge on each side.
+    /// The force acts on the surrounding fluid within one edge on each side.
     fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
         explicit_step_limit(viscosity, edge, self.largest_tension(), edge)
     }

@@ -1,4 +1,5 @@
-//! The membrane with full elasticity: the forces F1 and F2 of (5.15), (3.47), on a band, explicit or implicit in the velocity.
+//! The membrane with area and shear resistance: the forces F1 and F2 of (5.15), (3.47), on a band,
+//! explicit or implicit in the velocity.
 
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
 use super::membrane::explicit_step_limit;
@@ -15,19 +16,20 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// What `Z1` is taken from.
+/// Source of the area change `Z1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaFrom {
-    /// `|grad phi|`: (8.1) of the paper, (3.42), in a flow without divergence and for a level set that starts as a distance times the area
-    /// stretch. The level set is carried more smoothly than three components of `Y`, and what the force does to it is closer to what its energy
-    /// says: of the energy from nowhere a fifth remains (sheared sphere, 12 x 12 x 12 cubes, `eps` = 1.5 edges, t = 1.2: 24 % from
-    /// the map, 4.8 % from the slope).
+    /// `|grad phi|`: (8.1) of the paper, (3.42), in a divergence-free flow and for a level set that
+    /// starts as a distance times the area stretch. The level set is smoother than the three
+    /// components of `Y`, and its response to the force is closer to the derivative of the energy:
+    /// spurious energy is 4.8 % from the slope and 24 % from the map (sheared sphere, 12 x 12 x 12
+    /// cubes, `eps` = 1.5 edges, t = 1.2).
     Slope,
     /// `sqrt(det A)` of the map, (4.5), (3.40).
     Map,
 }
 
-/// What a point of the band knows.
+/// Data at a point of the band.
 #[derive(Clone, Copy, Debug)]
 struct Strained<const D: usize> {
     /// Weight per area at rest; zero outside the band.
@@ -35,25 +37,29 @@ struct Strained<const D: usize> {
     strain: SurfaceStrain<D>,
     /// The tension, in the basis of the tangent plane.
     tension: Matrix2<f64>,
-    /// Positive semi-definite stiffnesses out of the plane and in it; zero without implicit coupling.
+    /// Positive semi-definite stiffnesses out of the plane and in it; zero without implicit
+    /// coupling.
     stiffness: (Matrix2<f64>, SMatrix<f64, 4, 4>),
 }
 
-/// An elastic membrane on the zero level of `phi` that resists area change and shear, smeared over a band.
+/// An elastic membrane on the zero level of `phi` that resists area change and shear, smeared over
+/// a band.
 ///
-/// The energy is (5.13), (3.45), `int W(Z1, Z2) w` with `w = zeta(phi/eps)/eps` (renormalised: `zeta(phi/(r eps))/(r eps)`, `r = |grad phi|`),
-/// an integral over the area at rest as `r` is the area stretch. The force is the divergence part of (5.15) integrated
-/// weakly, `F(v) = - int T : grad v w`, `T = W_1 Z1 C1 + W_2 Z2 C2`; the gradient in (5.15) goes into the pressure.
-/// `Z1` and `Z2` come from [`SurfaceStrain`], that is from derivatives of `Y` along the level sets of `phi`.
+/// The energy is (5.13), (3.45), `int W(Z1, Z2) w` with `w = zeta(phi/eps)/eps` (renormalised:
+/// `zeta(phi/(r eps))/(r eps)`, `r = |grad phi|`), an integral over the area at rest as `r` is the
+/// area stretch. The force is the divergence part of (5.15) integrated weakly,
+/// `F(v) = - int T : grad v w`, `T = W_1 Z1 C1 + W_2 Z2 C2`; the gradient in (5.15) goes into the
+/// pressure. `Z1` and `Z2` come from [`SurfaceStrain`], that is from derivatives of `Y` along the
+/// level sets of `phi`.
 ///
-/// Implicit in the velocity, the form `C(u, v) = dt int K[grad u, grad v] w` is added to the matrix, `K` being the second variation of `W`
-/// ([`Tangent`]) with its negative eigenvalues set to zero, point by point: symmetric, positive semi-definite, and at least as stiff as the
-/// membrane.
+/// Implicit in the velocity, the form `C(u, v) = dt int K[grad u, grad v] w` is added to the
+/// matrix, `K` being the second variation of `W` ([`Tangent`]) with its negative eigenvalues set to
+/// zero, point by point: symmetric, positive semi-definite, and at least as stiff as the membrane.
 #[derive(Clone)]
 pub struct ShearMembrane<const D: usize> {
     law: SurfaceLaw,
     width: BandWidth,
-    /// Area stretch at time 0 beside that of the map.
+    /// Area stretch at time 0 in addition to that of the map.
     stretch: f64,
     /// `Y` at time 0; `None` for the identity.
     map: Option<Arc<RestMap<D>>>,
@@ -65,7 +71,8 @@ pub struct ShearMembrane<const D: usize> {
 }
 
 impl<const D: usize> ShearMembrane<D> {
-    /// A membrane at rest at time 0 but for an area stretch in all directions, on a renormalised band of half-width `thickness` (a length).
+    /// A membrane at rest at time 0 up to an isotropic area stretch, on a renormalised band of
+    /// half-width `thickness` (a length).
     pub fn new(law: SurfaceLaw, thickness: f64, stretch: f64) -> ShearMembrane<D> {
         ShearMembrane {
             law,
@@ -78,19 +85,20 @@ impl<const D: usize> ShearMembrane<D> {
             displacement: FieldId::default(),
         }
     }
-    /// The same membrane with the material at places that `map` gives when at rest.
+    /// The same membrane with the material position at rest given by `map`.
     pub fn with_map(self, map: Arc<RestMap<D>>) -> ShearMembrane<D> {
         ShearMembrane { map: Some(map), ..self }
     }
-    /// The same membrane with `Z1` from elsewhere than the slope of the level set.
+    /// The same membrane with another source of `Z1`.
     pub fn with_area_from(self, area_from: AreaFrom) -> ShearMembrane<D> {
         ShearMembrane { area_from, ..self }
     }
-    /// The same membrane over another band; `slope` is that of the level set at the start.
+    /// The same membrane over another band; `slope` is that of the level set at time 0.
     pub fn with_band(self, band: Band, slope: f64) -> ShearMembrane<D> {
         ShearMembrane { width: self.width.with_band(band, slope), ..self }
     }
-    /// The same membrane over a band with another cut-off function; `norm` is that of the local slope of a renormalised one.
+    /// The same membrane over a band with another cut-off function; `norm` is that of the local
+    /// slope of a renormalised one.
     pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> ShearMembrane<D> {
         ShearMembrane { width: self.width.with_kernel(kernel, norm), ..self }
     }
@@ -98,13 +106,15 @@ impl<const D: usize> ShearMembrane<D> {
     pub fn map(&self) -> Option<&RestMap<D>> {
         self.map.as_deref()
     }
-    /// `Y(x) - x` at the nodes, `Y` the place at rest, for the displacement back to time 0.
+    /// The displacement `Y(x) - x` at the nodes to the position at rest, from the displacement back
+    /// to time 0.
     fn rest<'a>(&self, nodes: &[SVector<f64, D>], displacement: &'a [SVector<f64, D>]) -> Cow<'a, [SVector<f64, D>]> {
         let Some(map) = self.map() else { return Cow::Borrowed(displacement) };
         Cow::Owned(rest_displacement(map, nodes, displacement))
     }
-    /// Takes stock of the band of `phi`, where the material has the displacement `rest` back to its place at rest (`Y(x) - x`, one vector a
-    /// node). `basis` must have the rule of the flow. With `implicit_step`, a time step, the stiffness goes into the matrix.
+    /// Precomputes the force on the band of `phi`; `rest` is the displacement `Y(x) - x` to the
+    /// position at rest, one vector per node. `basis` must have the rule of the flow. With
+    /// `implicit_step`, a time step, the stiffness enters the matrix.
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64], rest: &[SVector<f64, D>], implicit_step: Option<f64>) {
         self.implicit_step = implicit_step;
         let nothing = Strained {
@@ -128,7 +138,8 @@ impl<const D: usize> ShearMembrane<D> {
             }
         });
     }
-    /// Elastic energy (5.13) on `phi` with the displacement `rest`. `basis` may have a finer rule than the flow's.
+    /// Elastic energy (5.13) on `phi` with the displacement `rest`. `basis` may have a finer rule
+    /// than the flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64], rest: &[SVector<f64, D>]) -> f64 {
         self.width.integrate(basis, phi, |c, q, b| {
             if b.w == 0.0 {
@@ -138,24 +149,27 @@ impl<const D: usize> ShearMembrane<D> {
             self.law.response(strain.z1, strain.z2).energy
         })
     }
-    /// The strain where the level set has the gradient `slope` and the displacement `Y(x) - x` the gradient `gradient`.
+    /// The strain where the level set has the gradient `slope` and the displacement `Y(x) - x` the
+    /// gradient `gradient`.
     pub fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
         let r = slope.norm();
         strain(&(slope / r), r, gradient, (self.stretch, self.area_from))
     }
-    /// The largest stiffness that waves meet in the band that was prepared last, out of the membrane and along it, per area at rest; 0 when
-    /// there is none.
-    pub fn stiffest_waves(&self) -> [f64; 2] {
-        let stiffness = |b: &Strained<D>| Tangent::new(self.law, &b.strain).stiffest_waves();
+    /// Largest wave stiffnesses in the prepared band, normal and tangential to the membrane, per
+    /// area at rest; 0 without any.
+    pub fn wave_stiffnesses(&self) -> [f64; 2] {
+        let stiffness = |b: &Strained<D>| Tangent::new(self.law, &b.strain).wave_stiffnesses();
         let inside = self.band.values().iter().filter(|b| b.w > 0.0).map(stiffness);
         inside.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
     }
-    /// Largest stable step of the explicit coupling, in a fluid of that viscosity on edges of the length `edge`: the lesser of (1.54) with the
-    /// tension, for waves out of the membrane as in [`explicit_step_limit`], and of (1.54) with the stiffness of waves along it and
-    /// `dx = h/2`, the distance of P2 nodes: the fluid that is dragged along spreads these over more than the finest wave of the mesh. That
-    /// length is measured (book, "Stability"), not derived.
+    /// Largest stable step of the explicit coupling, in a fluid of this viscosity on edges of
+    /// length `edge`: the smaller of (1.54) with the tension, for normal waves as in
+    /// [`explicit_step_limit`], and of (1.54) with the stiffness of tangential waves and
+    /// `dx = h/2`, the distance of P2 nodes: the fluid dragged along spreads these over more than
+    /// the shortest wave of the mesh. This length is measured (user guide, "Stability"), not
+    /// derived.
     pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        let [tension, stiffness] = self.stiffest_waves();
+        let [tension, stiffness] = self.wave_stiffnesses();
         let along = explicit_step_limit(viscosity, self.width.thickness, stiffness, edge * 60f64.sqrt() / 4.0);
         explicit_step_limit(viscosity, self.width.thickness, tension, edge).min(along)
     }
@@ -175,7 +189,8 @@ fn strain_at<const D: usize>(
     strain(&b.n, b.r, &gradient, how)
 }
 
-/// The strain where the unit normal is `n`, the slope of the level set `r` and the gradient of `Y(x) - x` is `gradient`.
+/// The strain for the unit normal `n`, the slope `r` of the level set and the gradient `gradient`
+/// of `Y(x) - x`.
 fn strain<const D: usize>(
     n: &SVector<f64, D>,
     r: f64,

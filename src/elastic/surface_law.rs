@@ -1,26 +1,28 @@
-//! Energy of a membrane that resists changes of its area and shear, by `Z1` and `Z2`.
+//! Energy of a membrane that resists area change and shear, as a function of `Z1` and `Z2`.
 
 use super::area_law::AreaLaw;
 use crate::structure::SurfaceStrain;
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-/// A law `E2(Z2)` of shear alone.
+/// A law `E2(Z2)` of the shear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShearLaw {
     /// `E2' = mu (Z2 - 1)`: the second of (5.18), (3.65).
     Linear {
-        /// `mu`, force per length. No resistance to a small shear: `Z2 - 1` is of second order in it.
+        /// `mu`, force per length. No resistance to a small shear: `Z2 - 1` is of second order in
+        /// it.
         modulus: f64,
     },
-    /// `E2 = mu (Z2 - 1)`: the shear part of the neo-Hookean law, of modulus `mu` for small strains.
+    /// `E2 = mu (Z2 - 1)`: the shear part of the neo-Hookean law, of modulus `mu` for small
+    /// strains.
     NeoHookean {
         /// `mu`, force per length.
         modulus: f64,
     },
 }
 
-/// The energy `W` of a membrane per unit of area at rest, as a function of `Z1 = l1 l2` and `Z2 = (l1/l2 + l2/l1)/2`, `l1` and `l2` being the
-/// principal stretches.
+/// The energy `W` of a membrane per unit of area at rest, as a function of `Z1 = l1 l2` and
+/// `Z2 = (l1/l2 + l2/l1)/2`, `l1` and `l2` being the principal stretches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceLaw {
     /// `W = E1(Z1) + E2(Z2)` (5.13).
@@ -30,14 +32,16 @@ pub enum SurfaceLaw {
         /// `E2`.
         shear: ShearLaw,
     },
-    /// `W = G/2 (l1^2 + l2^2 + 1/(l1 l2)^2 - 3) = G/2 (2 Z1 Z2 + Z1^-2 - 3)`: a thin sheet of incompressible neo-Hookean rubber, whose
-    /// tension is `G/(l1 l2) (l1^2 - 1/(l1 l2)^2)`. `E_s = 3 G`.
+    /// `W = G/2 (l1^2 + l2^2 + 1/(l1 l2)^2 - 3) = G/2 (2 Z1 Z2 + Z1^-2 - 3)`: a thin sheet of
+    /// incompressible neo-Hookean rubber, whose tension is `G/(l1 l2) (l1^2 - 1/(l1 l2)^2)`.
+    /// `E_s = 3 G`.
     NeoHookean {
         /// `G`, the surface shear modulus, force per length.
         modulus: f64,
     },
-    /// `W = G/4 (I1^2 + 2 I1 - 2 I2 + C I2^2)`, `I1 = l1^2 + l2^2 - 2 = 2 Z1 Z2 - 2`, `I2 = (l1 l2)^2 - 1 = Z1^2 - 1` (Skalak, Tozeren, Zarda and
-    /// Chien 1973): red blood cells for large `C`.
+    /// `W = G/4 (I1^2 + 2 I1 - 2 I2 + C I2^2)`, `I1 = l1^2 + l2^2 - 2 = 2 Z1 Z2 - 2`,
+    /// `I2 = (l1 l2)^2 - 1 = Z1^2 - 1` (Skalak, Tozeren, Zarda and Chien 1973): red blood cells for
+    /// large `C`.
     Skalak {
         /// `G`, the surface shear modulus, force per length.
         modulus: f64,
@@ -91,7 +95,7 @@ impl SurfaceLaw {
             }
         }
     }
-    /// The size of the law, in force per length: its largest modulus.
+    /// The largest modulus of the law, force per length.
     pub fn modulus(self) -> f64 {
         match self {
             SurfaceLaw::Split { area, shear } => {
@@ -104,13 +108,15 @@ impl SurfaceLaw {
     }
 }
 
-/// Tension and tangent stiffness of a law at a strained point, per unit of area at rest, in the basis of the tangent plane.
+/// Tension and tangent stiffness of a law at a point, per area at rest, in the basis of the tangent
+/// plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent {
     /// The tension `T = W_1 Z1 C1 + W_2 Z2 C2`, such that `dW/dt = T : grad u`.
     pub tension: Matrix2<f64>,
-    /// The second derivative of `W` along `I + s grad u` in the tangential part of `grad u`: its components as `[11, 12, 21, 22]`, where
-    /// `ij` is `t_i . grad u t_j`. (The second derivative in the part out of the plane is `T` itself.)
+    /// The second derivative of `W` along `I + s grad u` in the tangential part of `grad u`: its
+    /// components as `[11, 12, 21, 22]`, where `ij` is `t_i . grad u t_j`. (The second derivative
+    /// in the part out of the plane is `T` itself.)
     pub in_plane: SMatrix<f64, 4, 4>,
 }
 
@@ -118,7 +124,8 @@ impl Tangent {
     /// The tension and the second variation of `W` under the deformation `x -> x + s u(x)`:
     /// with `a` the tangential part of `grad u`, `p = tr a` and `q = C2 : a`,
     ///
-    /// `W_11 Z1^2 p^2 + 2 W_12 Z1 Z2 p q + W_22 Z2^2 q^2 + W_1 Z1 (p^2 - tr a^2) + W_2 Z2 (q^2 + 2 (a A) : a/tr A - (p + q)^2 + tr a^2)`.
+    /// `W_11 Z1^2 p^2 + 2 W_12 Z1 Z2 p q + W_22 Z2^2 q^2 + W_1 Z1 (p^2 - tr a^2) + W_2 Z2 (q^2 + 2
+    /// (a A) : a/tr A - (p + q)^2 + tr a^2)`.
     pub fn new<const D: usize>(law: SurfaceLaw, strain: &SurfaceStrain<D>) -> Tangent {
         let Response { first, second, .. } = law.response(strain.z1, strain.z2);
         let (c2, a) = (strain.shear_direction(), strain.a);
@@ -148,14 +155,16 @@ impl Tangent {
         let tension = tension.eigenvectors
             * Matrix2::from_diagonal(&tension.eigenvalues.map(|v| v.max(0.0)))
             * tension.eigenvectors.transpose();
-        // The part that turns in the plane and the three symmetric ones: coupled, but only a 4 x 4 matrix.
+        // The rotation in the plane and the three symmetric components: coupled, but only a 4 x 4
+        // matrix.
         let k = self.in_plane.symmetric_eigen();
         let values = SMatrix::<f64, 4, 4>::from_diagonal(&k.eigenvalues.map(|v| v.max(0.0)));
         (tension, k.eigenvectors * values * k.eigenvectors.transpose())
     }
-    /// The largest stiffness that waves along the membrane meet, out of its plane and in it: the largest tension, and the largest eigenvalue of
-    /// the acoustic tensor `K[u k, u k]` over directions `k`, per area at rest. For an area law at rest nothing and its modulus.
-    pub fn stiffest_waves(&self) -> [f64; 2] {
+    /// Largest wave stiffnesses, normal and tangential to the membrane: the largest tension, and
+    /// the largest eigenvalue of the acoustic tensor `K[u k, u k]` over directions `k`, per area at
+    /// rest. For an area law at rest 0 and its modulus.
+    pub fn wave_stiffnesses(&self) -> [f64; 2] {
         let along = |i: usize| {
             let (sin, cos) = (std::f64::consts::PI * i as f64 / DIRECTIONS as f64).sin_cos();
             let k = Vector2::new(cos, sin);
@@ -169,7 +178,7 @@ impl Tangent {
     }
 }
 
-/// Directions, over half a turn, in which waves are looked at.
+/// Number of sampled wave directions, over half a turn.
 const DIRECTIONS: usize = 8;
 
 #[cfg(test)]
@@ -204,7 +213,8 @@ mod tests {
         }
     }
 
-    /// Principal tensions as the literature on capsules prints them, from `T = W_1 Z1 C1 + W_2 Z2 C2` over the area.
+    /// Principal tensions as the literature on capsules prints them, from
+    /// `T = W_1 Z1 C1 + W_2 Z2 C2` over the area.
     #[test]
     fn the_tensions_of_capsules_are_the_published_ones() {
         for (l1, l2) in [(1.0f64, 1.0f64), (1.3, 0.9), (1.1, 1.25)] {
@@ -224,7 +234,7 @@ mod tests {
     #[test]
     fn waves_along_a_membrane_at_rest_meet_its_moduli() {
         let strain = SurfaceStrain::new(&SVector::<f64, 3>::z(), &Matrix3::identity(), 1.0);
-        let stiffest = |law| Tangent::new(law, &strain).stiffest_waves()[1];
+        let stiffest = |law| Tangent::new(law, &strain).wave_stiffnesses()[1];
         assert!((stiffest(LAWS[0]) - 1.0).abs() < 1e-14);
         // Rubber: 4 G lengthwise (E_s/(1 - nu^2) with E_s = 3 G, nu = 1/2); Skalak: G (2 + 2 C).
         assert!((stiffest(LAWS[2]) - 4.0 * 2.0).abs() < 1e-13);
@@ -233,7 +243,8 @@ mod tests {
     }
 
     proptest! {
-        /// `W` along `x -> x + s u(x)`: its slope is the tension and its curvature the tangent, in the plane and out of it.
+        /// `W` along `x -> x + s u(x)`: its slope is the tension and its curvature the tangent, in
+        /// the plane and out of it.
         #[test]
         fn tension_and_tangent_are_the_first_and_second_variation(
             n in prop::array::uniform3(-1.0..1.0f64), f in prop::array::uniform9(-1.0..1.0f64), u in prop::array::uniform9(-1.0..1.0f64)

@@ -1,5 +1,5 @@
-//! Assembly of pointwise weak forms. Cells are evaluated in parallel into a buffer and added up in their order, so that
-//! the result is the same to the last bit for any number of threads.
+//! Assembly of pointwise weak forms. Cells are evaluated in parallel into a buffer and added in
+//! order, so that the result is bit-identical for any number of threads.
 
 use super::element::MAX_LOCAL;
 use super::numbering::Numbering;
@@ -26,7 +26,7 @@ pub struct At<const D: usize> {
     pub weight: f64,
 }
 
-/// Which cells an assembly visits.
+/// Cells of an assembly.
 #[derive(Clone, Copy, Debug)]
 pub enum Cells<'a> {
     /// All of them.
@@ -94,7 +94,8 @@ impl<const D: usize> Basis<D> {
     pub fn values(&self, q: usize) -> &[f64; MAX_LOCAL] {
         &self.values[q]
     }
-    /// Gradients of the basis functions at point `q` in the coordinates of the reference cell; zero beyond the last.
+    /// Gradients of the basis functions at point `q` in the coordinates of the reference cell; zero
+    /// beyond the last.
     #[inline]
     pub fn reference_gradients(&self, q: usize) -> &[SVector<f64, D>; MAX_LOCAL] {
         &self.gradients[q]
@@ -133,7 +134,8 @@ impl<const D: usize> Basis<D> {
     }
 }
 
-/// The value of a vector form at a quadrature point: `f0 . v + f1 : grad v`, `f1[(i, j)]` beside `d v_i / d x_j`.
+/// Value of a linear form at a quadrature point: the pair `(f0, f1)` of `f0 . v + f1 : grad v`,
+/// where `f1[(i, j)]` multiplies `d v_i / d x_j`.
 pub type VectorForm<const D: usize> = (SVector<f64, D>, SMatrix<f64, D, D>);
 
 /// Sum over cells and quadrature points of `f`, `N` integrals at once.
@@ -155,9 +157,10 @@ pub fn integrate<const D: usize, const N: usize>(
     })
 }
 
-/// Adds the linear form `f(at) = (f0, f1)`, tested with the vector functions of the space, to `out` (one vector a node).
+/// Adds the linear form `f(at) = (f0, f1)`, tested with the vector functions of the space, to `out`
+/// (one vector per node).
 ///
-/// `scratch` is a buffer that is reused from call to call.
+/// `scratch` is a buffer for repeated calls.
 pub fn assemble_vector<const D: usize>(
     basis: &Basis<D>,
     cells: Cells<'_>,
@@ -179,8 +182,9 @@ pub fn assemble_vector<const D: usize>(
     });
 }
 
-/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with `f1 = 0`. `source(c, load)` gives
-/// the values of `f` at the quadrature points of cell `c` to `load`.
+/// Adds `(f, v)`, for all vector functions `v` of the space, to `out`: [`assemble_vector`] with
+/// `f1 = 0`. `source(c, load)` adds the values of `f` at the quadrature points of cell `c` to
+/// `load`.
 pub fn assemble_source<const D: usize>(
     basis: &Basis<D>,
     out: &mut [SVector<f64, D>],
@@ -192,7 +196,7 @@ pub fn assemble_source<const D: usize>(
     });
 }
 
-/// What a cell gives to a linear form.
+/// Contribution of a cell to a linear form.
 pub struct CellLoad<'a, const D: usize> {
     basis: &'a Basis<D>,
     volume: f64,
@@ -210,7 +214,8 @@ impl<const D: usize> CellLoad<'_, D> {
     }
 }
 
-/// Adds the linear form `f(at) = (f0, f1)`, which stands for `f0 q + f1 . grad q`, to `out` (one number a node).
+/// Adds the linear form `f(at) = (f0, f1)`, that is `f0 q + f1 . grad q`, to `out` (one number per
+/// node).
 pub fn assemble_scalar<const D: usize>(
     basis: &Basis<D>,
     cells: Cells<'_>,
@@ -232,8 +237,8 @@ pub fn assemble_scalar<const D: usize>(
     });
 }
 
-/// The common loop of linear forms: `cell` adds up what a cell gives, zero before; cells into the buffer in parallel, then added
-/// up in order.
+/// The common loop of linear forms: `cell` adds the contribution of a cell to zeros. Cells are
+/// computed in parallel into the buffer, then added in order.
 fn assemble<const D: usize, T: Copy + Send + Sync + std::ops::AddAssign>(
     basis: &Basis<D>,
     cells: Cells<'_>,
@@ -259,13 +264,15 @@ fn assemble<const D: usize, T: Copy + Send + Sync + std::ops::AddAssign>(
     }
 }
 
-/// Cells whose local matrices are held at the same time.
+/// Number of cells whose local matrices are stored at a time.
 const WAVE: usize = 4096;
 
-/// Adds a symmetric bilinear form on vector functions to the velocity block of `matrix`. At every point, `f(at, u, grad u)` gives
-/// the pair tested with `(v, grad v)`; it must be linear in `(u, grad u)` and symmetric.
+/// Adds a symmetric bilinear form on vector functions to the velocity block of `matrix`. At every
+/// point, `f(at, u, grad u)` returns the pair tested with `(v, grad v)`; it must be linear in
+/// `(u, grad u)` and symmetric.
 ///
-/// With `pressure`, the blocks `-(p, div v)` and `-(q, div u)` are added too. `scratch` is overwritten.
+/// With `pressure`, the blocks `-(p, div v)` and `-(q, div u)` are added too. `scratch` is
+/// overwritten.
 pub fn assemble_flow_matrix<const D: usize>(
     velocity: &Basis<D>,
     pressure: Option<&Basis<D>>,
@@ -317,7 +324,8 @@ fn mirror(m: usize, local: &mut [f64]) {
     }
 }
 
-/// Contribution of one quadrature point to the upper triangle of the local matrix; unknown `D a + i` is component `i` at local node `a`, pressures follow.
+/// Contribution of one quadrature point to the upper triangle of the local matrix; unknown
+/// `D a + i` is component `i` at local node `a`, pressures follow.
 fn flow_matrix_at<const D: usize>(
     velocity: &Basis<D>,
     pressure: Option<&Basis<D>>,
@@ -362,8 +370,8 @@ fn flow_matrix_at<const D: usize>(
     }
 }
 
-/// Adds `m (phi_a, phi_b) + k (grad phi_a, grad phi_b)`, with `(m, k) = form(at)`, to the matrix of a scalar space whose unknowns
-/// are `unknowns[node]`.
+/// Adds `m (phi_a, phi_b) + k (grad phi_a, grad phi_b)`, with `(m, k) = form(at)`, to the matrix of
+/// a scalar space whose unknowns are `unknowns[node]`.
 pub fn assemble_scalar_matrix<const D: usize>(
     basis: &Basis<D>,
     unknowns: &[u32],

@@ -1,4 +1,4 @@
-//! Boundary conditions of the flow, and which facet has which.
+//! Boundary conditions of the flow.
 
 use crate::base::{Cause, Error, Result};
 use crate::mesh::{Mesh, Point};
@@ -8,26 +8,28 @@ use std::sync::Arc;
 /// A velocity as a function of position and time.
 pub type VelocityFunction<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
 
-/// What holds on a part of the boundary.
+/// Condition on a part of the boundary.
 #[derive(Clone)]
 pub enum Condition<const D: usize> {
-    /// The velocity is given.
+    /// Prescribed velocity.
     Velocity(VelocityFunction<D>),
-    /// The velocity is zero.
+    /// Zero velocity.
     NoSlip,
     /// No flow through the wall and no tangential stress.
     Slip,
     /// No stress: `(2 mu D(u) - p) n = 0`, "do nothing".
     Open,
-    /// The same as on the named part, which is a translate of this one.
+    /// Periodic with the named part, which is a translate of this one.
     Periodic(String),
 }
 
-/// Conditions by boundary name, in the order of the scene. Where several names hold a facet, the one with the fewest facets
-/// wins, then the later one. An empty list means no slip everywhere. At a node between parts each keeps its normal velocity.
+/// Conditions by boundary name, in the order of the scene. If a facet has several names, the one
+/// with the fewest facets applies, then the later one. An empty list means no slip everywhere. At a
+/// node between parts each keeps its normal velocity.
 pub type Conditions<const D: usize> = Vec<(String, Condition<D>)>;
 
-/// For every facet the number of its condition, sorted by ascending priority; `None` means no slip by default.
+/// For every facet the number of its condition, sorted by ascending priority; `None` means no slip
+/// by default.
 pub(super) fn condition_of_facets<const D: usize>(
     mesh: &Mesh<D>,
     conditions: &Conditions<D>,
@@ -37,7 +39,7 @@ pub(super) fn condition_of_facets<const D: usize>(
         return Ok((0..count).map(|f| (f, None)).collect());
     }
     let mut ranked: Vec<(usize, usize)> = Vec::new();
-    // A periodic condition holds its partner too.
+    // A periodic condition applies to its partner too.
     let names = |k: usize| -> Vec<&String> {
         match &conditions[k] {
             (name, Condition::Periodic(other)) => vec![name, other],

@@ -10,7 +10,8 @@ const SMOOTH: f64 = 0.5;
 /// A facet at a node, and the velocity that its part of the boundary prescribes; `None` for zero.
 #[derive(Clone)]
 pub(super) struct Side<const D: usize> {
-    /// Number of the condition; `None` for the walls of a mesh without conditions, and for those that slip.
+    /// Number of the condition; `None` for the walls of a mesh without conditions, and for those
+    /// that slip.
     pub condition: Option<usize>,
     /// Outward unit normal.
     pub normal: SVector<f64, D>,
@@ -20,16 +21,18 @@ pub(super) struct Side<const D: usize> {
 
 /// The velocity prescribed at a node.
 ///
-/// Where parts meet, each keeps its own normal velocity: a lid does not blow through the wall at its end (the driven cavity is
-/// watertight), and an inflow keeps its flux up to the wall. What that leaves open is as on the part of highest priority.
+/// At the junction of parts each keeps its own normal velocity: the lid of a driven cavity has no
+/// flux through the side walls, and an inflow keeps its flux up to the wall. The remaining
+/// components are those of the part of highest priority.
 #[derive(Clone)]
 pub(super) struct Prescribed<const D: usize> {
-    /// By descending priority; one where no other condition meets it. Not empty.
+    /// By descending priority; a single one if all have the same condition. Not empty.
     sides: Vec<Side<D>>,
 }
 
 impl<const D: usize> Prescribed<D> {
-    /// From all facets at the node, by ascending priority (those that slip first); `None` when every velocity there is zero.
+    /// From all facets at the node, by ascending priority (those that slip first); `None` when
+    /// every velocity there is zero.
     pub fn new(sides: &[Side<D>]) -> Option<Prescribed<D>> {
         let last = sides.last()?;
         if sides.iter().all(|s| s.velocity.is_none()) {
@@ -47,7 +50,7 @@ impl<const D: usize> Prescribed<D> {
         if self.sides.len() == 1 {
             return u;
         }
-        // Orthonormal axes that span the normals, each with the component that `u` is to have along it.
+        // Orthonormal axes that span the normals, each with its component of `u`.
         let mut axes: Vec<(SVector<f64, D>, f64)> = Vec::new();
         for side in &self.sides {
             let (mut rest, mut component) = (side.normal, side.normal.dot(&velocity(side)));
@@ -94,7 +97,7 @@ mod tests {
         assert_eq!(at(&[wall.clone(), lid.clone()]), V::zeros());
         let inflow = side(1, [-1.0, 0.0], [2.0, 0.0]);
         let bed = side(0, [0.0, -1.0], [0.0, 0.0]);
-        // Whichever has the higher priority.
+        // The one of higher priority.
         assert_eq!(at(&[bed.clone(), inflow.clone()]), V::new(2.0, 0.0));
         assert_eq!(at(&[inflow, bed]), V::new(2.0, 0.0));
         // An oblique wall: nothing through the lid, nothing through the wall.
@@ -105,7 +108,7 @@ mod tests {
         let bend = side(2, [0.17, 0.98], [0.0, 0.0]);
         assert_eq!(at(&[bend.clone(), lid.clone()]), V::new(1.0, 0.0));
         assert_eq!(at(&[lid.clone(), bend]), V::zeros());
-        // Alone, or among its own, a part has its way.
+        // A single part, or equal conditions, keep their velocity.
         assert_eq!(at(&[side(1, [1.0, 0.0], [1.0, 0.0]), lid]), V::new(1.0, 0.0));
         assert!(Prescribed::new(&[wall]).is_none());
     }

@@ -2,21 +2,22 @@
 
 use nalgebra::SVector;
 
-/// Most local basis functions of any element here: P2 on a tetrahedron.
+/// Largest number of local basis functions: P2 on a tetrahedron.
 pub const MAX_LOCAL: usize = 10;
 
-/// The edges of a simplex in the order of VTK's quadratic cells; the first 3 are those of a triangle.
+/// The edges of a simplex in the order of VTK's quadratic cells; the first 3 are those of a
+/// triangle.
 pub const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 
-/// An element: of Lagrange, or of Lagrange with a constant added.
+/// An element: Lagrange, or Lagrange with a constant per cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Element {
-    /// Continuous, linear: one node a vertex.
+    /// Continuous, linear: one node per vertex.
     P1,
     /// Continuous, quadratic: vertices, then the midpoints of the edges in the order of [`EDGES`].
     P2,
-    /// P1 with a constant of each cell added, which can jump: vertices, then the cell. Not nodal: a value is the sum of both, and the
-    /// constants are there twice.
+    /// P1 plus a constant per cell, discontinuous: vertices, then the cell. Not nodal: a value is
+    /// the sum of both, and constants are represented twice.
     P1P0,
 }
 
@@ -57,12 +58,12 @@ impl Element {
         }
         n
     }
-    /// Gradients of all basis functions with respect to the free barycentric coordinates `(l_1, .., l_D)`,
-    /// with `l_0 = 1 - l_1 - .. - l_D`.
+    /// Gradients of all basis functions with respect to the free barycentric coordinates
+    /// `(l_1, .., l_D)`, with `l_0 = 1 - l_1 - .. - l_D`.
     #[inline]
     pub fn reference_gradients<const D: usize>(self, l: &[f64; 4]) -> [SVector<f64, D>; MAX_LOCAL] {
         let mut g = [SVector::<f64, D>::zeros(); MAX_LOCAL];
-        // d N / d l_k, folded onto the free coordinates.
+        // d N / d l_k in the free coordinates.
         let mut add = |n: usize, k: usize, v: f64| {
             if k == 0 {
                 g[n].add_scalar_mut(-v);

@@ -1,4 +1,4 @@
-//! The mass matrix of a scalar space, solved without being stored.
+//! Matrix-free solution with the mass matrix of a scalar space.
 
 use super::element::MAX_LOCAL;
 use super::numbering::Numbering;
@@ -11,16 +11,18 @@ use std::sync::Arc;
 
 /// Residual, relative to the right-hand side, at which the iteration ends.
 const TOLERANCE: f64 = 1e-15;
-/// Residual that is good enough when rounding stops the iteration.
+/// Accepted residual if rounding stops the iteration.
 const ENOUGH: f64 = 1e-13;
-/// The scaled matrix of P2 has a condition below 8 on any mesh (Wathen 1987), so that 40 steps suffice.
+/// The scaled matrix of P2 has a condition below 8 on any mesh (Wathen 1987), so that 40 steps
+/// suffice.
 const STEPS: usize = 200;
 
-/// Solves `(u, q) = m(q)` for all `q` of a space on triangles by conjugate gradients, scaled by the diagonal.
+/// Solves `(u, q) = m(q)` for all `q` of a space on triangles by conjugate gradients, scaled by the
+/// diagonal.
 pub(super) struct Mass {
     space: Arc<Space<2>>,
     unknowns: Vec<u32>,
-    /// Of a triangle of unit area.
+    /// Mass matrix of a triangle of unit area.
     reference: [[f64; MAX_LOCAL]; MAX_LOCAL],
     diagonal: Vec<f64>,
 }
@@ -71,7 +73,7 @@ impl Mass {
         });
     }
 
-    /// The function with the moments `m` (one a node).
+    /// The function with the moments `m`, one per node.
     ///
     /// # Errors
     /// Computation, if the iteration does not converge.
@@ -81,7 +83,7 @@ impl Mass {
         for (&u, m) in self.unknowns.iter().zip(moments).filter(|(u, _)| **u != NONE) {
             residual[u as usize] += m;
         }
-        // Norms in the scaled space, as the iteration sees them.
+        // Norms in the scaled space of the iteration.
         let scaled = |r: &[f64]| r.iter().zip(&self.diagonal).map(|(r, d)| r / d).collect::<Vec<f64>>();
         let (mut x, mut image) = (vec![0.0; order], vec![0.0; order]);
         let mut direction = scaled(&residual);

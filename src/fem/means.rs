@@ -1,10 +1,11 @@
-//! Derivatives of finite element functions jump from cell to cell: their means at the nodes do not.
+//! Nodal means of discontinuous functions, such as derivatives.
 
 use super::space::{Space, Value};
 use nalgebra::SVector;
 
 impl<const D: usize> Space<D> {
-    /// At each node the mean of `f` over the cells around it, weighted by their volumes; `f` takes a cell and barycentric coordinates.
+    /// The volume-weighted mean of `f` over the cells of each node; `f` takes a cell and
+    /// barycentric coordinates.
     pub fn means<T: Value>(&self, f: impl Fn(usize, &[f64; 4]) -> T) -> Vec<T> {
         let mut sums = vec![(T::ZERO, 0.0); self.len()];
         for c in 0..self.mesh().cell_count() {
@@ -18,8 +19,9 @@ impl<const D: usize> Space<D> {
         sums.into_iter().map(|(sum, weight)| sum * (1.0 / weight)).collect()
     }
 
-    /// The vorticity of a velocity at the nodes, by [`means`](Self::means): `d_x u_y - d_y u_x`, positive where fluid turns counter-clockwise; in space
-    /// the length of `curl u`. Of second order in the mesh inside of the domain, of P2 functions on regular meshes.
+    /// Vorticity of a velocity at the nodes, by [`means`](Self::means): `d_x u_y - d_y u_x`,
+    /// positive for counter-clockwise rotation; in space the norm of `curl u`. Second order in the
+    /// interior, for P2 functions on regular meshes.
     pub fn vorticity(&self, u: &[SVector<f64, D>]) -> Vec<f64> {
         let curl = self.means(|c, l| {
             let jacobian = self.jacobian(u, c, l);
@@ -57,7 +59,8 @@ mod tests {
         let mesh = crate::mesh::Mesh::new(points, vec![0, 2, 1, 2, 3, 1, 2, 4, 3, 4, 5, 3]).unwrap();
         let space = Space::new(&Arc::new(mesh), Element::P1);
         let means = space.means(|c, _| f64::from(u8::from(c >= 2)));
-        // Around point 2 lie two cells of 1/8 and one of 3/8, around point 3 one of 1/8 and two of 3/8.
+        // Around point 2 lie two cells of 1/8 and one of 3/8, around point 3 one of 1/8 and two of
+        // 3/8.
         let exact = [0.0, 0.0, 0.6, 6.0 / 7.0, 1.0, 1.0];
         assert!(means.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-14), "{means:?}");
     }

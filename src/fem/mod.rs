@@ -1,7 +1,8 @@
-//! Finite elements on simplices: P1 and P2 spaces, quadrature, pointwise weak forms and their assembly.
+//! Finite elements on simplices: P1 and P2 spaces, quadrature, pointwise weak forms and their
+//! assembly.
 //!
-//! A weak form is a function of the quadrature point. A linear form returns the pair `(f0, f1)` that stands for
-//! `f0 . v + f1 : grad v`; a bilinear form is a linear map from `(u, grad u)` to such a pair. Assembly knows nothing else.
+//! A weak form is a function of the quadrature point. A linear form returns the pair `(f0, f1)` of
+//! `f0 . v + f1 : grad v`; a bilinear form is a linear map from `(u, grad u)` to such a pair.
 
 mod assembly;
 mod condition;

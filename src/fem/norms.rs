@@ -1,4 +1,4 @@
-//! Norms of errors against exact expressions.
+//! Norms of errors with respect to exact expressions.
 
 use super::assembly::{Basis, Cells, integrate};
 use super::quadrature::Rule;
@@ -16,10 +16,12 @@ pub struct Errors {
     pub h1: f64,
 }
 
-/// Degree of the rule used for norms: the square of a P2 function and four degrees of the exact expression.
+/// Degree of the rule used for norms: the square of a P2 function and four degrees of the exact
+/// expression.
 const DEGREE: usize = 8;
 
-/// Norms of `u - exact` for a vector function; `exact` gives value and gradient (row `i`: gradient of component `i`).
+/// Norms of `u - exact` for a vector function; `exact` gives value and gradient (row `i`: gradient
+/// of component `i`).
 pub fn vector_errors<const D: usize>(
     space: &Arc<Space<D>>,
     u: &[SVector<f64, D>],

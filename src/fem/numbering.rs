@@ -1,7 +1,8 @@
-//! The unknowns that the boundary conditions of the flow leave.
+//! Numbering of the unknowns under the boundary conditions of the flow.
 //!
-//! Prescribed components are eliminated, periodic nodes share their unknowns, and at slip nodes the velocity is
-//! expressed in a frame whose first axes are the wall normals, so that the matrix stays symmetric.
+//! Prescribed components are eliminated, periodic nodes share their unknowns, and at slip nodes the
+//! velocity is expressed in a frame whose first axes are the wall normals, so that the matrix stays
+//! symmetric.
 
 use super::condition::{Condition, Conditions, condition_of_facets};
 use super::corner::{Prescribed, Side};
@@ -18,7 +19,7 @@ use std::sync::Arc;
 pub struct Numbering<const D: usize> {
     velocity: Vec<[u32; D]>,
     pressure: Vec<u32>,
-    /// How many pressures belong to points of the mesh; the others are constants of cells.
+    /// Number of pressures at points of the mesh; the others are constants of cells.
     points: usize,
     first_pressure: usize,
     order: usize,
@@ -32,7 +33,8 @@ impl<const D: usize> Numbering<D> {
     /// Numbers the unknowns of `velocity` x `pressure` under `conditions`.
     ///
     /// # Errors
-    /// A name that the mesh does not have, a facet without a condition, periodic parts that are not translates of each other.
+    /// A name that the mesh does not have, a facet without a condition, periodic parts that are not
+    /// translates of each other.
     pub fn new(velocity: &Space<D>, pressure: &Space<D>, conditions: &Conditions<D>) -> Result<Numbering<D>> {
         let mesh = velocity.mesh();
         let translations = periodic_pairs(mesh, conditions)?;
@@ -65,7 +67,8 @@ impl<const D: usize> Numbering<D> {
             if pressure.element() == Element::P1P0 { constants_left_out(mesh, &translations) } else { Vec::new() };
         let masters_of_pressure = identify(pressure, &translations);
         let mut pressures = vec![NONE; pressure.len()];
-        // The pressure is fixed at one point when nothing else fixes it; its mean is removed after the solve.
+        // Without an open boundary the pressure is fixed at one point; its mean is removed after
+        // the solve.
         let mut fixed = marks.open;
         let first_pressure = next();
         let mut free = first_pressure;
@@ -103,12 +106,14 @@ impl<const D: usize> Numbering<D> {
     pub fn order(&self) -> usize {
         self.order
     }
-    /// The first pressure unknown that is the constant of a cell; the number of unknowns where there is none.
+    /// The first pressure unknown that is the constant of a cell; the number of unknowns where
+    /// there is none.
     pub fn first_constant(&self) -> usize {
         let constants = self.pressure.iter().skip(self.points);
         constants.copied().find(|&p| p != NONE).map_or(self.order, |p| p as usize)
     }
-    /// How many pressures, the first ones, belong to points of the mesh; the others are constants of cells.
+    /// Number of pressures at points of the mesh, which come first; the others are constants of
+    /// cells.
     pub fn pressure_points(&self) -> usize {
         self.points
     }
@@ -116,7 +121,7 @@ impl<const D: usize> Numbering<D> {
     pub fn first_pressure(&self) -> usize {
         self.first_pressure
     }
-    /// For every velocity unknown the axis of its node's frame that it is a component along.
+    /// For every velocity unknown the index of its component in the frame of its node.
     pub fn components(&self) -> Vec<u8> {
         let mut components = vec![0; self.first_pressure];
         for node in &self.velocity {
@@ -126,12 +131,12 @@ impl<const D: usize> Numbering<D> {
         }
         components
     }
-    /// The pressure unknowns by node, counted from 0; [`NONE`] where there is none.
+    /// The pressure unknowns by node, counted from 0; [`NONE`] for nodes without one.
     pub fn pressure_unknowns(&self) -> Vec<u32> {
         let first = self.first_pressure as u32;
         self.pressure.iter().map(|&p| if p == NONE { NONE } else { p - first }).collect()
     }
-    /// Whether some part of the boundary is open, so that the pressure needs no fixing.
+    /// True if some part of the boundary is open, so that the pressure is determined.
     pub fn is_open(&self) -> bool {
         self.open
     }
@@ -139,7 +144,7 @@ impl<const D: usize> Numbering<D> {
     pub fn translations(&self) -> &[Translation<D>] {
         &self.translations
     }
-    /// Whether no velocity other than zero is prescribed.
+    /// True if no velocity other than zero is prescribed.
     pub fn is_homogeneous(&self) -> bool {
         self.prescribed.is_empty()
     }
@@ -147,7 +152,8 @@ impl<const D: usize> Numbering<D> {
     pub fn prescribed_nodes(&self) -> impl Iterator<Item = u32> + '_ {
         self.prescribed.iter().map(|(n, _)| *n)
     }
-    /// Writes the prescribed velocities at time `t` into `out` (one vector a node), zero elsewhere.
+    /// Writes the prescribed velocities at time `t` into `out` (one vector per node), zero
+    /// elsewhere.
     pub fn lift(&self, space: &Space<D>, t: f64, out: &mut [SVector<f64, D>]) {
         out.fill(SVector::zeros());
         for (n, g) in &self.prescribed {
@@ -164,7 +170,8 @@ impl<const D: usize> Numbering<D> {
             out.push(self.pressure[n as usize]);
         }
     }
-    /// Turns the velocity rows and columns of a local matrix (order `m`) into the frames of slip nodes.
+    /// Rotates the velocity rows and columns of a local matrix (order `m`) into the frames of slip
+    /// nodes.
     pub fn rotate_local(&self, nodes: &[u32], m: usize, local: &mut [f64]) {
         if self.frames.is_empty() || !nodes.iter().any(|n| self.frames.contains_key(n)) {
             return;
@@ -213,8 +220,8 @@ impl<const D: usize> Numbering<D> {
             *p = if self.pressure[n] == NONE { 0.0 } else { x[self.pressure[n] as usize] };
         }
     }
-    /// The solution of the system that [`scatter`](Self::scatter) turns into these nodal values; where one pressure is fixed, all
-    /// are shifted by it.
+    /// The solution vector that [`scatter`](Self::scatter) maps to these nodal values; if one
+    /// pressure is fixed, all are shifted by it.
     pub fn restrict(&self, velocity: &[SVector<f64, D>], pressure: &[f64], lift: &[SVector<f64, D>], x: &mut [f64]) {
         for (n, u) in velocity.iter().enumerate() {
             let v = u - lift[n];
@@ -233,7 +240,8 @@ impl<const D: usize> Numbering<D> {
             }
         }
     }
-    /// One unknown for each group of identified nodes of a scalar space: the level set on a periodic domain.
+    /// One unknown for each group of identified nodes of a scalar space: the level set on a
+    /// periodic domain.
     pub fn scalar_unknowns(space: &Space<D>, translations: &[Translation<D>]) -> (Vec<u32>, usize) {
         let masters = identify(space, translations);
         let used = space.used_nodes();
@@ -252,8 +260,9 @@ impl<const D: usize> Numbering<D> {
     }
 }
 
-/// The cells whose constant is no unknown of a P1 + P0 pressure. In a cell with two walls a single edge carries velocity, by which the constant and the
-/// pressure at the corner are felt alike. As P1 holds the constants already, one more cell is left out.
+/// Cells whose constant is not an unknown of a P1 + P0 pressure. In a cell with two walls a single
+/// edge has a free velocity, which cannot distinguish the constant from the pressure at the corner.
+/// Because P1 contains constants, one more cell is excluded.
 fn constants_left_out<const D: usize>(mesh: &Mesh<D>, translations: &[Translation<D>]) -> Vec<bool> {
     let mut walls = vec![0; mesh.cell_count()];
     mesh.facets().iter().for_each(|f| walls[f.cell as usize] += 1);
@@ -263,13 +272,13 @@ fn constants_left_out<const D: usize>(mesh: &Mesh<D>, translations: &[Translatio
     left_out
 }
 
-/// What the conditions say about single nodes.
+/// Conditions at nodes.
 struct Marks<const D: usize> {
-    /// The facets that fix the velocity at a node, by ascending priority, those that slip before all others.
+    /// Facets that fix the velocity at a node, by ascending priority, slip walls before all others.
     fixed: BTreeMap<u32, Vec<Side<D>>>,
     /// Normals of the slip walls at a node.
     normals: BTreeMap<u32, Vec<SVector<f64, D>>>,
-    /// Whether some facet is open.
+    /// True if some facet is open.
     open: bool,
 }
 
@@ -290,7 +299,7 @@ impl<const D: usize> Marks<D> {
                 Condition::Periodic(_) => {}
             }
         }
-        // Nothing passes through a wall that slips, at its ends either.
+        // No flow through a slip wall, also at its ends.
         for (n, list) in &marks.normals {
             if let Some(sides) = marks.fixed.get_mut(n) {
                 sides.splice(0..0, list.iter().map(|&normal| Side { condition: None, normal, velocity: None }));
@@ -303,7 +312,7 @@ impl<const D: usize> Marks<D> {
         nodes.iter().for_each(|&n| self.fixed.entry(n).or_default().push(side.clone()));
     }
 
-    /// What holds at one of several identified nodes holds at their master, and so at all of them.
+    /// Conditions at one of several identified nodes apply to their master, and so to all of them.
     fn share(&mut self, masters: &[u32]) {
         for (n, &master) in masters.iter().enumerate().filter(|&(n, &m)| n as u32 != m) {
             if let Some(g) = self.fixed.get(&(n as u32)).cloned() {
@@ -316,8 +325,9 @@ impl<const D: usize> Marks<D> {
     }
 }
 
-/// An orthonormal frame (axes are rows) whose first axes span the wall normals at a node, and how many those are.
-/// Normals within 30 degrees of each other count as one curved wall and are averaged.
+/// An orthonormal frame (axes are rows) whose first axes span the wall normals at a node, and the
+/// number of these axes. Normals within 30 degrees of each other count as one curved wall and are
+/// averaged.
 fn wall_frame<const D: usize>(normals: &[SVector<f64, D>]) -> (Option<SMatrix<f64, D, D>>, usize) {
     let mut groups: Vec<SVector<f64, D>> = Vec::new();
     for n in normals {

@@ -1,4 +1,4 @@
-//! Periodic boundaries: which facets and nodes are the same.
+//! Periodic boundaries: identification of facets and nodes.
 
 use super::condition::{Condition, Conditions};
 use super::space::Space;
@@ -7,7 +7,8 @@ use crate::mesh::{Mesh, Point};
 use nalgebra::SVector;
 use std::collections::HashMap;
 
-/// A periodic pair of facets: what leaves through `facet` enters at `x + shift` through `partner`.
+/// A periodic pair of facets: a particle that leaves through `facet` at `x` enters through
+/// `partner` at `x + shift`.
 #[derive(Clone, Debug)]
 pub struct Translation<const D: usize> {
     /// Number of the facet in [`Mesh::facets`].
@@ -18,7 +19,7 @@ pub struct Translation<const D: usize> {
     pub shift: SVector<f64, D>,
 }
 
-/// The pairs of facets that periodic conditions make, each from both of its sides.
+/// The pairs of facets of periodic conditions, each from both sides.
 ///
 /// # Errors
 /// A name that the mesh does not have, parts that are not translates of each other.
@@ -47,7 +48,8 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
         }
         let mean = |list: &[u32]| list.iter().fold(Point::<D>::zeros(), |s, &f| s + centre(f)) / list.len() as f64;
         let shift = mean(theirs) - mean(mine);
-        // A coordinate may fall on either side of a rounding boundary: look in the neighbouring buckets too.
+        // A coordinate may fall on either side of a rounding boundary: look in the neighbouring
+        // buckets too.
         let mut table: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
         for &f in theirs {
             table.entry(key(&centre(f))).or_default().push(f);
@@ -69,7 +71,7 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
     Ok(pairs)
 }
 
-/// The shifts to all images that periodic sides make, the zero shift first.
+/// The translations to all periodic images, the zero translation first.
 pub fn image_shifts<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
     let mut shifts = vec![Point::<D>::zeros()];
     for pair in pairs {
@@ -81,7 +83,7 @@ pub fn image_shifts<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
     shifts
 }
 
-/// For every node the first of the nodes it is identified with, its master.
+/// For every node its master: the first of the nodes that it is identified with.
 pub(super) fn identify<const D: usize>(space: &Space<D>, translations: &[Translation<D>]) -> Vec<u32> {
     let mut same = Partition::new(space.len());
     let mesh = space.mesh();

@@ -18,8 +18,8 @@ pub(super) fn gradients<const D: usize>(
     element.reference_gradients::<D>(&at.barycentric).map(|g| inverse.tr_mul(&g))
 }
 
-/// Adds the linear form `f(point) = (f0, f1)`, which stands for `f0 . v + f1 : grad v`, summed over
-/// `points` with their weights, to `out` (one vector a node).
+/// Adds the linear form `f(point) = (f0, f1)`, that is `f0 . v + f1 : grad v`, summed over `points`
+/// with their weights, to `out` (one vector per node).
 pub fn add_point_vector<const D: usize>(
     space: &Space<D>,
     points: &[At<D>],
@@ -102,7 +102,7 @@ mod tests {
         points
     }
 
-    /// `(x, 0) . v + I : grad v` for `v = (x^2, y)`, which P2 reproduces.
+    /// `(x, 0) . v + I : grad v` for `v = (x^2, y)`, exact in P2.
     #[test]
     fn vectors_sum_what_the_form_says() {
         let space = space(6);
@@ -116,7 +116,7 @@ mod tests {
         assert!((sum - exact).abs() < 1e-13, "{sum} {exact}");
     }
 
-    /// The matrix and the vector of the same form belong together: `F(v) = C(u, v)` for all `v`.
+    /// The matrix and the vector of the same form agree: `F(v) = C(u, v)` for all `v`.
     #[test]
     fn a_matrix_times_a_velocity_is_the_vector_of_the_form() {
         let space = space(6);

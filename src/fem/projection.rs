@@ -1,4 +1,4 @@
-//! L2 projection onto a scalar space, and the like with diffusion.
+//! L2 projection onto a scalar space, optionally with diffusion.
 
 use super::assembly::{At, Basis, Cells, assemble_scalar, assemble_scalar_matrix};
 use super::numbering::Numbering;
@@ -8,8 +8,9 @@ use crate::linalg::{Factor, Ordering, SymmetricMatrix};
 use crate::mesh::NONE;
 use nalgebra::SVector;
 
-/// A factored symmetric form on a scalar space: finds `f` with `(m f, q) + (k grad f, grad q) = (g, q)` for all `q`. It is the
-/// mass matrix (`m = 1`, `k = 0`), so that `f` is the L2 projection of `g`, until [`set_form`](Self::set_form) is called.
+/// A factored symmetric form on a scalar space: finds `f` with
+/// `(m f, q) + (k grad f, grad q) = (g, q)` for all `q`. It is the mass matrix (`m = 1`, `k = 0`),
+/// so that `f` is the L2 projection of `g`, until [`set_form`](Self::set_form) is called.
 pub struct Projector<const D: usize> {
     basis: Basis<D>,
     unknowns: Vec<u32>,
@@ -22,13 +23,15 @@ pub struct Projector<const D: usize> {
 }
 
 impl<const D: usize> Projector<D> {
-    /// Assembles and factors the mass matrix with the rule of `basis`; periodic nodes share their unknowns.
+    /// Assembles and factors the mass matrix with the rule of `basis`; periodic nodes share their
+    /// unknowns.
     pub fn new(basis: Basis<D>, translations: &[Translation<D>]) -> Result<Projector<D>> {
         let mut projector = Projector::without_form(basis, translations)?;
         projector.set_form(|_| (1.0, 0.0))?;
         Ok(projector)
     }
-    /// Analyses the matrix only; [`set_form`](Self::set_form) must be called before anything is projected.
+    /// Analyses the matrix only; [`set_form`](Self::set_form) must be called before anything is
+    /// projected.
     pub fn without_form(basis: Basis<D>, translations: &[Translation<D>]) -> Result<Projector<D>> {
         let space = basis.space();
         let (unknowns, order) = Numbering::scalar_unknowns(space, translations);
@@ -50,13 +53,14 @@ impl<const D: usize> Projector<D> {
             basis,
         })
     }
-    /// Assembles and factors the form with `(m, k) = form(at)`; `m` must be positive and `k` must not be negative.
+    /// Assembles and factors the form with `(m, k) = form(at)`; `m` must be positive and `k` must
+    /// not be negative.
     pub fn set_form(&mut self, form: impl Fn(&At<D>) -> (f64, f64) + Sync) -> Result<()> {
         self.matrix.zero();
         assemble_scalar_matrix(&self.basis, &self.unknowns, &mut self.matrix, form)?;
         self.factor.refactor(&self.matrix)
     }
-    /// The basis that right-hand sides are integrated with.
+    /// The basis that integrates the right-hand sides.
     pub fn basis(&self) -> &Basis<D> {
         &self.basis
     }
@@ -68,7 +72,7 @@ impl<const D: usize> Projector<D> {
     pub fn bytes(&self) -> usize {
         self.factor.bytes()
     }
-    /// Writes the projection of `g`, or what the form makes of it, into `out` (one number a node).
+    /// Writes the projection of `g`, or the solution of the form, into `out` (one number per node).
     pub fn project(&mut self, g: impl Fn(&At<D>) -> f64 + Sync, out: &mut [f64]) -> Result<()> {
         self.nodal.fill(0.0);
         assemble_scalar(&self.basis, Cells::All, &mut self.nodal, &mut self.scratch, |at| (g(at), SVector::zeros()));

@@ -1,6 +1,6 @@
 //! Quadrature on simplices, exact for polynomials up to a given degree.
 
-/// Points in barycentric coordinates (entries `0..=D`) and weights that add up to 1.
+/// A rule: points in barycentric coordinates (entries `0..=D`) and weights with sum 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
     /// Barycentric coordinates of the points.
@@ -10,9 +10,10 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// A rule on a simplex of dimension `d` (1, 2 or 3) exact to `degree`: the symmetric rules of Strang & Fix (1973),
-    /// Radon and Dunavant (1985) on triangles, those of Keast (1986) and Walkington (2000) on tetrahedra where there is one, products of Gauss
-    /// points otherwise.
+    /// A rule on a simplex of dimension `d` (1, 2 or 3), exact to `degree`: the symmetric rules of
+    /// Strang and Fix (1973), Radon and Dunavant (1985) on triangles, those of Keast (1986) and
+    /// Walkington (2000) on tetrahedra, if there is one of this degree, otherwise products of Gauss
+    /// points.
     pub fn simplex(d: usize, degree: usize) -> Rule {
         let symmetric = match d {
             2 => symmetric_triangle(degree),
@@ -25,7 +26,7 @@ impl Rule {
     pub fn len(&self) -> usize {
         self.weights.len()
     }
-    /// Whether there is no point (never, for a rule made here).
+    /// True if there are no points (never, for a rule of this module).
     pub fn is_empty(&self) -> bool {
         self.weights.is_empty()
     }
@@ -150,7 +151,8 @@ fn collapsed_gauss(d: usize, degree: usize) -> Rule {
     rule
 }
 
-/// Points and weights of the Gauss-Legendre rule with `n` points on `[0, 1]`, by Newton's method on the Legendre polynomial.
+/// Points and weights of the Gauss-Legendre rule with `n` points on `[0, 1]`, by Newton's method on
+/// the Legendre polynomial.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {

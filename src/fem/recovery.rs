@@ -6,11 +6,12 @@ use crate::base::parallel;
 use crate::mesh::{Mesh, NONE, Point};
 use nalgebra::{SMatrix, SVector};
 
-/// Terms of a cubic polynomial in the plane and in space.
+/// Number of terms of a cubic polynomial in the plane and in space.
 const TERMS: [usize; 2] = [10, 20];
-/// Nodes that the fit of a cubic wants at least, in the plane and in space; with fewer the next ring of cells is taken too.
+/// Least number of nodes for the fit of a cubic, in the plane and in space; with fewer the next
+/// layer of cells is added.
 const ENOUGH: [usize; 2] = [16, 32];
-/// Most rings of cells around a point.
+/// Largest number of layers of cells around a point.
 const RINGS: usize = 3;
 
 /// The derivatives of a function at a point.
@@ -25,7 +26,7 @@ pub struct Derivatives<const D: usize> {
 }
 
 impl<const D: usize> Derivatives<D> {
-    /// Those of a constant.
+    /// The derivatives of a constant.
     pub const fn zero() -> Derivatives<D> {
         let hessian = SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; D]; D]));
         let gradient = SVector::from_array_storage(nalgebra::ArrayStorage([[0.0; D]; 1]));
@@ -35,7 +36,7 @@ impl<const D: usize> Derivatives<D> {
     pub fn third_along(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> SVector<f64, D> {
         SVector::from_fn(|k, _| a.dot(&(self.third[k] * b)))
     }
-    /// Those of the same cubic function at a point farther by `step`.
+    /// The derivatives of the same cubic function at a point shifted by `step`.
     pub fn moved(&self, step: &SVector<f64, D>) -> Derivatives<D> {
         let mut hessian = self.hessian;
         (0..D).for_each(|k| hessian += self.third[k] * step[k]);
@@ -51,18 +52,20 @@ impl<const D: usize> Derivatives<D> {
     }
 }
 
-/// Recovery of derivatives at the points of a mesh (polynomial-preserving recovery, Zhang and Naga 2005, with cubics): the cubic that fits
-/// best, in the mean over the nodes of the cells around a point, is differentiated there.
+/// Recovery of derivatives at the points of a mesh (polynomial-preserving recovery, Zhang and Naga
+/// 2005, with cubics): derivatives of the cubic that is the least-squares fit to the nodes of the
+/// cells around a point.
 ///
-/// Exact for the interpolants of cubics; for smooth functions gradients are of order three, Hessians of order two, third derivatives of order
-/// one (two where the nodes lie symmetrically about the point), with larger errors on the boundary. The nodes are first brought
-/// into isotropic position by their second moments, so that stretched cells lose nothing. On a mesh with too few nodes, and at
-/// points of no cell, the mean of the cells' own derivatives (or zero) is given.
+/// Exact for the interpolants of cubics; for smooth functions gradients are of order three,
+/// Hessians of order two, third derivatives of order one (two for nodes symmetric about the point),
+/// with larger errors on the boundary. The nodes are first scaled to isotropic second moments, so
+/// that stretched cells lose no accuracy. On a mesh with too few nodes, and at points of no cell,
+/// the result is the mean of the derivatives of the cells (or zero).
 ///
-/// It holds what depends on the mesh alone: the cells around each point.
+/// Stores data of the mesh only: the cells around each point.
 #[derive(Clone, Debug)]
 pub struct Recovery<const D: usize> {
-    /// Where the cells of a point start in `cells`.
+    /// Index of the first cell of a point in `cells`.
     start: Vec<u32>,
     cells: Vec<u32>,
 }
@@ -86,8 +89,8 @@ impl<const D: usize> Recovery<D> {
     pub fn around(&self, point: usize) -> &[u32] {
         &self.cells[self.start[point] as usize..self.start[point + 1] as usize]
     }
-    /// The derivatives of the function `field` of `space`, P1 or P2 on the mesh of this recovery, at the points of the mesh numbered
-    /// `points`, in their order.
+    /// The derivatives of the function `field` of `space`, P1 or P2 on the mesh of this recovery,
+    /// at the points of the mesh numbered `points`, in their order.
     pub fn at_points(&self, space: &Space<D>, field: &[f64], points: &[u32]) -> Vec<Derivatives<D>> {
         let mut out = vec![Derivatives::zero(); points.len()];
         parallel::fill(&mut out, 1, |first, part| {
@@ -100,7 +103,8 @@ impl<const D: usize> Recovery<D> {
     }
 }
 
-/// The derivatives of a function, recovered at some vertices of its mesh, that can be had in the cells whose vertices are all among them.
+/// Recovered derivatives at some vertices of the mesh, evaluated in the cells whose vertices are
+/// all among them.
 #[derive(Clone, Debug)]
 pub struct Recovered<const D: usize> {
     /// Position of a vertex in `known`; [`NONE`] for the others.
@@ -109,18 +113,19 @@ pub struct Recovered<const D: usize> {
 }
 
 impl<const D: usize> Recovered<D> {
-    /// The derivatives of the function `field` of `space` at `vertices`; `recovery` is that of its mesh.
+    /// The derivatives of the function `field` of `space` at `vertices`; `recovery` is that of its
+    /// mesh.
     pub fn new(recovery: &Recovery<D>, space: &Space<D>, field: &[f64], vertices: &[u32]) -> Recovered<D> {
         let mut slot = vec![NONE; space.mesh().points().len()];
         vertices.iter().zip(0..).for_each(|(&v, k)| slot[v as usize] = k);
         Recovered { slot, known: recovery.at_points(space, field, vertices) }
     }
-    /// The derivatives at a vertex; zero at one that was not asked for.
+    /// The derivatives at a vertex; zero at a vertex that was not given.
     pub fn at_vertex(&self, v: u32) -> Derivatives<D> {
         self.known.get(self.slot[v as usize] as usize).copied().unwrap_or(Derivatives::zero())
     }
-    /// The derivatives in cell `c` at barycentric coordinates `l`: the cubics of its vertices, each taken there, in the mean with the weights `l`.
-    /// Continuous over the sides of cells.
+    /// The derivatives in cell `c` at barycentric coordinates `l`: the mean, with the weights `l`,
+    /// of the cubics of its vertices evaluated there. Continuous across the sides of cells.
     pub fn in_cell(&self, mesh: &Mesh<D>, c: usize, l: &[f64; 4]) -> Derivatives<D> {
         let cell = mesh.cell(c);
         let point = |k: usize| mesh.points()[cell[k] as usize];
@@ -145,7 +150,7 @@ struct Patch {
 }
 
 impl Patch {
-    /// The cells of the point, then those that share a point with them, `rings` times, and their nodes.
+    /// The cells of the point, those that share a point with them (`rings` times), and their nodes.
     fn gather<const D: usize>(&mut self, space: &Space<D>, around: &Recovery<D>, point: usize, rings: usize) {
         self.cells.clear();
         self.cells.extend_from_slice(around.around(point));
@@ -193,7 +198,8 @@ fn at_point<const D: usize>(
     })
 }
 
-/// The derivatives at `centre` of the cubic, of `T` terms, that fits the nodes best; `None` if they do not determine it.
+/// The derivatives at `centre` of the cubic with `T` terms that fits the nodes best; `None` if they
+/// do not determine it.
 fn fit<const D: usize, const T: usize>(
     space: &Space<D>,
     field: &[f64],
@@ -208,7 +214,7 @@ fn fit<const D: usize, const T: usize>(
     for n in nodes {
         let x = to_unit * offset(n);
         let terms = monomials::<D, T>(&x);
-        // Near nodes count more: the polynomial is wanted at the centre.
+        // Near nodes have larger weights: the polynomial is evaluated at the centre.
         let weight = 1.0 / (0.2 + x.norm_squared());
         matrix += terms * (terms.transpose() * weight);
         rhs += terms * (field[*n as usize] * weight);
@@ -269,7 +275,8 @@ fn differentiated<const D: usize, const T: usize>(c: &SVector<f64, T>) -> Deriva
     out
 }
 
-/// The derivatives of a function at `x` in its cell `c`; second ones of a linear function are zero, as all third ones.
+/// The derivatives of a function at `x` in its cell `c`; second ones of a linear function are zero,
+/// as all third ones.
 fn of_cell<const D: usize>(space: &Space<D>, field: &[f64], c: usize, x: &Point<D>) -> Derivatives<D> {
     let map = space.mesh().map(c);
     let gradient = space.gradient(field, c, &map.barycentric(x));

@@ -1,4 +1,4 @@
-//! Finite-element spaces: which nodes a cell has, and values and gradients of functions.
+//! Finite-element spaces: nodes of cells, values and gradients of functions.
 
 use super::element::{EDGES, Element, MAX_LOCAL};
 use crate::mesh::{Facet, Mesh, Point};
@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::ops::{Add, Mul};
 use std::sync::Arc;
 
-/// What a node can carry: a number or a vector.
+/// Type of a nodal value: a number or a vector.
 pub trait Value: Copy + Send + Sync + Add<Output = Self> + Mul<f64, Output = Self> {
     /// The zero.
     const ZERO: Self;
@@ -19,10 +19,30 @@ impl<const D: usize> Value for SVector<f64, D> {
     const ZERO: Self = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
 }
 
-/// A Lagrange space on a mesh, continuous but for constants of the cells in P1 + P0. A function is a slice with one [`Value`] a node.
+/// A Lagrange space on a mesh, continuous except for the constants of cells in P1 + P0. A function
+/// is a slice with one [`Value`] per node.
 ///
-/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of the edges; those of P1 + P0 the points, then the
-/// centres of the cells, whose values are constants to be added.
+/// The nodes of P1 are the points of the mesh; those of P2 are the points, then the midpoints of
+/// the edges; those of P1 + P0 are the points, then the centres of the cells, whose values are
+/// added constants.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::mesh::{Diagonals, rectangle};
+/// use std::sync::Arc;
+///
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 2], Diagonals::Right)?);
+/// let space = Space::new(&mesh, Element::P2);
+/// assert_eq!(space.len(), 9 * 5);
+///
+/// // A quadratic function is in the space: its interpolant has the exact gradient.
+/// let f = space.interpolate(|x| x[0] * x[0]);
+/// let centre = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0];
+/// let x = mesh.point_at(&immersa::mesh::Location { cell: 3, barycentric: centre });
+/// assert!((space.gradient(&f, 3, &centre)[0] - 2.0 * x[0]).abs() < 1e-13);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Space<const D: usize> {
     mesh: Arc<Mesh<D>>,
@@ -72,7 +92,7 @@ impl<const D: usize> Space<D> {
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
-    /// Whether there is no node (never, on a valid mesh).
+    /// True if there are no nodes (never, on a valid mesh).
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -85,7 +105,7 @@ impl<const D: usize> Space<D> {
         let n = self.local_count();
         &self.cell_nodes[c * n..(c + 1) * n]
     }
-    /// Whether each node belongs to a cell: a mesh may hold points that no cell uses.
+    /// For every node: true if it belongs to a cell. A mesh may have points of no cell.
     pub fn used_nodes(&self) -> Vec<bool> {
         let mut used = vec![false; self.len()];
         self.cell_nodes.iter().for_each(|&n| used[n as usize] = true);
@@ -140,7 +160,8 @@ impl<const D: usize> Space<D> {
     }
 }
 
-/// Basis functions on a cell of dimension `d`, at most. Loops to this constant are unrolled; what an element has less is zero.
+/// Largest number of basis functions on a cell of dimension `d`. Loops to this constant are
+/// unrolled; unused entries are zero.
 pub(super) const fn most_local(d: usize) -> usize {
     Element::P2.local_count(d)
 }
@@ -179,7 +200,8 @@ impl<T: Value, const D: usize> OnCell<T, D> {
 }
 
 impl<const D: usize> OnCell<f64, D> {
-    /// The gradient in the coordinates of the reference cell, where the basis functions have the gradients `g`.
+    /// The gradient in the coordinates of the reference cell, where the basis functions have the
+    /// gradients `g`.
     #[inline(always)]
     pub fn reference_gradient(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SVector<f64, D> {
         let mut r = g[0] * self.values[0];
@@ -191,7 +213,8 @@ impl<const D: usize> OnCell<f64, D> {
 }
 
 impl<const D: usize> OnCell<SVector<f64, D>, D> {
-    /// The derivative with respect to the coordinates of the reference cell, where the basis functions have the gradients `g`.
+    /// The derivative with respect to the coordinates of the reference cell, where the basis
+    /// functions have the gradients `g`.
     #[inline(always)]
     pub fn reference_jacobian(&self, g: &[SVector<f64, D>; MAX_LOCAL]) -> SMatrix<f64, D, D> {
         let mut r = SMatrix::<f64, D, D>::zeros();

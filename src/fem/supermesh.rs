@@ -7,16 +7,17 @@ use crate::base::{Error, Result, parallel};
 use crate::mesh::{Locator, Mesh, NONE};
 use std::sync::Arc;
 
-/// The intersections of a new triangle must make up its area up to this part.
+/// Tolerance for the total area of the intersections of a new triangle, relative to its area.
 const COVERED: f64 = 1e-9;
-/// Most corners of the intersection of two triangles, with one for rounding.
+/// Largest number of corners of the intersection of two triangles, plus one for rounding.
 const CORNERS: usize = 7;
 
-/// Which old triangles every new one meets. Intersections are computed when they are needed: storing them takes far more room.
+/// The old triangles that intersect every new one. Intersections are computed on demand, because
+/// storing them takes far more memory.
 #[derive(Clone, Debug)]
 pub(super) struct Supermesh {
     from: Arc<Mesh<2>>,
-    /// Old cells that new cell `c` meets: `cells[starts[c]..starts[c + 1]]`.
+    /// Old cells that intersect new cell `c`: `cells[starts[c]..starts[c + 1]]`.
     starts: Vec<u32>,
     cells: Vec<u32>,
 }
@@ -101,7 +102,7 @@ impl Supermesh {
     pub fn new(from: &Arc<Mesh<2>>, to: &Mesh<2>) -> Result<Supermesh> {
         let locator = Locator::new(from);
         let (mut starts, mut cells) = (vec![0], Vec::new());
-        // The last new cell that looked at an old one.
+        // The last new cell that visited an old one.
         let mut seen = vec![NONE; from.cell_count()];
         let mut waiting = Vec::new();
         for c in 0..to.cell_count() {
@@ -131,8 +132,9 @@ impl Supermesh {
         Ok(Supermesh { from: Arc::clone(from), starts, cells })
     }
 
-    /// The integrals of `f`, a function of the space `from` on the old mesh, times the basis functions of the space `to` on the new
-    /// one, with `rule` on the triangles of all intersections.
+    /// The integrals of `f`, a function of the space `from` on the old mesh, times the basis
+    /// functions of the space `to` on the new one, with `rule` on the triangles of all
+    /// intersections.
     pub fn moments<T: Value>(&self, from: &Space<2>, f: &[T], to: &Space<2>, rule: &Rule) -> Vec<T> {
         let n = to.local_count();
         let mut local = vec![T::ZERO; n * to.mesh().cell_count()];

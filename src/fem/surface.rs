@@ -9,7 +9,8 @@ use crate::linalg::{Factor, Ordering, SymmetricMatrix};
 use crate::mesh::NONE;
 use nalgebra::{SMatrix, SVector};
 
-/// A quadrature point on a surface: its place in the mesh, the weight a length (3-D: an area), and the unit normal there.
+/// A quadrature point on a surface: its location in the mesh, its weight (a length; in 3-D an
+/// area), and the unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint<const D: usize> {
     /// The point; `q` is its number in the list it came in.
@@ -19,7 +20,7 @@ pub struct SurfacePoint<const D: usize> {
 }
 
 impl<const D: usize> SurfacePoint<D> {
-    /// `P a = a - n (n . a)`, the part along the surface.
+    /// Tangential part: `P a = a - n (n . a)`.
     pub fn tangential(&self, a: &SVector<f64, D>) -> SVector<f64, D> {
         a - self.normal * self.normal.dot(a)
     }
@@ -29,23 +30,24 @@ impl<const D: usize> SurfacePoint<D> {
     }
 }
 
-/// What [`surface_solve`] integrates at a point.
+/// Integrands of [`surface_solve`] at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceForm<const D: usize> {
     /// `k >= 0`: the diffusivity.
     pub diffusivity: f64,
     /// `g`: the source.
     pub source: f64,
-    /// `f`: the flux; its normal part does not count.
+    /// `f`: the flux; its normal part has no effect.
     pub flux: SVector<f64, D>,
 }
 
-/// Finds the P1 function `s` with `int s q + k grad_S s . grad_S q = int g q + f . grad_S q` for all P1 functions `q`, where `int` is the sum
-/// over `points` and `grad_S = P grad`; the first term is lumped. One number a vertex; NaN at the vertices of cells that the surface
-/// does not cut.
+/// Finds the P1 function `s` with `int s q + k grad_S s . grad_S q = int g q + f . grad_S q` for
+/// all P1 functions `q`, where `int` is the sum over `points` and `grad_S = P grad`; the first term
+/// is lumped. One number per vertex; NaN at the vertices of cells that the surface does not cut.
 ///
-/// The lumped mass gives every vertex the average of what is near it, so without diffusion this is a filter of second order in the mesh
-/// size that reproduces constants, however little of a cell is cut off.
+/// The lumped mass gives every vertex a local average, so without diffusion this is a filter of
+/// second order in the mesh size that reproduces constants, for any position of the surface in its
+/// cells.
 ///
 /// # Errors
 /// A matrix that cannot be factored.
@@ -78,7 +80,7 @@ pub fn surface_solve<const D: usize>(
             let (at, form) = (&point.at, form(point));
             let g = gradients(space, Element::P1, at).map(|g| point.tangential(&g));
             for a in 0..m {
-                // A point that was lifted onto the surface may lie outside of its cell by a little.
+                // A point that was moved onto the surface may lie slightly outside of its cell.
                 let share = at.weight * at.barycentric[a].max(SMALLEST_SHARE);
                 local[a * m + a] += share;
                 rhs[unknowns[a] as usize] += share * form.source + at.weight * form.flux.dot(&g[a]);
@@ -97,7 +99,7 @@ pub fn surface_solve<const D: usize>(
     Ok(out)
 }
 
-/// Least share of a point that each vertex of its cell gets, so that no vertex is left without any.
+/// Least weight of a point for each vertex of its cell, so that every vertex has a positive mass.
 const SMALLEST_SHARE: f64 = 1e-6;
 
 #[cfg(test)]
@@ -140,7 +142,8 @@ mod tests {
         Space::new(&Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [n, n], Diagonals::UnionJack).unwrap()), Element::P2)
     }
 
-    /// `s - k s'' = (1 + k pi^2) cos(pi x)` has the solution `cos(pi x)`; half of the right-hand side comes as a flux.
+    /// `s - k s'' = (1 + k pi^2) cos(pi x)` has the solution `cos(pi x)`; half of the right-hand
+    /// side comes as a flux.
     #[test]
     fn diffusion_along_a_line_is_solved_to_second_order() {
         let k = 0.05;

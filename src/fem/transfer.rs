@@ -1,4 +1,5 @@
-//! Fields carried from one mesh to another of the same domain: by values at the new nodes, or by projection over the supermesh.
+//! Transfer of fields between two meshes of the same domain: by values at the new nodes, or by
+//! projection over the supermesh.
 
 use super::mass::Mass;
 use super::periodic::Translation;
@@ -10,15 +11,15 @@ use crate::mesh::{Location, Locator, Mesh};
 use nalgebra::SVector;
 use std::sync::Arc;
 
-/// A point of the new mesh may lie this part of the extent of the domain outside the old one.
+/// Largest distance of a new node from the old domain, relative to the extent of the domain.
 const OFF: f64 = 1e-6;
 
-/// The places of the nodes of a space in another mesh: found once, used for any number of fields.
+/// Locations of the nodes of a space in another mesh, for any number of fields.
 #[derive(Clone, Debug)]
 pub struct Interpolation(Vec<Location>);
 
 impl Interpolation {
-    /// Finds the nodes of `to` in `from`. Nodes that rounding leaves outside are taken to the boundary.
+    /// Locates the nodes of `to` in `from`. Nodes outside by rounding are moved to the boundary.
     ///
     /// # Errors
     /// Input, if a node lies outside the old domain by more than a millionth of its extent.
@@ -48,25 +49,29 @@ impl Interpolation {
         Ok(Interpolation(places))
     }
 
-    /// Values of a function of `from` (a space on the old mesh) at the new nodes. Exact for what lies in both spaces, of order 3
-    /// for P2 and smooth functions; integrals are not conserved.
+    /// Values of a function of `from` (a space on the old mesh) at the new nodes. Exact for
+    /// functions in both spaces, of order 3 for P2 and smooth functions; integrals are not
+    /// conserved.
     pub fn apply<const D: usize, T: Value>(&self, from: &Space<D>, f: &[T]) -> Vec<T> {
         self.0.iter().map(|at| from.value(f, at.cell as usize, &at.barycentric)).collect()
     }
 }
 
-/// The L2 projection of functions on one mesh to a space on another, `(u_new, q) = (u_old, q)` for all `q` of the new space, integrated
-/// exactly over the intersections of old and new triangles (Farrell and others 2009): conserves the integral, and all moments
-/// with functions of the new space, to rounding. Does not keep extrema or boundary values.
+/// The L2 projection of functions on one mesh to a space on another, `(u_new, q) = (u_old, q)` for
+/// all `q` of the new space, integrated exactly over the intersections of old and new triangles
+/// (Farrell and others 2009): conserves the integral, and all moments with functions of the new
+/// space, to rounding. Does not keep extrema or boundary values.
 ///
-/// Every field costs the clipping of about ten pairs of triangles a new cell and about 30 multiplications with the mass matrix.
+/// Each field costs about ten clippings of pairs of triangles per new cell and about 30 products
+/// with the mass matrix.
 pub struct Projection {
     supermesh: Supermesh,
     mass: Mass,
 }
 
 impl Projection {
-    /// Intersects the meshes. Nodes that `translations` identifies in the new space share their values.
+    /// Intersects the meshes. Nodes that `translations` identifies in the new space share their
+    /// values.
     ///
     /// # Errors
     /// Input, if the meshes do not cover the same domain.
@@ -82,8 +87,8 @@ impl Projection {
         self.mass.solve(&self.moments(from, f))
     }
 
-    /// The projection of a vector function of `from`, by components. It is not discretely divergence-free though `f` be: that takes a solve
-    /// of the flow.
+    /// The projection of a vector function of `from`, by components. It is not discretely
+    /// divergence-free even if `f` is: this would take a solve of the flow.
     ///
     /// # Errors
     /// As [`scalar`](Self::scalar).
@@ -109,7 +114,8 @@ mod tests {
     use crate::mesh::adapt::{AdaptOptions, Metric, adapt};
     use crate::mesh::{Diagonals, Point, rectangle};
 
-    /// A mesh of about `n` triangles a side whose triangles have nothing to do with those of the other `turn`.
+    /// A mesh of about `n` triangles a side whose triangles have nothing to do with those of the
+    /// other `turn`.
     fn adapted(n: usize, turn: bool) -> Arc<Mesh<2>> {
         let mesh = rectangle([0.0; 2], [1.0; 2], [n, n], Diagonals::Right).unwrap();
         let size = |x: &Point<2>| (1.0 + if turn { x[1] } else { 1.0 - x[0] }) / (1.5 * n as f64);

@@ -1,10 +1,10 @@
-//! Unknowns of a structure beside velocity and pressure.
+//! Unknowns of a structure in addition to velocity and pressure.
 
 use crate::fem::{At, VectorForm};
 
 /// Unknowns `l` that a structure adds to the system of the flow, and their equations.
 ///
-/// Beside velocity and pressure the system is, for all velocities `v` and all test values `m`,
+/// With velocity and pressure the system is, for all velocities `v` and all test values `m`,
 ///
 /// ```text
 /// a(u, v) - (p, div v) + b(l, v) = F(v),    b(m, u) + d(l, m) = g(m),

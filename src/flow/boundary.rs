@@ -40,7 +40,7 @@ pub struct Load<const D: usize> {
 impl<const D: usize> Load<D> {
     /// No load.
     pub const ZERO: Load<D> = Load::of(0.0);
-    /// A load that is not known.
+    /// An undefined load.
     pub const NAN: Load<D> = Load::of(f64::NAN);
 
     const fn of(v: f64) -> Load<D> {
@@ -57,8 +57,8 @@ impl<const D: usize> Load<D> {
     }
 }
 
-/// Force of the fluid on a boundary by the stress, `-int (2 mu D(u) - p) n ds` with `n` outward from the fluid, and its moment
-/// about a point. `viscosity` gives `mu` in a cell at barycentric coordinates.
+/// Force of the fluid on a boundary, `-int (2 mu D(u) - p) n ds` with `n` outward from the fluid,
+/// and its moment about a point. `viscosity` gives `mu` in a cell at barycentric coordinates.
 pub fn traction<const D: usize>(
     velocity: &Space<D>,
     pressure: &Space<D>,
@@ -81,8 +81,8 @@ pub fn traction<const D: usize>(
     Ok(load)
 }
 
-/// Kinetic energy that the flow carries out through the boundary per time, `int rho |u|^2 / 2 u . n ds`. `density` gives `rho`
-/// in a cell at barycentric coordinates.
+/// Rate of outflow of kinetic energy through the boundary, `int rho |u|^2 / 2 u . n ds`. `density`
+/// gives `rho` in a cell at barycentric coordinates.
 pub fn kinetic_outflow<const D: usize>(
     velocity: &Space<D>,
     density: impl Fn(usize, &[f64; 4]) -> f64,
@@ -99,7 +99,7 @@ pub fn kinetic_outflow<const D: usize>(
     sum
 }
 
-/// Volume that leaves through a boundary per time, `int u . n ds`.
+/// Volume flux through a boundary, `int u . n ds`, positive outward.
 pub fn flux<const D: usize>(velocity: &Space<D>, state: &FlowState<D>, name: &str) -> Result<f64> {
     let mesh = velocity.mesh();
     let mut sum = 0.0;

@@ -5,20 +5,20 @@ use crate::fem::At;
 /// A Newtonian fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fluid {
-    /// Mass per volume; zero for all fluids stands for a flow without inertia.
+    /// Mass per volume; zero for all fluids gives a Stokes flow.
     pub density: f64,
     /// Dynamic viscosity.
     pub viscosity: f64,
 }
 
-/// A material coefficient: one number, or one number a quadrature point.
+/// A material coefficient: constant, or one number per quadrature point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coefficient {
-    /// The same everywhere and always.
+    /// Constant in space and time.
     Constant(f64),
     /// The value at point `q` of cell `c` is entry `c * points + q`; changes from step to step.
     Pointwise {
-        /// Quadrature points a cell.
+        /// Quadrature points per cell.
         points: usize,
         /// The values.
         values: Vec<f64>,
@@ -39,7 +39,7 @@ impl Coefficient {
             Coefficient::Pointwise { points, values } => values[c * points + q],
         }
     }
-    /// Whether the value never changes.
+    /// True if the value is constant.
     pub fn is_constant(&self) -> bool {
         matches!(self, Coefficient::Constant(_))
     }

@@ -1,5 +1,5 @@
-//! Incompressible flow with P2-P1 Taylor-Hood elements. Knows velocity and pressure only; whatever is immersed in it
-//! acts through a [`MomentumTerm`](term::MomentumTerm).
+//! Incompressible flow with P2-P1 Taylor-Hood elements. Structures act on it through
+//! [`MomentumTerm`](term::MomentumTerm) and [`Block`](block::Block) only.
 
 pub mod block;
 mod boundary;

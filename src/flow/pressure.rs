@@ -1,8 +1,9 @@
-//! The pressure for those who look at it.
+//! The pressure at the points of the mesh, for output.
 
 use crate::fem::{Element, Space};
 
-/// The pressure `p`, a function of `space`, at the points of the mesh: where it jumps, the mean over the cells around a point, by their volumes.
+/// The pressure `p`, a function of `space`, at the points of the mesh; where it jumps, the
+/// volume-weighted mean over the cells of a point.
 pub fn nodal_pressure<const D: usize>(space: &Space<D>, p: &[f64]) -> Vec<f64> {
     let mesh = space.mesh();
     let points = mesh.points().len();

@@ -4,7 +4,9 @@ use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::fem::{At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar};
-use crate::linalg::{Change, Factor, FactorSize, LaggedFactor, LaggedReport, Ledger, Solving, SymmetricMatrix, Way};
+use crate::linalg::{
+    Change, Factor, FactorSize, LaggedFactor, LaggedReport, SolveCost, SolverKind, SolverOptions, SymmetricMatrix,
+};
 use nalgebra::SVector;
 use std::sync::Arc;
 
@@ -13,7 +15,30 @@ mod load;
 mod matrix;
 mod system;
 
-/// Assembles and solves the coupled system; keeps the factor while the matrix does not change.
+/// Assembles and solves the system of velocity and pressure; keeps the factor while the matrix does
+/// not change.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Condition, Element, Rule, Space};
+/// use immersa::flow::{Coefficient, FlowSolver, Step};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use std::sync::Arc;
+///
+/// // Stokes flow with the velocity (y, 0) on the walls: the solution is (y, 0), and P2 has it.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::UnionJack)?);
+/// let [p2, p1] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
+/// let shear = Condition::Velocity(Arc::new(|x, _| Point::<2>::new(x[1], 0.0)));
+/// let rule = Arc::new(Rule::simplex(2, 4));
+/// let mut flow = FlowSolver::new(&p2, &p1, &rule, &vec![("walls".into(), shear)], 0.0)?;
+/// flow.set_materials(Coefficient::Constant(0.0), Coefficient::Constant(1.0));
+/// let mut state = flow.at_rest();
+/// flow.step(&Step { weight: 0.0, ..Step::backward_euler(0.1, 0.1, &[]) }, &mut state)?;
+/// for (u, x) in state.u.iter().zip(p2.nodes()) {
+///     assert!((u - Point::<2>::new(x[1], 0.0)).norm() < 1e-12);
+/// }
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct FlowSolver<const D: usize> {
     velocity: Basis<D>,
     /// The velocity basis at the points of a rule that is exact for products of gradients.
@@ -24,34 +49,34 @@ pub struct FlowSolver<const D: usize> {
     grad_div: f64,
     density: Coefficient,
     viscosity: Coefficient,
-    /// What gravity acts on, where it is not the density.
+    /// Mass per volume that gravity acts on; `None` for the density.
     buoyancy: Option<Coefficient>,
-    /// The part of the matrix that stays, and `weight / dt` that it was made with; NaN when it is stale.
+    /// The constant part of the matrix, and its `weight / dt`; NaN when it is out of date.
     base: Option<(SymmetricMatrix, f64)>,
     matrix: SymmetricMatrix,
     factor: Option<LaggedFactor>,
-    /// Relative residual of iterations with an old factor; 0 where every matrix is to be factored.
+    /// Relative residual of iterations with an old factor; 0 factors every matrix.
     tolerance: f64,
-    /// Which ways of solving are allowed.
-    solving: Solving,
+    /// Allowed linear solvers.
+    options: SolverOptions,
     /// Nodes of the pressure on open boundaries.
     open_nodes: Vec<u32>,
-    /// Whether `factor` belongs to `base` alone.
+    /// True if `factor` is that of `base` without terms.
     factor_is_base: bool,
-    /// `weight / dt` of the matrix that was factored last.
+    /// `weight / dt` of the factored matrix.
     factored_weight: f64,
-    /// Whether that matrix was `base` alone.
+    /// True if the factored matrix was `base` without terms.
     factored_plain: bool,
-    /// Whether the step will change.
+    /// True if the length of the step will change.
     expects_changes: bool,
     boundary_cells: Vec<u32>,
     /// The system with unknowns of structures, where there are any.
     blocks: Option<system::BlockSystem>,
-    /// Values of these unknowns in the last step.
+    /// Values of the unknowns of blocks in the last step.
     block_values: Vec<Vec<f64>>,
     work: Work<D>,
     phases: Phases,
-    /// How often the factor was read, each time twice.
+    /// Number of substitutions; each reads the factor twice.
     substitutions: u64,
 }
 
@@ -71,8 +96,8 @@ struct Work<const D: usize> {
 impl<const D: usize> FlowSolver<D> {
     /// A solver on the spaces of `velocity` (P2) and `pressure` (P1), integrated with `rule`.
     ///
-    /// `grad_div` is the factor `gamma >= 0` of the term `gamma (div u, div v)`: without it P2-P1 conserves mass only on average,
-    /// and a membrane gains energy.
+    /// `grad_div` is the factor `gamma >= 0` of the term `gamma (div u, div v)`. Without it P2-P1
+    /// conserves mass only on average, and a membrane gains spurious energy.
     ///
     /// # Errors
     /// Wrong boundary names or conditions.
@@ -130,7 +155,7 @@ impl<const D: usize> FlowSolver<D> {
             matrix,
             factor: None,
             tolerance: 0.0,
-            solving: Solving::default(),
+            options: SolverOptions::default(),
             open_nodes,
             factor_is_base: false,
             factored_weight: f64::NAN,
@@ -145,25 +170,29 @@ impl<const D: usize> FlowSolver<D> {
         })
     }
 
-    /// Lets a matrix that changes from step to step be solved for by iterations with an old factor, to the relative residual
-    /// `tolerance`, where that is cheaper than factoring; 0 (as at the start) factors each. To be called before the first step.
+    /// Solves with a matrix that changes from step to step by iterations with an old factor, to the
+    /// relative residual `tolerance`, where this is cheaper than factoring; 0 (the default) factors
+    /// every matrix. To be called before the first step.
     pub fn iterate(&mut self, tolerance: f64) {
         self.tolerance = tolerance;
     }
-    /// Allows some ways of solving, and sets the memory that factors may take. To be called before the first step.
-    pub fn solve_by(&mut self, solving: Solving) {
-        self.solving = solving;
+    /// Sets the allowed solvers and the memory of their factors. To be called before the first
+    /// step.
+    pub fn solve_by(&mut self, options: SolverOptions) {
+        self.options = options;
     }
-    /// Tells that the step will change, and with it the matrix: no change of it is taken to last.
+    /// Declares that the length of the step, and with it the matrix, will change: no change is
+    /// treated as lasting.
     pub fn expect_changes(&mut self) {
         self.expects_changes = true;
     }
     /// Makes the next solve factor its matrix.
-    pub fn forget_factor(&mut self) {
+    pub fn invalidate_factor(&mut self) {
         (self.factor_is_base, self.factored_plain, self.factored_weight) = (false, false, f64::NAN);
-        self.factor.iter_mut().for_each(LaggedFactor::forget);
+        self.factor.iter_mut().for_each(LaggedFactor::invalidate);
     }
-    /// Sets density and viscosity (dynamic); the matrix is made anew when they are not constant or have changed.
+    /// Sets density and dynamic viscosity; the matrix is assembled again when they are not constant
+    /// or have changed.
     pub fn set_materials(&mut self, density: Coefficient, viscosity: Coefficient) {
         if density != self.density || viscosity != self.viscosity || !density.is_constant() || !viscosity.is_constant()
         {
@@ -174,11 +203,12 @@ impl<const D: usize> FlowSolver<D> {
         self.density = density;
         self.viscosity = viscosity;
     }
-    /// Sets what gravity acts on in place of the density: in the Boussinesq form the difference from it, a mass per volume.
+    /// Sets the mass per volume that gravity acts on in place of the density: in the Boussinesq
+    /// form the difference from it.
     pub fn set_buoyancy(&mut self, buoyancy: Option<Coefficient>) {
         self.buoyancy = buoyancy;
     }
-    /// What gravity acts on at a quadrature point, a mass per volume.
+    /// Mass per volume that gravity acts on at a quadrature point.
     pub fn weight(&self, at: &At<D>) -> f64 {
         self.buoyancy.as_ref().unwrap_or(&self.density).at(at)
     }
@@ -202,7 +232,7 @@ impl<const D: usize> FlowSolver<D> {
     pub fn viscosity(&self) -> &Coefficient {
         &self.viscosity
     }
-    /// Whether the factor in use is that of a matrix that stays.
+    /// True if the factor in use is that of a constant matrix.
     pub fn is_constant(&self) -> bool {
         !self.expects_changes && self.factor_is_base && self.density.is_constant() && self.viscosity.is_constant()
     }
@@ -214,33 +244,34 @@ impl<const D: usize> FlowSolver<D> {
     pub fn matrix_nonzeros(&self) -> usize {
         self.matrix.nonzeros()
     }
-    /// The factor of the whole matrix, once there is one; none on the Schur route.
+    /// The factor of the whole matrix, once there is one; `None` for the Schur solver.
     pub fn factor(&self) -> Option<&Factor> {
         self.factor.as_ref().and_then(LaggedFactor::factor)
     }
-    /// The way of solving and the size of its factors, once they are planned.
-    pub fn solver_size(&self) -> Option<(Way, FactorSize)> {
-        self.factor.as_ref().map(|f| (f.way(), f.size()))
+    /// The linear solver and the size of its factors, once they are planned.
+    pub fn solver_size(&self) -> Option<(SolverKind, FactorSize)> {
+        self.factor.as_ref().map(|f| (f.kind(), f.size()))
     }
-    /// Whether each system is solved for by iterations, so that a good start pays.
+    /// True if each system is solved by iterations, so that a good initial guess helps.
     pub fn always_iterates(&self) -> bool {
         self.factor.as_ref().is_some_and(LaggedFactor::always_iterates)
     }
-    /// The way of solving with its sizes, and estimates of its times on one core of a server.
-    pub fn way_in_words(&self) -> Option<String> {
-        let (way, size) = self.solver_size()?;
+    /// The linear solver with its sizes, and estimated times on one core of a server.
+    pub fn solver_summary(&self) -> Option<String> {
+        let (kind, size) = self.solver_size()?;
         Some(format!(
-            "solved by {way}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",
+            "solved by {kind}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",
             size.entries as f64,
             size.bytes as f64 / 1e6,
             size.factoring_seconds(),
             size.operations,
             size.solving_seconds(),
-            if way == Way::Direct { "a solve" } else { "an iteration" }
+            if kind == SolverKind::Direct { "a solve" } else { "an iteration" }
         ))
     }
-    /// How a matrix that changes from step to step is solved for, with a passive verb.
-    pub fn way_of_solving(&self) -> String {
+    /// Describes the solution of systems whose matrix changes from step to step, as a participle
+    /// phrase for the plan.
+    pub fn solver_description(&self) -> String {
         match &self.factor {
             Some(f) if f.may_iterate() => format!(
                 "solved by GMRES with an older factor to the relative residual {:e}, or factored anew, whichever is cheaper by count: \
@@ -255,11 +286,11 @@ impl<const D: usize> FlowSolver<D> {
     pub fn factor_bytes(&self) -> usize {
         self.factor.as_ref().map_or(0, LaggedFactor::bytes)
     }
-    /// The books of the choice between iterations and a factorisation.
-    pub fn ledger(&self) -> Ledger {
-        self.factor.as_ref().map_or(Ledger::default(), LaggedFactor::ledger)
+    /// Costs that decide between iterations and a factorisation.
+    pub fn solve_cost(&self) -> SolveCost {
+        self.factor.as_ref().map_or(SolveCost::default(), LaggedFactor::solve_cost)
     }
-    /// Seconds of all processors by phase since it was asked last, and how often the factor was read since, each time twice.
+    /// Processor seconds by phase, and number of substitutions, since the last call.
     pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         (self.phases.take(), std::mem::take(&mut self.substitutions))
     }
@@ -267,7 +298,7 @@ impl<const D: usize> FlowSolver<D> {
     pub fn at_rest(&self) -> FlowState<D> {
         FlowState { u: vec![SVector::zeros(); self.velocity.space().len()], p: vec![0.0; self.pressure.space().len()] }
     }
-    /// Puts the prescribed velocities at time `t` into `u`.
+    /// Writes the prescribed velocities at time `t` into `u`.
     pub fn impose(&self, t: f64, u: &mut [SVector<f64, D>]) {
         let mut lift = vec![SVector::zeros(); u.len()];
         let space = self.velocity.space();
@@ -277,10 +308,11 @@ impl<const D: usize> FlowSolver<D> {
         }
     }
 
-    /// Takes one step and writes the new velocity and pressure into `state`, whose values iterations start from.
+    /// Takes one step and writes the new velocity and pressure into `state`, whose values are the
+    /// initial guess of iterations.
     ///
     /// # Errors
-    /// A factorisation or a solve that fails, boundary values that let more fluid in than out.
+    /// A factorisation or a solve that fails; boundary values with a net inflow.
     pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
         let change = self.prepare(step.weight / step.dt, step.terms)?;
         self.phases.begin();
@@ -332,7 +364,7 @@ impl<const D: usize> FlowSolver<D> {
         Ok(report)
     }
 
-    /// Solves for velocity and pressure alone, with the factor that is cheapest.
+    /// Solves for velocity and pressure without blocks, with the cheapest factor.
     fn solve_flow(&mut self, change: Change, work: &mut Work<D>, state: &mut FlowState<D>) -> Result<LaggedReport> {
         let Some(factor) = &mut self.factor else {
             return Err(Error::internal("the flow matrix was not factored"));

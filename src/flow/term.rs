@@ -1,4 +1,4 @@
-//! Terms of the momentum equation beside those of the fluid itself.
+//! Terms of the momentum equation in addition to those of the fluid.
 
 use crate::fem::{At, Cells, VectorForm};
 use nalgebra::{SMatrix, SVector};
@@ -42,6 +42,44 @@ impl<'a, const D: usize> Support<'a, D> {
 /// of order 1), the force is `F(v) - C(u - u*, v)`. A penalty has `F = 0` and `C(u, v) = (k u, v)`.
 ///
 /// Every term counts in loads, reactions, the lift of boundary values and the power of walls.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{At, Cells, Condition, Element, Rule, Space, VectorForm};
+/// use immersa::flow::term::{MomentumTerm, Support};
+/// use immersa::flow::{Coefficient, FlowSolver, Step};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use nalgebra::SMatrix;
+/// use std::sync::Arc;
+///
+/// /// A constant force per volume.
+/// struct Weight(Point<2>);
+///
+/// impl MomentumTerm<2> for Weight {
+///     fn support(&self) -> Support<'_, 2> {
+///         Support::Cells(Cells::All)
+///     }
+///     fn force(&self, _at: &At<2>) -> VectorForm<2> {
+///         (self.0, SMatrix::zeros())
+///     }
+/// }
+///
+/// // In a closed box the pressure balances the force, and the fluid stays at rest.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::UnionJack)?);
+/// let [p2, p1] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
+/// let walls = vec![("walls".to_string(), Condition::NoSlip)];
+/// let mut flow = FlowSolver::new(&p2, &p1, &Arc::new(Rule::simplex(2, 4)), &walls, 0.0)?;
+/// flow.set_materials(Coefficient::Constant(0.0), Coefficient::Constant(1.0));
+/// let mut state = flow.at_rest();
+/// let weight = Weight(Point::<2>::new(0.0, -2.0));
+/// let step = Step { weight: 0.0, terms: &[&weight], ..Step::backward_euler(0.1, 0.1, &[]) };
+/// flow.step(&step, &mut state)?;
+/// assert!(state.u.iter().all(|u| u.norm() < 1e-12));
+/// for (p, x) in state.p.iter().zip(p1.nodes()) {
+///     assert!((p - (1.0 - 2.0 * x[1])).abs() < 1e-11); // of zero mean
+/// }
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub trait MomentumTerm<const D: usize>: Sync {
     /// The places where the term does not vanish.
     fn support(&self) -> Support<'_, D>;
@@ -52,7 +90,7 @@ pub trait MomentumTerm<const D: usize>: Sync {
         false
     }
     /// `C(u, v)` at a point: the pair tested with `(v, grad v)`, linear in `u` and `grad_u`. A term
-    /// on cells may be asked at points of any cell, and returns zero outside its support.
+    /// on cells may be evaluated at points of any cell, and is zero outside its support.
     fn stiffness(&self, _at: &At<D>, _u: &SVector<f64, D>, _grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
         (SVector::zeros(), SMatrix::zeros())
     }

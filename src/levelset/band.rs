@@ -1,11 +1,12 @@
-//! The regularised interface: delta, Heaviside function, and what is mixed with them.
+//! The regularised interface: delta and Heaviside functions, regularised density and viscosity.
 
 use crate::base::{Error, Result, Warning};
 use crate::fem::Space;
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
-/// The cut-off function `zeta(s) = (1 + cos(pi s)) / 2` for `|s| < 1`, 0 elsewhere (book, section 3.6). Its integral is 1.
+/// The cut-off function `zeta(s) = (1 + cos(pi s)) / 2` for `|s| < 1`, 0 elsewhere (book, section
+/// 3.6). Its integral is 1.
 pub fn zeta(s: f64) -> f64 {
     if s.abs() < 1.0 { 0.5 * (1.0 + (PI * s).cos()) } else { 0.0 }
 }
@@ -16,14 +17,15 @@ pub fn heaviside(s: f64) -> f64 {
     (0.5 * (1.0 + s + (PI * s).sin() / PI)).clamp(0.0, 1.0)
 }
 
-/// The cut-off function that spreads an interface over its band: even, of integral 1, zero beyond 1.
+/// The cut-off function of the band: even, of integral 1, zero beyond 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
     /// [`zeta`], `(1 + cos(pi s))/2`.
     #[default]
     Cosine,
-    /// `1 - |s|`. With the l1 width, and a half-width that is a whole number of steps, its sums over a square lattice meet the moment conditions of
-    /// Engquist, Tornberg and Tsai (2005) to second order.
+    /// `1 - |s|`. With the l1 width, and a half-width that is a whole number of steps, its sums
+    /// over a square lattice meet the moment conditions of Engquist, Tornberg and Tsai (2005) to
+    /// second order.
     Hat,
 }
 
@@ -45,7 +47,8 @@ impl Kernel {
             }
         }
     }
-    /// The weight `zeta(phi/(r eps))/(r eps)`, zero where the band `|phi| < r eps` is closed; see [`surface_weight`].
+    /// The weight `zeta(phi/(r eps))/(r eps)`, zero outside the band `|phi| < r eps`; see
+    /// [`surface_weight`].
     pub fn weight(self, phi: f64, r: f64, eps: f64) -> f64 {
         let width = r * eps;
         // False for width = 0 and for NaN.
@@ -53,26 +56,28 @@ impl Kernel {
     }
 }
 
-/// The renormalised weight `w = zeta(phi / (r eps)) / (r eps)` of the membrane stress (3.16), with `r = |grad phi|`.
+/// The renormalised weight `w = zeta(phi / (r eps)) / (r eps)` of the membrane stress (3.16), with
+/// `r = |grad phi|`.
 ///
-/// `phi / r` is a distance to first order whatever the stretch (the renormalisation of (1.32)-(1.35)), so
-/// `w r = zeta(phi / (r eps)) / eps` is the surface delta of half-width `eps` in space.
+/// `phi / r` is a distance to first order for any stretch (the renormalisation of (1.32)-(1.35)),
+/// so `w r = zeta(phi / (r eps)) / eps` is the surface delta of half-width `eps` in space.
 ///
-/// Where `r` goes to 0 (kinks of the distance on the medial axis, where a `P2` gradient passes through 0) the band
-/// `|phi| < r eps` closes and the weight is 0; it is never NaN. It grows without bound only where `phi` and its gradient
-/// vanish together, that is where two interfaces merge.
+/// As `r` tends to 0 (kinks of the distance on the medial axis, where a `P2` gradient passes
+/// through 0) the band `|phi| < r eps` closes and the weight is 0; it is never NaN. It is unbounded
+/// only where `phi` and its gradient vanish together, that is where two interfaces merge.
 pub fn surface_weight(phi: f64, r: f64, eps: f64) -> f64 {
     Kernel::Cosine.weight(phi, r, eps)
 }
 
-/// What a renormalised band measures the slope of its level set with.
+/// Norm of the slope of a renormalised band.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Norm {
     /// `|grad phi|`: the band has the half-width `eps` in space.
     #[default]
     L2,
-    /// The sum of the moduli of the components (Engquist, Tornberg and Tsai 2005; book, section 1.5.2): the band has the half-width `eps` along the
-    /// axes, and `eps sqrt(D)` across an interface along a diagonal.
+    /// The sum of the moduli of the components (Engquist, Tornberg and Tsai 2005; book, section
+    /// 1.5.2): the band has the half-width `eps` along the axes, and `eps sqrt(D)` across an
+    /// interface along a diagonal.
     L1,
 }
 
@@ -84,7 +89,7 @@ impl Norm {
             Norm::L1 => gradient.iter().map(|g| g.abs()).sum(),
         }
     }
-    /// The largest norm of a gradient in `d` dimensions whose length is 1.
+    /// Largest norm of a unit vector in `d` dimensions.
     pub fn largest(self, d: usize) -> f64 {
         match self {
             Norm::L2 => 1.0,
@@ -93,10 +98,12 @@ impl Norm {
     }
 }
 
-/// Regularised density (3.19): `inside + H(phi/eps) (outside - inside) + zeta(phi/eps) surface_mass / eps`.
+/// Regularised density (3.19):
+/// `inside + H(phi/eps) (outside - inside) + zeta(phi/eps) surface_mass / eps`.
 ///
-/// `surface_mass` is the mass of the membrane per unit length (2-D) or area (3-D) at rest; `|grad phi| zeta(phi/eps) / eps`
-/// is the surface delta, so stretching the membrane by `|grad phi|` thins it by the same factor and keeps its mass.
+/// `surface_mass` is the mass of the membrane per unit length (2-D) or area (3-D) at rest;
+/// `|grad phi| zeta(phi/eps) / eps` is the surface delta, so stretching the membrane by
+/// `|grad phi|` thins it by the same factor and keeps its mass.
 pub fn density(phi: f64, eps: f64, inside: f64, outside: f64, surface_mass: f64) -> f64 {
     inside + heaviside(phi / eps) * (outside - inside) + zeta(phi / eps) / eps * surface_mass
 }
@@ -106,26 +113,29 @@ pub fn viscosity(phi: f64, eps: f64, inside: f64, outside: f64) -> f64 {
     inside + heaviside(phi / eps) * (outside - inside)
 }
 
-/// Half-widths of the band, in edge lengths, below which a run is refused and below which it is warned about.
+/// Half-width of the band, in edge lengths, below which a run is rejected (and a larger one below
+/// which there is a warning).
 const REFUSED: f64 = 1.5;
 const DOUBTFUL: f64 = 2.5;
 
 /// Checks that the mesh resolves the band of half-width `eps`.
 ///
-/// `h` is the largest edge length of the cells that the band `|phi| < eps |grad phi|` meets at one of their nodes, or that
-/// the interface crosses. The edge length of a cell is the `D`-th shortest of its edges: that of an equilateral triangle,
-/// the leg of a right-angled one; in cells drawn out along the interface their extent across it. Below `eps = 2.5 h` there is a warning, below `1.5 h` an error: the thinner the band, the
-/// more its weight depends on its place in the mesh (error of the perimeter of a circle by the rule of degree 4: 8e-6 at
-/// `2.5 h`, 7e-5 at `1.5 h`, 3e-4 at `h`, 4e-3 at `h/2`, 4e-2 at `h/4`), and such a force does work of its own.
+/// `h` is the largest edge length of the cells that meet the band `|phi| < eps |grad phi|` at one
+/// of their nodes, or the interface. The edge length of a cell is its `D`-th shortest edge: that of
+/// an equilateral triangle, the leg of a right-angled one; in cells elongated along the interface
+/// their extent across it. There is a warning for `eps < 2.5 h` and an error for `eps < 1.5 h`: the
+/// thinner the band, the more its weight depends on its position in the mesh (error of the
+/// perimeter of a circle with the rule of degree 4: 8e-6 at `2.5 h`, 7e-5 at `1.5 h`, 3e-4 at `h`,
+/// 4e-3 at `h/2`, 4e-2 at `h/4`), which produces spurious work.
 ///
 /// # Errors
-/// Names the cell, its place, `eps`, `h`, and the thickness or the refinement that would do.
+/// Names the cell, its position, `eps`, `h`, and the sufficient thickness or refinement.
 pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Result<Option<Warning>> {
     if !(eps > 0.0 && eps.is_finite()) {
         return Err(Error::scene("the thickness of the band must be positive").value(eps));
     }
     let Some(BandEdges { largest: h, cell, .. }) = band_edges(space, phi, eps) else { return Ok(None) };
-    // A ratio on the limit, as 0.1 on a mesh of 2/30, may come out below it by rounding.
+    // A ratio equal to the limit, such as 0.1 on a mesh of 2/30, may be below it by rounding.
     let ratio = eps / h * (1.0 + 1e-12);
     if ratio >= DOUBTFUL {
         return Ok(None);
@@ -168,8 +178,8 @@ pub struct BandEdges {
     pub cell: usize,
 }
 
-/// The edges of the cells met by the band `|phi| < r eps`; `None` when there is none. The length of a cell is its `D`-th
-/// shortest edge: the leg of a right triangle.
+/// The edges of the cells that meet the band `|phi| < r eps`; `None` if there are none. The length
+/// of a cell is its `D`-th shortest edge: the leg of a right triangle.
 pub fn band_edges<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Option<BandEdges> {
     let mut found: Option<BandEdges> = None;
     for cell in (0..space.mesh().cell_count()).filter(|&c| meets_band(space, phi, eps, c)) {
@@ -183,7 +193,7 @@ pub fn band_edges<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Op
     found
 }
 
-/// Whether a node of cell `c` lies in the band, or the interface passes between its nodes.
+/// True if a node of cell `c` lies in the band, or the interface passes between its nodes.
 fn meets_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64, c: usize) -> bool {
     let nodes = space.cell_nodes(c);
     let negative = phi[nodes[0] as usize] < 0.0;
@@ -193,11 +203,11 @@ fn meets_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64, c: usize)
     })
 }
 
-/// A cell whose longest edge is longer than this many times its shortest is taken for one that is drawn out on purpose.
+/// Ratio of the longest to the shortest edge above which a cell counts as elongated.
 const DRAWN_OUT: f64 = 1.5;
 
-/// The length that resolves a band in cell `c`: its `D`-th shortest edge, or in a cell that is drawn out, if that is less, its extent along
-/// the gradient of `phi`.
+/// The length that resolves a band in cell `c`: its `D`-th shortest edge or, in an elongated cell,
+/// its extent along the gradient of `phi`, if that is less.
 fn edge_length<const D: usize>(space: &Space<D>, phi: &[f64], c: usize) -> f64 {
     let (mesh, v) = (space.mesh(), space.mesh().cell(c));
     let point = |a: usize| mesh.points()[v[a] as usize];
@@ -213,7 +223,7 @@ fn edge_length<const D: usize>(space: &Space<D>, phi: &[f64], c: usize) -> f64 {
     let gradient = space.gradient(phi, c, &centre);
     let along = |a: usize| gradient.dot(&point(a)) / gradient.norm();
     let (low, high) = (0..=D).map(along).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    // Where there is no gradient the extent is no number, and `max` gives the shortest edge.
+    // Without a gradient the extent is NaN, and `max` gives the shortest edge.
     usual.min((high - low).max(shortest))
 }
 
@@ -252,7 +262,8 @@ mod tests {
         }
     }
 
-    /// Largest error of the weight of the band around circles in ten places of the mesh, by the rule of degree 4.
+    /// Largest error of the weight of the band around circles in ten places of the mesh, by the
+    /// rule of degree 4.
     fn error_of_the_weight(eps_over_h: f64) -> f64 {
         let rule = Rule::simplex(2, 4);
         let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [30, 30], Diagonals::Right).unwrap());

@@ -1,22 +1,23 @@
-//! Between which values a quadratic function stays on a cell, and how steep it is there.
+//! Bounds of a quadratic function and its slope on a cell.
 
 use crate::fem::{EDGES, Space};
 use nalgebra::SVector;
 
-/// Bounds of a P2 function on a cell: a band of it that they do not meet has no point in the cell.
+/// Bounds of a P2 function on a cell: if a band does not meet them, it has no point in the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// No value is below.
+    /// A lower bound of the values.
     pub low: f64,
-    /// No value is above.
+    /// An upper bound of the values.
     pub high: f64,
-    /// The largest slope, which is that at a vertex.
+    /// The largest slope, which is attained at a vertex.
     pub slope: f64,
 }
 
 impl Bounds {
-    /// The bounds of `phi`, a function of the P2 `space`, on cell `c`: by the coefficients `b` of Bernstein and Bezier, which enclose
-    /// the values, and by the gradients at the vertices, `grad phi = 2 sum_j (b_ij - b_ii) grad lambda_j` at vertex `i`.
+    /// The bounds of `phi`, a function of the P2 `space`, on cell `c`: from the Bernstein-Bezier
+    /// coefficients `b`, which enclose the values, and from the gradients at the vertices,
+    /// `grad phi = 2 sum_j (b_ij - b_ii) grad lambda_j` at vertex `i`.
     pub fn of_cell<const D: usize>(space: &Space<D>, phi: &[f64], c: usize) -> Bounds {
         let (own, map) = (space.on_cell(phi, c), space.mesh().map(c));
         let v = own.nodal();
@@ -37,7 +38,7 @@ impl Bounds {
         Bounds { low, high, slope: 2.0 * square.sqrt() }
     }
 
-    /// Whether the band `|phi| < reach` may have a point in the cell.
+    /// True if the band `|phi| < reach` may have a point in the cell.
     pub fn meet(&self, reach: f64) -> bool {
         self.low < reach && self.high > -reach
     }

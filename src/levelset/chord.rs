@@ -1,4 +1,4 @@
-//! Half-chords: how far the contour lies from a point along a line.
+//! Half-chords: distances of the contour from a point along a line.
 
 use super::contour::Contour;
 use super::isosurface::Isosurface;
@@ -7,15 +7,17 @@ use crate::fem::Space;
 use crate::mesh::Point;
 use nalgebra::SVector;
 
-/// How far, as a fraction of its length, a segment is prolonged, so that a line through a common end meets one of the two.
+/// Extension of a segment, as a fraction of its length, so that a line through a common end meets
+/// one of the two.
 const OVERLAP: f64 = 1e-9;
 
 impl Contour {
-    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along `direction` (of any
-    /// length): the semi-axis of a centred shape along that line.
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line
+    /// along `direction` (of any length): the semi-axis of a centred shape along that line.
     ///
-    /// The crossing with the contour gives the cell; in it `phi` on the line is quadratic and its zero exact. `phi` must be
-    /// the function that the contour was made from. `None` if there is no contour on one of the sides.
+    /// The crossing with the contour gives the cell; in it `phi` on the line is quadratic and its
+    /// zero exact. `phi` must be the function that the contour was made from. `None` if there is no
+    /// contour on one of the sides.
     pub fn half_chord(
         &self,
         space: &Space<2>,
@@ -28,7 +30,7 @@ impl Contour {
         let mut crossings = Crossings::default();
         for segment in self.segments() {
             let height = segment.points.map(|p| (p - point).dot(&normal));
-            // The parabola stays within twice the spread of its three heights.
+            // The parabola stays within twice the range of its three values.
             let (low, high) = (height[0].min(height[1]).min(height[2]), height[0].max(height[1]).max(height[2]));
             if low - (high - low) > 0.0 || high + (high - low) < 0.0 {
                 continue;
@@ -52,11 +54,12 @@ impl Contour {
 }
 
 impl Isosurface {
-    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along `direction` (of any
-    /// length): the semi-axis of a centred shape along that line.
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line
+    /// along `direction` (of any length): the semi-axis of a centred shape along that line.
     ///
-    /// In every cell that the surface passes, `phi` on the line is quadratic and its zeros are exact. `phi` must be the function that
-    /// the surface was made from. `None` if there is no surface on one of the sides.
+    /// In every cell with a part of the surface, `phi` on the line is quadratic and its zeros are
+    /// exact. `phi` must be the function that the surface was made from. `None` if there is no
+    /// surface on one of the sides.
     pub fn half_chord(
         &self,
         space: &Space<3>,
@@ -69,7 +72,8 @@ impl Isosurface {
         for of_cell in self.triangles().chunk_by(|a, b| a.cell == b.cell) {
             let c = of_cell[0].cell as usize;
             let Some((from, to)) = passage(space, c, point, &along) else { continue };
-            // About the middle of the way through the cell, against cancellation; OVERLAP lets no zero on a face get lost.
+            // Relative to the midpoint of the chord of the cell, against cancellation; with OVERLAP
+            // no zero on a face is missed.
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) + OVERLAP * space.mesh().diameter(c));
             let l = space.mesh().map(c).barycentric(&(point + along * middle));
             for t in Quadratic::on_line(space, phi, c, &l, &(along * half)).roots() {
@@ -96,7 +100,7 @@ impl Default for Crossings {
 }
 
 impl Crossings {
-    /// Takes note of a zero at the distance `s` from the point, with its sign.
+    /// Records a zero at the signed distance `s` from the point.
     fn meet(&mut self, s: f64) {
         if s >= 0.0 {
             self.after = self.after.min(s);
@@ -105,14 +109,15 @@ impl Crossings {
             self.before = self.before.max(s);
         }
     }
-    /// Half the distance of the two, if there are two.
+    /// Half the distance of the two zeros, if there are two.
     fn half(&self) -> Option<f64> {
         let half = 0.5 * (self.after - self.before);
         half.is_finite().then_some(half)
     }
 }
 
-/// Between which distances from `point` the line along `along` is in cell `c`, widened a little.
+/// Range of distances from `point` at which the line along `along` is in cell `c`, slightly
+/// enlarged.
 fn passage(space: &Space<3>, c: usize, point: &Point<3>, along: &SVector<f64, 3>) -> Option<(f64, f64)> {
     let l = space.mesh().map(c).barycentric(point);
     let dl = barycentric_direction(space, c, along);

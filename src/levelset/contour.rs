@@ -10,19 +10,21 @@ use std::ops::Range;
 
 /// The four triangles of the P2 lattice of a triangle, positively oriented, by local nodes.
 pub(super) const LATTICE: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-/// The tetrahedra at the corners of the P2 lattice of a tetrahedron, by local nodes; between them is an octahedron.
+/// The tetrahedra at the corners of the P2 lattice of a tetrahedron, by local nodes; between them
+/// is an octahedron.
 pub(super) const CORNERS: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
 
 /// A piece of the contour inside one cell: the parabola through three points of the P2 zero set.
 ///
-/// The set `phi < 0` lies on its left when it is walked from start to end.
+/// From start to end, the set `phi < 0` lies on its left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
     /// The cell.
     pub cell: u32,
     /// Start, middle (at parameter 1/2) and end.
     pub points: [Point<2>; 3],
-    /// Barycentric coordinates of the three points in the cell; the middle may lie outside of it by a little.
+    /// Barycentric coordinates of the three points in the cell; the middle may lie outside of it by
+    /// a little.
     pub barycentric: [[f64; 4]; 3],
 }
 
@@ -50,20 +52,22 @@ impl Segment {
 /// A connected part of the contour.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// Its segments in [`Contour::segments`], each beginning where the one before ends.
+    /// Its segments in [`Contour::segments`], each starting at the end of the one before.
     pub range: Range<usize>,
-    /// Whether the last segment ends where the first begins; otherwise both ends lie on the boundary of the mesh.
+    /// True if the last segment ends at the start of the first; otherwise both ends lie on the
+    /// boundary of the mesh.
     pub closed: bool,
 }
 
 /// The contour `phi = 0` of a P2 field on a plane mesh.
 ///
-/// The lattice of the P2 nodes cuts a cell into four triangles. Where the signs at two lattice nodes differ, `phi` is a
-/// quadratic function on the line between them and its zero there is exact, and the same seen from both sides of an edge;
-/// the middle of each segment is the zero of `phi` on the perpendicular bisector of its chord, exact too.
+/// The lattice of the P2 nodes divides a cell into four triangles. If the signs at two lattice
+/// nodes differ, `phi` is quadratic on the line between them and its zero there is exact, and
+/// identical from both sides of an edge; the middle of each segment is the zero of `phi` on the
+/// perpendicular bisector of its chord, also exact.
 ///
-/// Limits: a loop or a thin neck that lies between the nodes of the lattice (half an edge apart) changes no sign and is not
-/// seen. A value that is exactly 0 counts as positive (outside).
+/// Limits: a loop or a thin neck between the nodes of the lattice (half an edge apart) changes no
+/// sign and is missed. A value that is exactly 0 counts as positive (outside).
 #[derive(Clone, Debug, Default)]
 pub struct Contour {
     segments: Vec<Segment>,
@@ -75,7 +79,7 @@ pub struct Contour {
 type Key = (u32, u32);
 
 impl Contour {
-    /// The contour of `phi`. Only cells in which the sign changes are looked at more than once.
+    /// The contour of `phi`. Only cells with a change of sign are processed further.
     ///
     /// # Errors
     /// A space that is not P2, a value of `phi` that is not finite.
@@ -88,7 +92,7 @@ impl Contour {
         let (segments, lines) = chain(pieces);
         Ok(Contour { segments, lines, walls: negative_walls(space, phi) })
     }
-    /// The same contour as a curve that no part of the boundary closes: for a mesh that covers no more than its surroundings.
+    /// The same contour, not closed by the boundary: for a mesh that covers only its surroundings.
     pub(super) fn without_walls(self) -> Contour {
         Contour { walls: Vec::new(), ..self }
     }
@@ -100,17 +104,17 @@ impl Contour {
     pub fn lines(&self) -> &[Line] {
         &self.lines
     }
-    /// Whether there is no contour.
+    /// True if there is no contour.
     pub fn is_empty(&self) -> bool {
         self.segments.is_empty()
     }
-    /// The parts of the boundary of the mesh where `phi < 0`, with the mesh on their left: together with the segments
-    /// they enclose the set `phi < 0`.
+    /// The parts of the boundary of the mesh where `phi < 0`, with the mesh on their left: together
+    /// with the segments they enclose the set `phi < 0`.
     pub fn walls(&self) -> &[[Point<2>; 2]] {
         &self.walls
     }
-    /// The points of a line, for a picture: starts and middles of its segments, and the end. The last point of a closed
-    /// line is its first.
+    /// The points of a line, for a picture: starts and middles of its segments, and the end. For a
+    /// closed line the last point is the first.
     pub fn polyline(&self, line: &Line) -> Vec<Point<2>> {
         let segments = self.segments.get(line.range.clone()).unwrap_or_default();
         let mut points: Vec<_> = segments.iter().flat_map(|s| [s.points[0], s.points[1]]).collect();
@@ -140,7 +144,7 @@ impl Cell<'_> {
     fn cut(&self, out: &mut Vec<(Key, Key, Segment)>) {
         for triangle in LATTICE {
             let negative = triangle.map(|a| self.value(a) < 0.0);
-            // The vertex that is alone with its sign.
+            // The vertex whose sign differs from the other two.
             let Some(alone) =
                 (0..3).find(|&k| negative[k] != negative[(k + 1) % 3] && negative[k] != negative[(k + 2) % 3])
             else {
@@ -158,7 +162,8 @@ impl Cell<'_> {
             out.push((start.key, end.key, segment));
         }
     }
-    /// The zero between the local nodes `a` and `b`, computed in the same way from both sides of an edge.
+    /// The zero between the local nodes `a` and `b`, computed in the same way from both sides of an
+    /// edge.
     fn crossing(&self, a: usize, b: usize) -> Crossing {
         let nodes = self.space.cell_nodes(self.c);
         let (a, b) = if nodes[a] < nodes[b] { (a, b) } else { (b, a) };
@@ -178,7 +183,7 @@ impl Cell<'_> {
             let (la, lb) = (Element::P2.node(a, 2), Element::P2.node(b, 2));
             return self.space.value(self.phi, self.c, &std::array::from_fn(|k| 0.5 * (la[k] + lb[k])));
         }
-        // On an edge, in a form that does not depend on the side from which it is seen.
+        // On an edge, in a form that is the same from both sides.
         let (vertex, middle) = (a.min(b), a.max(b));
         let (i, j) = EDGES[middle - 3];
         0.375 * self.value(vertex) + 0.75 * self.value(middle) - 0.125 * self.value(i + j - vertex)
@@ -190,7 +195,7 @@ impl Cell<'_> {
         let l = std::array::from_fn(|k| 0.5 * (start.barycentric[k] + end.barycentric[k]));
         let across = SVector::<f64, 2>::new(-chord[1], chord[0]);
         let s = Quadratic::on_line(self.space, self.phi, self.c, &l, &across).roots()[0];
-        // Farther than half the chord: another branch, or rounding on a chord without length.
+        // Farther than half the chord: another branch, or rounding on a chord of length zero.
         if s.abs() > 0.5 {
             return (m, l);
         }
@@ -199,12 +204,13 @@ impl Cell<'_> {
     }
 }
 
-/// Puts the pieces in order: lines that begin on the boundary of the mesh, then closed ones. Pieces without length, as a
-/// zero that is a node leaves them, are dropped.
+/// Orders the pieces: lines that start on the boundary of the mesh, then closed ones. Pieces of
+/// length zero, which occur at a zero at a node, are dropped.
 fn chain(pieces: Vec<(Key, Key, Segment)>) -> (Vec<Segment>, Vec<Line>) {
     let mut starts: Vec<(Key, usize)> = pieces.iter().enumerate().map(|(i, p)| (p.0, i)).collect();
     starts.sort_unstable();
-    // A lattice edge belongs to two triangles at most, and phi < 0 is on the left in both: one segment starts there.
+    // A lattice edge belongs to two triangles at most, and phi < 0 is on the left in both: one
+    // segment starts there.
     let next: Vec<Option<usize>> =
         pieces.iter().map(|p| starts.binary_search_by_key(&p.1, |s| s.0).ok().map(|k| starts[k].1)).collect();
     let mut first = vec![true; pieces.len()];
@@ -265,7 +271,8 @@ mod tests {
         let contour = Contour::new(&space, &phi).unwrap();
         (space, phi, contour)
     }
-    /// Every segment begins where the one before ends, `phi` vanishes on all its points, and barycentric coordinates fit.
+    /// Every segment begins where the one before ends, `phi` vanishes on all its points, and
+    /// barycentric coordinates fit.
     fn check(space: &Space<2>, phi: &[f64], contour: &Contour) {
         let mut covered = 0;
         for line in contour.lines() {
@@ -346,7 +353,8 @@ mod tests {
 
     #[test]
     fn a_quadratic_zero_set_is_reproduced() {
-        // A parabola lies in the space and in the segments; only lattice crossings and middles are tested elsewhere.
+        // A parabola lies in the space and in the segments; only lattice crossings and middles are
+        // tested elsewhere.
         let (space, phi, c) = contour(7, |x| x[1] - 0.3 - 0.4 * x[0] * x[0]);
         check(&space, &phi, &c);
         for s in c.segments() {
@@ -404,7 +412,7 @@ mod tests {
         }
     }
 
-    /// What holds for any field, kinked and degenerate ones included.
+    /// Checks properties of the contour of any field, also with kinks and degenerate cells.
     fn check_chains(space: &Space<2>, phi: &[f64], contour: &Contour) {
         let mut boundary = SVector::<f64, 2>::zeros();
         for line in contour.lines() {

@@ -6,8 +6,8 @@ use crate::fem::{Derivatives, Recovery, Space};
 use crate::mesh::Mesh;
 use nalgebra::{SMatrix, SVector};
 
-/// The normal `n = grad phi / |grad phi|` and its gradient: row `i`, column `j` is `d n_i / d x_j = (I - n n^T) D^2 phi / |grad phi|`.
-/// `None` where the gradient vanishes.
+/// The normal `n = grad phi / |grad phi|` and its gradient: row `i`, column `j` is
+/// `d n_i / d x_j = (I - n n^T) D^2 phi / |grad phi|`. `None` where the gradient vanishes.
 pub fn normal_gradient<const D: usize>(phi: &Derivatives<D>) -> Option<(SVector<f64, D>, SMatrix<f64, D, D>)> {
     let slope = phi.gradient.norm();
     if slope <= 0.0 || !slope.is_finite() {
@@ -18,11 +18,14 @@ pub fn normal_gradient<const D: usize>(phi: &Derivatives<D>) -> Option<(SVector<
     Some((n, (phi.hessian - n * across) / slope))
 }
 
-/// Mean and Gauss curvature of the level lines or surfaces of a function, with a value for each vertex of the mesh: P1 functions.
+/// Mean and Gauss curvature of the level lines or surfaces of a function, P1 functions with a value
+/// for each vertex of the mesh.
 ///
-/// The mean curvature is `H = div n` (1.9), the sum of the principal curvatures, positive on a sphere; the Gauss curvature is
-/// `G = ((tr grad n)^2 - tr (grad n)^2)/2` (1.10), their product in space, zero in the plane. Both come from recovered gradients and
-/// Hessians ([`Recovery`]), and `phi` need not be a distance. A P2 level set gives them with order 2. Where the gradient vanishes they are 0.
+/// The mean curvature is `H = div n` (1.9), the sum of the principal curvatures, positive on a
+/// sphere; the Gauss curvature is `G = ((tr grad n)^2 - tr (grad n)^2)/2` (1.10), their product in
+/// space, zero in the plane. Both come from recovered gradients and Hessians ([`Recovery`]); `phi`
+/// need not be a distance. For a P2 level set they are of order 2. Where the gradient vanishes they
+/// are 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curvature {
     /// The mean curvature, 1/length.
@@ -32,9 +35,10 @@ pub struct Curvature {
 }
 
 impl Curvature {
-    /// The curvatures of the level set `phi` of `space` at the vertices `vertices` of the mesh, zero at the others; `recovery` is that of its mesh.
+    /// The curvatures of the level set `phi` of `space` at the vertices `vertices` of the mesh,
+    /// zero at the others; `recovery` is that of its mesh.
     ///
-    /// On the interface only the vertices of [`vertices_near`] matter.
+    /// On the interface only the vertices of [`vertices_near`] are needed.
     pub fn new<const D: usize>(recovery: &Recovery<D>, space: &Space<D>, phi: &[f64], vertices: &[u32]) -> Curvature {
         let found = recovery.at_points(space, phi, vertices);
         let zero = || vec![0.0; space.mesh().points().len()];
@@ -66,8 +70,9 @@ fn invariants<const D: usize>(gradient: &SMatrix<f64, D, D>) -> (f64, f64) {
     (mean, if D == 2 { 0.0 } else { 0.5 * (mean * mean - (gradient * gradient).trace()) })
 }
 
-/// The vertices of the cells that the band `|phi| < reach` meets or in whose nodes `phi` changes its sign, ascending: with `reach = 0`
-/// those that tell of the interface. `phi` is a function of a P2 space; `reach` is in its units.
+/// The vertices of the cells that meet the band `|phi| < reach` or in whose nodes `phi` changes its
+/// sign, ascending; with `reach = 0` those near the interface. `phi` is a function of a P2 space;
+/// `reach` is in its units.
 pub fn vertices_near<const D: usize>(space: &Space<D>, phi: &[f64], reach: f64) -> Vec<u32> {
     let mesh = space.mesh();
     let mut near = vec![false; mesh.cell_count()];
@@ -103,7 +108,8 @@ mod tests {
 
     #[test]
     fn a_quadratic_level_set_has_its_curvatures_exactly() {
-        // Quadratic functions are recovered exactly, and their level sets are spheres and circles about the origin.
+        // Quadratic functions are recovered exactly, and their level sets are spheres and circles
+        // about the origin.
         let (mesh, vertices, found) =
             near(rectangle([-1.0; 2], [1.0; 2], [9, 8], Diagonals::Right).unwrap(), |x| 3.0 * (x.norm_squared() - 0.5));
         for &v in &vertices {

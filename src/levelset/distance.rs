@@ -1,27 +1,28 @@
-//! Distance to a set of straight segments (in space: of triangles), by a tree of boxes.
+//! Distance to a set of straight segments (in space: triangles), by a bounding-box tree.
 
 use crate::mesh::Point;
 use nalgebra::SVector;
 
-/// Most of them in a leaf of the tree.
+/// Largest number of parts in a leaf of the tree.
 const LEAF: usize = 8;
 
-/// Segments (`D = 2`) or triangles (`D = 3`) in a balanced binary tree of axis-aligned boxes: the one over `low..high` has its halves as children, and box
-/// `k` has the boxes `2 k + 1` and `2 k + 2`.
+/// Segments (`D = 2`) or triangles (`D = 3`) in a balanced binary tree of axis-aligned boxes: the
+/// children of the box over `low..high` are its halves; the children of box `k` are the boxes
+/// `2 k + 1` and `2 k + 2`.
 #[derive(Clone, Debug)]
 pub(super) struct Tree<const D: usize> {
     parts: Vec<Part<D>>,
     boxes: Vec<(Point<D>, Point<D>)>,
 }
 
-/// A part by its corners, with the number that it was given by.
+/// Corners and number of a part.
 type Part<const D: usize> = ([Point<D>; D], u32);
 
 /// The difference to the nearest part so far: its square, itself, and the number of the part.
 type Best<const D: usize> = (f64, SVector<f64, D>, u32);
 
 impl<const D: usize> Tree<D> {
-    /// The tree over `parts`, of which there must be at least one for a finite distance.
+    /// The tree over `parts`; the distance is infinite if there are none.
     pub(super) fn new(parts: Vec<[Point<D>; D]>) -> Tree<D> {
         let mut parts: Vec<Part<D>> = parts.into_iter().zip(0..).collect();
         let levels = parts.len().div_ceil(LEAF).next_power_of_two();
@@ -37,11 +38,11 @@ impl<const D: usize> Tree<D> {
     pub(super) fn distance(&self, x: &Point<D>) -> f64 {
         self.difference(x).norm()
     }
-    /// `x` less the nearest point.
+    /// `x` minus the nearest point.
     pub(super) fn difference(&self, x: &Point<D>) -> SVector<f64, D> {
         self.nearest(x).1
     }
-    /// The number of the nearest part in the list that the tree was made of, and `x` less its nearest point.
+    /// Number of the nearest part in the given list, and `x` minus its nearest point.
     pub(super) fn nearest(&self, x: &Point<D>) -> (usize, SVector<f64, D>) {
         let mut best = (f64::INFINITY, Point::<D>::repeat(f64::INFINITY), 0);
         self.search(x, 0, &self.parts, &mut best);
@@ -88,7 +89,7 @@ fn build<const D: usize>(part: &mut [Part<D>], boxes: &mut [(Point<D>, Point<D>)
     build(right, boxes, 2 * node + 2);
 }
 
-/// `x` less the nearest point of a segment or triangle.
+/// `x` minus the nearest point of a segment or triangle.
 fn difference<const D: usize>(x: &Point<D>, s: &[Point<D>; D]) -> SVector<f64, D> {
     if D < 3 {
         return from_segment(x, &s[0], &s[1]);

@@ -12,10 +12,12 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// `semi_axes` along the axes of the frame, which is turned by `angle` degrees counterclockwise.
+    /// `semi_axes` along the axes of the frame, which is rotated by `angle` degrees
+    /// counterclockwise.
     ///
     /// # Errors
-    /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle that is not finite.
+    /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or an angle
+    /// that is not finite.
     pub fn new(centre: Point<2>, semi_axes: Point<2>, angle: f64) -> Result<Ellipse> {
         check_semi_axes("an ellipse", &semi_axes)?;
         Ok(Ellipse { placement: Placement::plane(centre, angle)?, semi_axes })
@@ -38,15 +40,17 @@ impl Shape<2> for Ellipse {
 
 /// Signed distance from `(x, y)`, `x, y >= 0`, to the ellipse with semi-axes `a >= b`.
 ///
-/// The closest point is `(r x / (t + r - 1), y / t)` with `r = (a/b)^2` and `t > 0` the largest root of
-/// `G(t) = (r (x/a) / (t + r - 1))^2 + ((y/b) / t)^2 - 1` (D. Eberly, *Distance from a point to an ellipse*; his `s` is `t - 1`,
-/// and `t` keeps its relative accuracy beside the long axis, where `s` does not). `G` falls and is convex, so Newton's
-/// method from a point where `G >= 0` rises to the root; a step that rounding spoils is replaced by a bisection.
+/// The closest point is `(r x / (t + r - 1), y / t)` with `r = (a/b)^2` and `t > 0` the largest
+/// root of `G(t) = (r (x/a) / (t + r - 1))^2 + ((y/b) / t)^2 - 1` (D. Eberly, *Distance from a
+/// point to an ellipse*; his `s` is `t - 1`, and `t` keeps its relative accuracy beside the long
+/// axis, where `s` does not). `G` falls and is convex, so Newton's method from a point where
+/// `G >= 0` rises to the root; a step that rounding spoils is replaced by a bisection.
 fn distance_in_quadrant(a: f64, b: f64, x: f64, y: f64) -> f64 {
     let (u, v) = (x / a, y / b);
     let (r, r1) = ((a / b).powi(2), (a - b) * (a + b) / (b * b));
     if v == 0.0 {
-        // On the long axis: up to the centre of curvature of the vertex the closest point lies above, not at the vertex.
+        // On the long axis: up to the centre of curvature of the vertex the closest point lies
+        // above, not at the vertex.
         let cosine = r * u / r1;
         if r1 > 0.0 && cosine < 1.0 {
             let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
@@ -79,7 +83,8 @@ fn distance_in_quadrant(a: f64, b: f64, x: f64, y: f64) -> f64 {
         }
         t = next;
     }
-    // Point minus closest point, with the common factor taken out: no cancellation, and the sign comes with it.
+    // Point minus closest point, with the common factor taken out: no cancellation, and the sign
+    // comes with it.
     (t - 1.0) * (x / (t + r1)).hypot(y / t)
 }
 
@@ -133,7 +138,8 @@ mod tests {
     }
 
     proptest! {
-        /// A point at a known distance along the normal, less than the radius of curvature away inside.
+        /// A point at a known distance along the normal, less than the radius of curvature away
+        /// inside.
         #[test]
         fn points_along_the_normal_keep_their_distance(
             a in 0.1..3.0f64, b in 0.1..3.0f64, angle in 0.0..2.0 * PI, s in -0.999..3.0f64, turn in -180.0..180.0f64,

@@ -13,11 +13,12 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// `semi_axes` along x, y and z of the frame, which is turned by `turn`: the axis of the rotation times its angle in degrees (right-hand
-    /// rule; zero: none).
+    /// `semi_axes` along x, y and z of the frame, which is rotated by `turn`: the axis of the
+    /// rotation times its angle in degrees (right-hand rule; zero for none).
     ///
     /// # Errors
-    /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or a rotation that is not finite.
+    /// Semi-axes that are not positive or further than a factor of 1e6 apart, a centre or a
+    /// rotation that is not finite.
     pub fn new(centre: Point<3>, semi_axes: Point<3>, turn: SVector<f64, 3>) -> Result<Ellipsoid> {
         check_semi_axes("an ellipsoid", &semi_axes)?;
         Ok(Ellipsoid { placement: Placement::space(centre, turn)?, semi_axes })
@@ -33,13 +34,16 @@ impl Shape<3> for Ellipsoid {
     }
 }
 
-/// Signed distance from `y`, all `y_i >= 0`, to the ellipsoid with semi-axes `e`, of which `b` is the smallest.
+/// Signed distance from `y`, all `y_i >= 0`, to the ellipsoid with semi-axes `e`, of which `b` is
+/// the smallest.
 ///
-/// The closest point is `r_i y_i / (t + d_i)` with `r_i = (e_i/b)^2`, `d_i = r_i - 1`, and `t >= 0` the largest root of
-/// `G(t) = sum_i (r_i (y_i/e_i) / (t + d_i))^2 - 1` (D. Eberly, *Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid*;
-/// his parameter is `b^2 (t - 1)`). `G` falls and is convex, so Newton's method from a point where `G >= 0` rises to the root; a step
-/// that rounding spoils is replaced by a bisection. In the plane through the centre across the smallest axis there may be no
-/// root: then `t = 0`, and the closest point lies above and below the plane.
+/// The closest point is `r_i y_i / (t + d_i)` with `r_i = (e_i/b)^2`, `d_i = r_i - 1`, and `t >= 0`
+/// the largest root of `G(t) = sum_i (r_i (y_i/e_i) / (t + d_i))^2 - 1` (D. Eberly, *Distance from
+/// a point to an ellipse, an ellipsoid, or a hyperellipsoid*; his parameter is `b^2 (t - 1)`). `G`
+/// falls and is convex, so Newton's method from a point where `G >= 0` rises to the root; a step
+/// that rounding spoils is replaced by a bisection. In the plane through the centre across the
+/// smallest axis there may be no root: then `t = 0`, and the closest point lies above and below the
+/// plane.
 fn distance_in_octant(e: &Point<3>, y: &Point<3>) -> f64 {
     let b = e.min();
     let p = Point::<3>::from_fn(|i, _| (e[i] / b).powi(2) * (y[i] / e[i]));
@@ -77,7 +81,8 @@ fn distance_in_octant(e: &Point<3>, y: &Point<3>) -> f64 {
             break;
         }
     }
-    // Point minus closest point, with the common factor taken out: no cancellation, and the sign comes with it.
+    // Point minus closest point, with the common factor taken out: no cancellation, and the sign
+    // comes with it.
     (t - 1.0) * (0..3).filter(|&i| p[i] > 0.0).map(|i| (y[i] / (t + d[i])).powi(2)).sum::<f64>().sqrt()
 }
 
@@ -147,7 +152,8 @@ mod tests {
     }
 
     proptest! {
-        /// A point at a known distance along the normal, less than the smallest radius of curvature away inside.
+        /// A point at a known distance along the normal, less than the smallest radius of curvature
+        /// away inside.
         #[test]
         fn points_along_the_normal_keep_their_distance(
             axes in prop::array::uniform3(0.1..3.0f64), t in 0.0..2.0 * PI, z in -1.0..1.0f64, s in -0.999..3.0f64,
@@ -184,7 +190,8 @@ mod tests {
             prop_assert!((d - shape.distance(&x2)).abs() <= (x - x2).norm() + 1e-14);
         }
 
-        /// In the plane of the two larger axes (outside) and on an ellipsoid of revolution the distance is that to an ellipse.
+        /// In the plane of the two larger axes (outside) and on an ellipsoid of revolution the
+        /// distance is that to an ellipse.
         #[test]
         fn an_ellipsoid_of_revolution_is_an_ellipse_in_its_meridian(x in prop::array::uniform3(-2.0..2.0f64), a in 0.1..1.5f64, c in 0.1..1.5f64) {
             let ellipse = Ellipse::new(Point::<2>::zeros(), Point::<2>::new(a, c), 0.0).unwrap();

@@ -6,22 +6,26 @@ use super::shape::Shape;
 use crate::base::{Error, Result};
 use crate::mesh::Point;
 
-/// Squares of the tracing grid along the longer side of the domain.
+/// Number of squares of the tracing grid along the longer side of the domain.
 const GRID: usize = 256;
-/// The traced polygon lies within this distance of the zero set, as a fraction of the diagonal of the domain.
+/// The traced polygon lies within this distance of the zero set, as a fraction of the diagonal of
+/// the domain.
 const TOLERANCE: f64 = 1e-9;
-/// More segments than this mean a zero set that does not get straight on any scale.
+/// Largest number of segments; more indicate a zero set that is rough on every scale.
 const MOST_SEGMENTS: usize = 4_000_000;
-/// A square of the grid is 4e6 tolerances wide; around a spike of 15 degrees a halving shortens the way by a tenth only.
+/// Largest number of halvings. A square of the grid is 4e6 tolerances wide; around a spike of 15
+/// degrees a halving shortens a segment by a tenth only.
 const MOST_HALVINGS: usize = 300;
 
-/// The set where a function is negative, with the true distance to its boundary (not the value of the function).
+/// The set where a function is negative, with the true distance to its boundary (not the value of
+/// the function).
 ///
-/// The zero set is traced on a grid of 256 squares along the domain (and a quarter of the domain around it, for an
-/// interface that leaves the domain), then every piece is halved until it lies within `1e-9` of the diagonal of the
-/// domain; corners are resolved to the same length. The distance is that to the traced polygon, hence has that error.
-/// Limits: a part smaller than a square of the grid may be missed; a spike sharper than 15 degrees may be cut at the size
-/// of a square.
+/// The zero set is traced on a grid of 256 squares along the domain (and a quarter of the domain
+/// around it, for an interface that leaves the domain), then every piece is halved until its
+/// deviation is below `1e-9` of the diagonal of the domain; corners are resolved to the same
+/// length. The distance is that to the traced polygon, hence has that error. Limits: a part smaller
+/// than a square of the grid may be missed; a spike sharper than 15 degrees may be truncated by the
+/// size of a square.
 pub struct LevelFunction {
     function: Box<Level>,
     zero_set: Tree<2>,
@@ -48,15 +52,17 @@ impl Shape<2> for LevelFunction {
         let d = self.zero_set.distance(x);
         if (self.function)(x) < 0.0 { -d } else { d }
     }
-    /// The box around the traced zero set, which reaches a quarter of the domain beyond it where the interface does.
+    /// The box around the traced zero set, which reaches a quarter of the domain beyond it where
+    /// the interface does.
     fn bounds(&self) -> (Point<2>, Point<2>) {
         self.zero_set.bounds()
     }
 }
 
 impl Grid<2> {
-    /// The zero set of `f`, whose values at the nodes are given, as segments within the tolerance. Squares are halved
-    /// into triangles, in which a zero set is one piece; triangles with a value that is not finite are left out.
+    /// The zero set of `f`, whose values at the nodes are given, as segments within the tolerance.
+    /// Squares are halved into triangles, in which a zero set is one piece; triangles with a value
+    /// that is not finite are left out.
     pub(super) fn trace(&self, f: &Level, values: &[f64]) -> Result<Vec<[Point<2>; 2]>> {
         let tolerance = TOLERANCE * self.diagonal;
         let mut segments = Vec::new();
@@ -89,7 +95,8 @@ impl Grid<2> {
     }
 }
 
-/// Halves the segment `p q`, whose ends lie on the zero set, until the zero set is within `tolerance` of it.
+/// Halves the segment `p q`, whose ends lie on the zero set, until the zero set is within
+/// `tolerance` of it.
 fn refine(
     f: &Level,
     p: Point<2>,
@@ -117,8 +124,9 @@ fn refine(
     refine(f, y, q, tolerance, depth + 1, out)
 }
 
-/// The zero of `f` nearest to the middle of a segment on its perpendicular bisector, looked for as far as the tip of a spike
-/// of 15 degrees lies; none for a segment that is short enough, or where the search fails.
+/// The zero of `f` nearest to the middle of a segment on its perpendicular bisector, within the
+/// height of a spike of 15 degrees; `None` for a segment that is short enough, or if the search
+/// fails.
 fn lift(f: &Level, middle: Point<2>, half: Point<2>, tolerance: f64) -> Option<Point<2>> {
     if half.norm() <= 0.5 * tolerance {
         return None;

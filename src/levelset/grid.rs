@@ -1,4 +1,4 @@
-//! Level functions, and the grid on which their zero sets are found.
+//! Level functions, and the grid on which their zero sets are traced.
 
 use crate::base::{Error, Result, parallel};
 use crate::mesh::Point;
@@ -91,8 +91,9 @@ pub(super) fn sampled<const D: usize>(
         )))
 }
 
-/// The zero of `f` between a point where it is negative and one where it is not, to within `tolerance`, by
-/// Chandrupatla's method (1997): inverse quadratic interpolation where it is safe, bisection elsewhere.
+/// The zero of `f` between a point where it is negative and one where it is not, to within
+/// `tolerance`, by Chandrupatla's method (1997): inverse quadratic interpolation where it is safe,
+/// bisection elsewhere.
 pub(super) fn root<const D: usize>(
     f: &Level<D>,
     inner: (Point<D>, f64),

@@ -1,4 +1,5 @@
-//! The interface of a function that a mesh is too coarse for: cut on cells that are halved where it passes.
+//! The interface of a function that the mesh does not resolve: cut on cells that are halved near
+//! it.
 
 use super::contour::Contour;
 use super::interface::Interface;
@@ -8,18 +9,18 @@ use crate::mesh::{Location, Mesh, NONE, Point};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Halvings at most.
+/// Largest number of halvings.
 const MOST_LEVELS: u32 = 6;
-/// Distance of a point of a triangle from the nearest of its six P2 nodes, over its longest edge, at most; with a margin
-/// for a slope that is greater between the nodes.
+/// Largest distance of a point of a triangle from the nearest of its six P2 nodes, over its longest
+/// edge; with a margin for a larger slope between the nodes.
 const REACH: f64 = 0.4;
 
-/// A function at a point.
+/// Value and slope of a function at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Its value.
     pub value: f64,
-    /// A bound of its slope near by.
+    /// A bound of its slope nearby.
     pub slope: f64,
 }
 
@@ -37,7 +38,8 @@ impl<const D: usize> Interface<'static, D> {
     }
 }
 
-/// A point of the lattice of a cell, the same from all cells that share it: numbers of vertices with their weights.
+/// A point of the lattice of a cell, the same from all cells that share it: numbers of vertices
+/// with their weights.
 type Key = [(u32, u32); 3];
 /// Weights of the three vertices of a cell, in units of the lattice.
 type Weights = [u32; 3];
@@ -48,9 +50,10 @@ impl Interface<'static, 2> {
         Ok(Interface::of_contour(Arc::clone(space), phi, contour))
     }
 
-    /// The interface of `f`, a function of place whose least value is `-depth` (the depth of the inside), on the cells of `space`
-    /// and their halves: the cells that the interface passes are halved until their edge times the slope is at most
-    /// `depth`, six times at most, so that the thinnest part that incompressible stretching makes is resolved.
+    /// The interface of `f`, a function of position whose least value is `-depth` (the depth of the
+    /// inside), on the cells of `space` and their halves: the cells that the interface crosses are
+    /// halved until their edge times the slope is at most `depth`, at most six times, so that the
+    /// thinnest part made by incompressible stretching is resolved.
     ///
     /// Limits: where the inside reaches the boundary of the mesh, cells are not halved.
     ///
@@ -85,7 +88,8 @@ impl Interface<'static, 2> {
     }
 }
 
-/// The cells of a mesh, each with a lattice of `2^(levels + 1)` steps along an edge, and what is known of a function there.
+/// The cells of a mesh, each with a lattice of `2^(levels + 1)` steps along an edge, and the
+/// computed values of a function there.
 struct Lattice<'a, F> {
     mesh: &'a Mesh<2>,
     levels: u32,
@@ -115,7 +119,7 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
     fn steps(&self) -> u32 {
         2 << self.levels
     }
-    /// The lattice with the halves of its cells, and what is known already.
+    /// The lattice with the halves of its cells, and the computed values.
     fn finer(self, levels: u32) -> Self {
         let scaled = |key: Key| key.map(|(vertex, weight)| (vertex, weight << levels));
         Lattice { levels, known: self.known.into_iter().map(|(k, v)| (scaled(k), v)).collect(), ..self }
@@ -165,7 +169,7 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
     fn steepness(&self, triangle: &Triangle) -> f64 {
         self.diameter(triangle) * self.samples(triangle).iter().map(|s| s.slope).fold(0.0, f64::max)
     }
-    /// The triangles that the interface may pass; those with a value that is not finite, too.
+    /// The triangles that the interface may cross, also those with a value that is not finite.
     fn near<'t>(&self, triangles: &'t [Triangle]) -> impl Iterator<Item = &'t Triangle> {
         triangles.iter().filter(|t| {
             let samples = self.samples(t);
@@ -183,7 +187,7 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
         }
         phi
     }
-    /// The interface on triangles that hold it.
+    /// The interface on triangles that contain it.
     fn interface(&self, triangles: &[Triangle]) -> Result<Interface<'static, 2>> {
         let mut numbers: HashMap<Key, u32> = HashMap::new();
         let mut points: Vec<Point<2>> = Vec::new();
@@ -198,7 +202,7 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
             }
         }
         if cells.is_empty() {
-            // Nothing is left of it: a mesh without a cell is none.
+            // No interface is left: a mesh without cells is not valid.
             let space = Arc::new(Space::new(&Arc::new(self.mesh.clone()), Element::P2));
             let phi = vec![1.0; space.len()];
             return Ok(Interface::of_contour(space, phi, Contour::default()));

@@ -1,4 +1,4 @@
-//! The zero set of a level set, cut once, in the plane and in space.
+//! The zero set of a level set in the plane and in space.
 
 use super::contour::{Contour, LATTICE};
 use super::isosurface::Isosurface;
@@ -11,7 +11,23 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The interface `phi = 0` of a P2 function in `D` dimensions: a curve of the plane or a surface in
-/// space, with everything that is measured on it. The dimension is matched here and nowhere else.
+/// space, with its measures.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::levelset::Interface;
+/// use immersa::mesh::{Diagonals, rectangle};
+/// use std::sync::Arc;
+///
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 4], Diagonals::Right)?);
+/// let space = Arc::new(Space::new(&mesh, Element::P2));
+/// let phi = space.interpolate(|x| x[0] - 0.7);
+/// let measures = Interface::cut(&space, phi)?.measures().unwrap();
+/// assert!((measures.enclosed - 0.7).abs() < 1e-12);
+/// assert!((measures.own - 1.0).abs() < 1e-12);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct Interface<'a, const D: usize> {
     space: Cow<'a, Arc<Space<D>>>,
     phi: Cow<'a, [f64]>,
@@ -24,8 +40,8 @@ enum Zero {
     Solid(Isosurface),
 }
 
-/// Chords of the interface as segments or triangles, with their cells: straight pieces whose corners
-/// lie on the zero set.
+/// Chords of the interface as segments or triangles, with their cells: straight pieces whose
+/// corners lie on the zero set.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces<const D: usize> {
     pub cells: Vec<u32>,
@@ -51,7 +67,7 @@ pub struct InterfaceMeasures<const D: usize> {
 }
 
 impl<const D: usize> InterfaceMeasures<D> {
-    /// NaN everywhere: the measures of an interface that is gone.
+    /// NaN everywhere: the measures of an empty interface.
     pub fn none() -> InterfaceMeasures<D> {
         let nan = f64::NAN;
         InterfaceMeasures {
@@ -153,14 +169,14 @@ pub(super) fn pieces<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Pi
     found.ok_or_else(other_dimension)
 }
 
-/// Enclosed area (volume) and own length (area) of an interface; zeros where there is none.
+/// Enclosed area (volume) and length (area) of an interface; zeros if it is empty.
 pub(super) fn extents<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<[f64; 2]> {
     let measures = Zero::new(space, phi)?.measures::<D>();
     Ok(measures.map_or([0.0; 2], |m| [m.enclosed, m.own]))
 }
 
-/// Points of a rule for integrals over the interface, numbered by `q`: those of [`surface`] in the
-/// plane, though in the order of the curve, and six a triangle in space.
+/// Points of a quadrature rule on the interface, numbered by `q`: in the plane those of
+/// [`surface`], in the order of the curve, and six per triangle in space.
 pub(super) fn quadrature<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Vec<At<D>>> {
     let (zero, space): (Zero, &dyn Any) = (Zero::new(space, phi)?, space);
     let points = match (&zero, space.downcast_ref(), space.downcast_ref()) {
@@ -177,7 +193,7 @@ pub(super) fn quadrature<const D: usize>(space: &Space<D>, phi: &[f64]) -> Resul
     points.ok_or_else(other_dimension)
 }
 
-/// Area (volume) of the set `phi < 0`, which may be nothing or all.
+/// Area (volume) of the set `phi < 0`, which may be empty or the whole domain.
 pub(super) fn enclosed<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<f64> {
     let zero = Zero::new(space, phi)?;
     if zero.is_empty() {
@@ -193,7 +209,7 @@ pub(super) fn enclosed<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<
 /// Points of a contour, sorted by their cells.
 fn plane_points(contour: &Contour, space: &Space<2>, phi: &[f64]) -> Vec<SurfacePoint<2>> {
     let mut points = contour.quadrature(space, phi);
-    // A zero that is almost a node leaves pieces without length, hence without a normal.
+    // A zero close to a node gives pieces of length zero, without a normal.
     points.retain(|p| p.weight > 0.0 && p.normal.norm().is_finite());
     points.sort_by_key(|p| p.cell);
     let numbered = points.into_iter().enumerate();
@@ -210,7 +226,7 @@ impl<'a, const D: usize> Interface<'a, D> {
         let zero = Zero::new(space, &phi)?;
         Ok(Interface { space: Cow::Borrowed(space), phi, zero })
     }
-    /// The space: of the whole mesh, or of halved cells around the interface alone.
+    /// The space: of the whole mesh, or of halved cells around the interface only.
     pub fn space(&self) -> &Arc<Space<D>> {
         &self.space
     }
@@ -244,9 +260,9 @@ impl<'a, const D: usize> Interface<'a, D> {
     pub fn measures(&self) -> Option<InterfaceMeasures<D>> {
         self.zero.measures()
     }
-    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line along
-    /// `direction` (of any length): the semi-axis of a centred shape along that line. `None` if there
-    /// is no interface on one of the sides.
+    /// Half the distance between the first zeros of `phi` on both sides of `point` on the line
+    /// along `direction` (of any length): the semi-axis of a centred shape along that line. `None`
+    /// if there is no interface on one of the sides.
     pub fn half_chord(&self, point: &Point<D>, direction: &SVector<f64, D>) -> Option<f64> {
         let space: &dyn Any = &**self.space;
         let (point, direction): (&dyn Any, &dyn Any) = (point, direction);
@@ -275,7 +291,8 @@ mod tests {
     use crate::mesh::{Diagonals, Mesh, box_mesh, rectangle};
     use std::f64::consts::PI;
 
-    /// A circle or a sphere of radius .4, cut once: measures, chords and points, all of order 4 or exact.
+    /// A circle or a sphere of radius .4, cut once: measures, chords and points, all of order 4 or
+    /// exact.
     fn check<const D: usize>(mesh: Mesh<D>, enclosed: f64, own: f64) {
         let space = Arc::new(Space::new(&Arc::new(mesh), Element::P2));
         let centre = Point::<D>::from_element(0.5);

@@ -12,23 +12,26 @@ use rayon::prelude::*;
 
 /// Degree of the rule on a triangle for [`Isosurface::quadrature`].
 const DEGREE: usize = 4;
-/// Degree for weak forms, three points a triangle: it makes the sum of the normals exact, and its error is of order 4 in triangles of
-/// half the size of a cell.
+/// Degree for weak forms, three points per triangle: the sum of the normals is exact, and the error
+/// is of order 4 in triangles of half the size of a cell.
 const DEGREE_OF_FORMS: usize = 2;
 
 /// The surface `phi = 0` of a P2 field on a mesh of tetrahedra.
 ///
-/// The lattice of the P2 nodes cuts a cell into eight tetrahedra. Where the signs at two lattice nodes differ, `phi` is a quadratic
-/// function on the line between them and its zero there is exact; these zeros are the corners of one or two triangles in a
-/// tetrahedron of the lattice. The middle of a side is the zero of `phi` on the line through the middle of its chord along the gradient (its mean
-/// from both cells of a face; in the plane of the facet on the boundary of the mesh). Lifted so, and not within the planes of the faces, narrow triangles do
-/// not fold. What two cells share has the same bits from both, so that the surface is closed, or ends on the boundary of
-/// the mesh.
+/// The lattice of the P2 nodes divides a cell into eight tetrahedra. If the signs at two lattice
+/// nodes differ, `phi` is quadratic on the line between them and its zero there is exact; these
+/// zeros are the corners of one or two triangles in a tetrahedron of the lattice. The middle of a
+/// side is the zero of `phi` on the line through the middle of its chord along the gradient (its
+/// mean from both cells of a face; in the plane of the facet on the boundary of the mesh). This
+/// avoids the folding of narrow triangles that occurs within the planes of the faces. Shared points
+/// are bit-identical from both cells, so that the surface is closed, or ends on the boundary of the
+/// mesh.
 ///
-/// Area and volume have an error of order 4 in the mesh size for a smooth `phi` of the space, single points one of order 3.
+/// Area and volume have an error of order 4 in the mesh size for a smooth `phi` of the space,
+/// single points of order 3.
 ///
-/// Limits: a piece that lies between the nodes of the lattice (half an edge apart) changes no sign and is not seen. A value that is
-/// exactly 0 counts as positive (outside).
+/// Limits: a piece between the nodes of the lattice (half an edge apart) changes no sign and is
+/// missed. A value that is exactly 0 counts as positive (outside).
 #[derive(Clone, Debug, Default)]
 pub struct Isosurface {
     triangles: Vec<Triangle>,
@@ -36,7 +39,7 @@ pub struct Isosurface {
 }
 
 impl Isosurface {
-    /// The surface of `phi`. Only cells in which the sign changes are looked at more than once.
+    /// The surface of `phi`. Only cells with a change of sign are processed further.
     ///
     /// # Errors
     /// A space that is not P2, a value of `phi` that is not finite.
@@ -53,25 +56,25 @@ impl Isosurface {
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
-    /// The parts of the boundary of the mesh where `phi < 0`, with their normals out of the mesh: together with the triangles they
-    /// enclose the set `phi < 0`.
+    /// The parts of the boundary of the mesh where `phi < 0`, with their normals out of the mesh:
+    /// together with the triangles they enclose the set `phi < 0`.
     pub fn walls(&self) -> &[Triangle] {
         &self.walls
     }
-    /// Whether there is no surface.
+    /// True if there is no surface.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
 
-    /// Quadrature points, exact on a triangle to degree 4: moved along the normal onto the P2 zero set of `phi`, which must be the
-    /// function that the surface was made from; sorted by their cells and numbered by `at.q`. Normals and weights, areas, are those of
-    /// the curved triangles.
+    /// Quadrature points, exact on a triangle to degree 4: moved along the normal onto the P2 zero
+    /// set of `phi`, which must be the function that the surface was made from; sorted by their
+    /// cells and numbered by `at.q`. Normals and weights, areas, are those of the curved triangles.
     pub fn quadrature(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE))
     }
-    /// Three points on every triangle, on the zero set of the P2 function, sorted by their cells and
-    /// numbered by `at.q`. Their normals, out of `phi < 0`, are those of the triangles: their sum over
-    /// a closed surface is 0.
+    /// Three points on every triangle, on the zero set of the P2 function, sorted by their cells
+    /// and numbered by `at.q`. Their normals, out of `phi < 0`, are those of the triangles: their
+    /// sum over a closed surface is 0.
     pub fn points_of_forms(&self, space: &Space<3>, phi: &[f64]) -> Vec<SurfacePoint<3>> {
         self.points(space, phi, &Rule::simplex(2, DEGREE_OF_FORMS))
     }
@@ -92,7 +95,7 @@ impl Isosurface {
     }
 }
 
-/// What `work` appends for the items, in their order.
+/// Concatenates the output of `work` for the items, in their order.
 fn gather<T: Sync, R: Send + Clone>(items: &[T], work: impl Fn(&T, &mut Vec<R>) + Sync) -> Vec<R> {
     let parts: Vec<Vec<R>> = items
         .par_chunks(parallel::CHUNK)
@@ -105,7 +108,8 @@ fn gather<T: Sync, R: Send + Clone>(items: &[T], work: impl Fn(&T, &mut Vec<R>) 
     parts.concat()
 }
 
-/// The point of the zero set at `t[..3]` in the triangle; none where a sliver has no normal.
+/// The point of the zero set at `t[..3]` in the triangle; `None` for a degenerate triangle without
+/// a normal.
 fn surface_point(space: &Space<3>, phi: &[f64], triangle: &Triangle, t: &[f64; 4], w: f64) -> Option<SurfacePoint<3>> {
     let cell = triangle.cell as usize;
     let vector = triangle.area_vector(t);
@@ -113,7 +117,7 @@ fn surface_point(space: &Space<3>, phi: &[f64], triangle: &Triangle, t: &[f64; 4
     let (mut x, mut l) = (triangle.point(t), triangle.barycentric_at(t));
     let across: SVector<f64, 3> = normal * triangle.size();
     let s = Quadratic::on_line(space, phi, cell, &l, &across).roots()[0];
-    // The triangle is within a small fraction of its size; a root farther away is another branch.
+    // The triangle deviates by a small fraction of its size; a root farther away is another branch.
     if s.abs() < 0.1 {
         let dl = barycentric_direction(space, cell, &across);
         x += across * s;
@@ -147,7 +151,8 @@ mod tests {
         let surface = Isosurface::new(&space, &phi).unwrap();
         (space, phi, surface)
     }
-    /// Area vector, and the volume from each component of the divergence theorem, of triangles and walls together.
+    /// Area vector, and the volume from each component of the divergence theorem, of triangles and
+    /// walls together.
     fn sums(s: &Isosurface) -> (Point<3>, Point<3>) {
         let rule = Rule::simplex(2, 4);
         let (mut area, mut volume) = (Point::<3>::zeros(), Point::<3>::zeros());
@@ -184,7 +189,8 @@ mod tests {
         prop_assert!(open == 0, "{} of {} sides are open", open, sides.len());
         Ok(())
     }
-    /// The points lie on the zero set, where their barycentric coordinates say, and `phi` grows along the normals.
+    /// The points lie on the zero set, where their barycentric coordinates say, and `phi` grows
+    /// along the normals.
     fn check_points(space: &Space<3>, phi: &[f64], s: &Isosurface) {
         for t in s.triangles() {
             let cell = t.cell as usize;
@@ -213,7 +219,8 @@ mod tests {
     fn two_balls_are_closed_and_lie_on_the_zero_set() {
         let ball = |x: &Point<3>, c: Point<3>, r: f64| (x - c).norm_squared() - r * r;
         let two = |x: &Point<3>| ball(x, p(0.52, 0.5, 0.6), 0.3).min(ball(x, p(1.4, 1.3, 1.2), 0.47));
-        // Fine enough that no cell with the surface, and none beside it, meets the kink between the balls.
+        // Fine enough that no cell with the surface, and none beside it, meets the kink between the
+        // balls.
         let (space, phi, s) = surface(16, two);
         assert!(s.walls().is_empty());
         check_points(&space, &phi, &s);
@@ -292,7 +299,8 @@ mod tests {
         assert_eq!(one.0.measures().unwrap(), two.0.measures().unwrap());
     }
 
-    /// A box whose inner points are moved and whose cells are stored in a mixed order of their vertices.
+    /// A box whose inner points are moved and whose cells are stored in a mixed order of their
+    /// vertices.
     fn crooked(n: usize) -> Mesh<3> {
         let regular = box_mesh([0.0; 3], [2.0; 3], [n, n, n]).unwrap();
         let inside = |x: &Point<3>| x.iter().all(|&c| c > 0.0 && c < 2.0);

@@ -7,21 +7,25 @@ use crate::base::Result;
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 
-/// Cubes of the grid along the longest side of the domain, and beyond it on every side.
+/// Number of cubes of the grid along the longest side of the domain, and of the margin on every
+/// side.
 const GRID: usize = 48;
-/// The zeros on the lines of the grid, and the closest points, are found to this fraction of a cube.
+/// Tolerance for zeros on the lines of the grid and for closest points, as a fraction of a cube.
 const TOLERANCE: f64 = 1e-10;
-/// Steps of Newton's method towards the closest point, at most.
+/// Largest number of steps of Newton's method for the closest point.
 const MOST_STEPS: usize = 12;
-/// The six tetrahedra of a cube along its diagonal, by corners whose bits are the steps in x, y and z.
+/// The six tetrahedra of a cube along its diagonal, by corners whose bits are the steps in x, y and
+/// z.
 const KUHN: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
 
-/// The set in space where a function is negative, with the true distance to its boundary (not the value of the function).
+/// The set in space where a function is negative, with the true distance to its boundary (not the
+/// value of the function).
 ///
-/// The zero set is triangulated on a grid of 48 cubes along the domain (and a quarter of the domain around it, for an interface that
-/// leaves the domain). From the nearest point of the triangles Newton's method, with derivatives by differences, leads to the closest point of
-/// the zero set; the distance then has an error below `1e-9` of the domain. Where it fails, as at edges and corners, the
-/// distance is that to the triangles: edges and corners are cut at a fraction of a cube.
+/// The zero set is triangulated on a grid of 48 cubes along the domain (and a quarter of the domain
+/// around it, for an interface that leaves the domain). Newton's method, with derivatives by
+/// differences, finds the closest point of the zero set from the nearest point of the triangles;
+/// the distance then has an error below `1e-9` of the domain. If it fails, as at edges and corners,
+/// the distance is that to the triangles: edges and corners are truncated by a fraction of a cube.
 /// Limits: a part smaller than a cube of the grid may be missed.
 pub struct LevelSolid {
     function: Box<Level<3>>,
@@ -45,7 +49,8 @@ impl LevelSolid {
         Ok(LevelSolid { function, zero_set, step: grid.step })
     }
 
-    /// The closest point of the zero set to `x` by Newton's method on `y - x + s grad f(y) = 0`, `f(y) = 0` from `start`.
+    /// The closest point of the zero set to `x` by Newton's method on `y - x + s grad f(y) = 0`,
+    /// `f(y) = 0` from `start`.
     fn foot(&self, x: &Point<3>, start: Point<3>) -> Option<Point<3>> {
         let f = |y: &Point<3>| (self.function)(y);
         let g = gradient(&f, &start, 1e-3 * self.step);
@@ -79,12 +84,14 @@ impl Shape<3> for LevelSolid {
     fn distance(&self, x: &Point<3>) -> f64 {
         let difference = self.zero_set.difference(x);
         let start = x - difference;
-        // The triangles are within a cube of the zero set; a foot that is farther is not the closest one.
+        // The triangles are within a cube of the zero set; a foot farther away is not the closest
+        // point.
         let foot = self.foot(x, start).map(|y| (x - y).norm()).filter(|d| *d <= difference.norm() + self.step);
         let d = foot.unwrap_or_else(|| difference.norm());
         if (self.function)(x) < 0.0 { -d } else { d }
     }
-    /// The box around the triangles, which reaches a quarter of the domain beyond it where the interface does.
+    /// The box around the triangles, which reaches a quarter of the domain beyond it where the
+    /// interface does.
     fn bounds(&self) -> (Point<3>, Point<3>) {
         self.zero_set.bounds()
     }
@@ -113,7 +120,8 @@ fn hessian(f: &impl Fn(&Point<3>) -> f64, x: &Point<3>, h: f64) -> SMatrix<f64, 
 }
 
 impl Grid<3> {
-    /// The zero set, with its corners on the lines of the grid; cubes with a value that is not finite are left out.
+    /// The zero set, with its corners on the lines of the grid; cubes with a value that is not
+    /// finite are left out.
     fn triangles(&self, f: &Level<3>, values: &[f64]) -> Vec<[Point<3>; 3]> {
         let [nx, ny, nz] = self.nodes;
         let mut out = Vec::new();
@@ -155,7 +163,8 @@ mod tests {
     fn domain() -> (Point<3>, Point<3>) {
         (p(-1.0, -1.0, -1.0), p(1.0, 1.0, 1.0))
     }
-    /// Largest difference of the distances of two shapes on a grid in the domain, at points where `of` holds.
+    /// Largest difference of the distances of two shapes on a grid in the domain, at points where
+    /// `of` holds.
     fn difference(a: &dyn Shape<3>, b: &dyn Shape<3>, of: impl Fn(&Point<3>) -> bool) -> f64 {
         let n = 13;
         (0..n * n * n)

@@ -1,4 +1,4 @@
-//! What is measured on a contour: area, perimeter, axes, extents, integrals.
+//! Measures of a contour: area, perimeter, axes, extents, integrals.
 
 use super::contour::{Contour, Segment};
 use super::quadratic::{Quadratic, barycentric_direction};
@@ -7,7 +7,8 @@ use crate::fem::{At, Space, gauss_legendre};
 use crate::mesh::Point;
 use nalgebra::SVector;
 
-/// Gauss points on a segment. Four make the second moments of the region under a parabola exact (degree 7).
+/// Gauss points on a segment. Four make the second moments of the region under a parabola exact
+/// (degree 7).
 const GAUSS: usize = 4;
 
 /// Geometry of the set `phi < 0` and of its contour, in the units of the mesh.
@@ -23,7 +24,8 @@ pub struct Measures {
     pub axis_1: f64,
     /// Smaller semi-axis of that ellipse.
     pub axis_2: f64,
-    /// Direction of its larger axis in degrees, counterclockwise from x, in (-90, 90]. Without meaning for a circle.
+    /// Direction of its larger axis in degrees, counterclockwise from x, in (-90, 90]. Without
+    /// meaning for a circle.
     pub angle: f64,
     /// Half the extent of the contour in x.
     pub extent_x: f64,
@@ -61,8 +63,8 @@ impl Contour {
         self.segments().iter().map(|s| gauss.iter().map(|&(t, w)| w * s.derivative(t).norm()).sum::<f64>()).sum()
     }
 
-    /// Area, perimeter, centroid, axes and extents. The integrals over `phi < 0` become integrals over its boundary by
-    /// Green's theorem, exact for the parabolic segments.
+    /// Area, perimeter, centroid, axes and extents. The integrals over `phi < 0` become integrals
+    /// over its boundary by Green's theorem, exact for the parabolic segments.
     ///
     /// # Errors
     /// No contour, or a set without area.
@@ -138,14 +140,15 @@ impl Contour {
         m
     }
 
-    /// Quadrature points: Gauss points of the segments, moved along the normal onto the P2 zero set of `phi`, which must
-    /// be the function that the contour was made from.
+    /// Quadrature points: Gauss points of the segments, moved along the normal onto the P2 zero set
+    /// of `phi`, which must be the function that the contour was made from.
     pub fn quadrature(&self, space: &Space<2>, phi: &[f64]) -> Vec<ContourPoint> {
         let gauss = gauss_legendre(GAUSS);
         self.segments().iter().flat_map(|s| gauss.iter().map(|&(t, w)| quadrature_point(space, phi, s, t, w))).collect()
     }
 
-    /// Integral of `f(cell, barycentric coordinates, point)` over the contour of `phi`, by [`Contour::quadrature`].
+    /// Integral of `f(cell, barycentric coordinates, point)` over the contour of `phi`, by
+    /// [`Contour::quadrature`].
     pub fn integrate(&self, space: &Space<2>, phi: &[f64], f: impl Fn(u32, &[f64; 4], &Point<2>) -> f64) -> f64 {
         self.quadrature(space, phi).iter().map(|q| q.weight * f(q.cell, &q.barycentric, &q.point)).sum()
     }
@@ -199,10 +202,12 @@ mod tests {
         -top / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
     }
 
-    /// Root mean square of the relative errors over eight placements of the ellipse .75 / .5: on a single one the error
-    /// falls unevenly. Perimeter, area, larger and smaller semi-axis, extents, half-chord, integral of x^2, centroid, angle.
+    /// Root mean square of the relative errors over eight placements of the ellipse .75 / .5: on a
+    /// single one the error falls unevenly. Perimeter, area, larger and smaller semi-axis, extents,
+    /// half-chord, integral of x^2, centroid, angle.
     fn errors(n: usize) -> [f64; 9] {
-        // int x^2 ds in the frame of the ellipse, by the trapezoidal rule, which is exact here to rounding.
+        // int x^2 ds in the frame of the ellipse, by the trapezoidal rule, which is exact here to
+        // rounding.
         let k = 4000;
         let moment: f64 = (0..k)
             .map(|i| 2.0 * PI * i as f64 / k as f64)
@@ -240,7 +245,8 @@ mod tests {
     fn the_measures_of_an_ellipse_converge() {
         let meshes = [15, 30, 60, 120];
         let e = meshes.map(errors);
-        // Integrals gain on the interpolation of phi, of order 3, by cancellation; the others are pointwise.
+        // Integrals gain on the interpolation of phi, of order 3, by cancellation; the others are
+        // pointwise.
         let bounds = [
             ("perimeter", 1.5e-8, 3.2..4.0),
             ("area", 2e-8, 3.2..4.0),
@@ -315,7 +321,8 @@ mod tests {
         assert!((m.area / (PI * 0.24) - 1.0).abs() < 1e-5);
         assert!((m.axis_1 / 0.6 - 1.0).abs() < 1e-5 && (m.axis_2 / 0.4 - 1.0).abs() < 1e-5);
         assert!((m.centroid - p(0.25, -0.15)).norm() < 1e-5 && (m.angle - 30.0).abs() < 1e-2);
-        // A contour that leaves through a polygonal wall: the set is the whole polygon less the half of it.
+        // A contour that leaves through a polygonal wall: the set is the whole polygon less the
+        // half of it.
         let phi = space.interpolate(|x| x[0] - 0.3);
         let m = Contour::new(&space, &phi).unwrap().measures().unwrap();
         assert!((2.0 * m.area / space.mesh().volume() - 1.0).abs() < 1e-13);
@@ -359,7 +366,8 @@ mod tests {
             }
         }
 
-        /// Every half-chord through the centre of a circle is its radius; along mesh lines and through nodes too.
+        /// Every half-chord through the centre of a circle is its radius; along mesh lines and
+        /// through nodes too.
         #[test]
         fn half_chords_of_a_circle_are_its_radius(turn in 0.0..360.0f64, eighth in 0..8i32) {
             let shape = Circle::new(p(1.0, 1.0), 0.6).unwrap();

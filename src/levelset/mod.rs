@@ -1,8 +1,8 @@
-//! Level sets: shapes and their signed distances, the regularised band, the contour or surface `phi = 0` and what is
-//! measured on it.
+//! Level sets: shapes and their signed distances, the regularised band, the contour or surface
+//! `phi = 0` and its measures.
 //!
-//! `phi < 0` inside, and a fresh level set is the signed distance of a [`Shape`] times the initial stretch, so that
-//! `|grad phi|` on the contour is the stretch of the membrane.
+//! `phi < 0` inside. The initial level set is the signed distance of a [`Shape`] times the initial
+//! stretch, so that `|grad phi|` on the contour is the stretch of the membrane, (3.11).
 
 mod band;
 mod bounds;

@@ -4,16 +4,18 @@ use crate::fem::Element;
 use crate::mesh::Point;
 use nalgebra::SVector;
 
-/// A piece of a surface inside one cell: the image of the reference triangle under the quadratic map through six points.
+/// A piece of a surface inside one cell: the image of the reference triangle under the quadratic
+/// map through six points.
 ///
-/// Its corners stand in the order that makes the normal point out of `phi < 0` (right-hand rule).
+/// Its corners are ordered such that the normal points out of `phi < 0` (right-hand rule).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triangle {
     /// The cell.
     pub cell: u32,
     /// The corners 0, 1, 2, then the points half-way along the sides (0,1), (1,2), (2,0).
     pub points: [Point<3>; 6],
-    /// Barycentric coordinates of the six points in the cell; the middles may lie outside of it by a little.
+    /// Barycentric coordinates of the six points in the cell; the middles may lie outside of it by
+    /// a little.
     pub barycentric: [[f64; 4]; 6],
 }
 
@@ -28,13 +30,14 @@ impl Triangle {
         let n = Element::P2.values::<2>(t);
         std::array::from_fn(|k| (0..6).map(|a| n[a] * self.barycentric[a][k]).sum())
     }
-    /// The two tangents: derivatives with respect to `t[1]` and `t[2]`, with `t[0] = 1 - t[1] - t[2]`.
+    /// The two tangents: derivatives with respect to `t[1]` and `t[2]`, with
+    /// `t[0] = 1 - t[1] - t[2]`.
     pub fn tangents(&self, t: &[f64; 4]) -> [SVector<f64, 3>; 2] {
         let g = Element::P2.reference_gradients::<2>(t);
         [0, 1].map(|i| (0..6).fold(SVector::<f64, 3>::zeros(), |v, a| v + self.points[a] * g[a][i]))
     }
-    /// The normal, half as long as the area of the tangents' parallelogram: summed with the weights of a rule on the triangle
-    /// it is the area as a vector.
+    /// The normal, half as long as the area of the tangents' parallelogram: summed with the weights
+    /// of a rule on the triangle it is the area as a vector.
     pub fn area_vector(&self, t: &[f64; 4]) -> SVector<f64, 3> {
         let [u, v] = self.tangents(t);
         u.cross(&v) * 0.5
@@ -44,7 +47,8 @@ impl Triangle {
         let side = |i: usize, j: usize| (self.points[i] - self.points[j]).norm();
         side(0, 1).max(side(1, 2)).max(side(2, 0))
     }
-    /// The largest and the smallest coordinate along `axis` (0, 1, 2), those inside of the triangle included.
+    /// The largest and the smallest coordinate along `axis` (0, 1, 2), those inside of the triangle
+    /// included.
     pub(super) fn range(&self, axis: usize) -> (f64, f64) {
         let v: [f64; 6] = std::array::from_fn(|a| self.points[a][axis]);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

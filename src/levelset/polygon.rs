@@ -17,7 +17,8 @@ impl Polygon {
     /// The polygon with these vertices. A last vertex equal to the first is dropped.
     ///
     /// # Errors
-    /// Fewer than 3 vertices, a coordinate that is not finite, equal neighbours, sides that cross or touch, no area.
+    /// Fewer than 3 vertices, a coordinate that is not finite, equal neighbours, sides that cross
+    /// or touch, no area.
     pub fn new(mut vertices: Vec<Point<2>>) -> Result<Polygon> {
         if vertices.len() > 1 && vertices.first() == vertices.last() {
             vertices.pop();
@@ -58,7 +59,7 @@ impl Polygon {
         Ok(Polygon { vertices, sides })
     }
 
-    /// Whether `x` lies inside: the number of sides that a ray to the right crosses is odd.
+    /// True if `x` lies inside: the number of sides that a ray to the right crosses is odd.
     fn contains(&self, x: &Point<2>) -> bool {
         let n = self.vertices.len();
         let mut inside = false;
@@ -89,8 +90,8 @@ fn orientation(a: &Point<2>, b: &Point<2>, c: &Point<2>) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Whether two sides share more than the vertex that neighbours share (`next`: the second starts where the first ends;
-/// `previous`: it ends where the first starts).
+/// True if two sides share more than the common vertex of neighbours (`next`: the second starts at
+/// the end of the first; `previous`: it ends at the start of the first).
 fn sides_conflict([a, b]: [Point<2>; 2], [c, d]: [Point<2>; 2], next: bool, previous: bool) -> bool {
     let apart =
         |axis: usize| a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis]);
@@ -158,7 +159,8 @@ mod tests {
             if let Ok(s) = polygon(&v) {
                 prop_assert!(v.iter().all(|p| s.distance(&Point::<2>::new(p[0], p[1])) == 0.0));
                 prop_assert!(s.distance(&Point::<2>::new(-1.0, -1.0)) >= 2f64.sqrt());
-                // Some point of a fine grid lies inside: a lattice polygon has an area of at least 1/2.
+                // Some point of a fine grid lies inside: a lattice polygon has an area of at least
+                // 1/2.
                 prop_assert!((0..2500).any(|k| s.distance(&Point::<2>::new((k % 50) as f64 * 0.1 + 0.013, (k / 50) as f64 * 0.1 + 0.029)) < 0.0));
             }
         }

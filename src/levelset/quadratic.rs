@@ -12,7 +12,8 @@ impl Quadratic {
     pub(super) fn through(v0: f64, v_half: f64, v1: f64) -> Quadratic {
         Quadratic([v0, 4.0 * v_half - 3.0 * v0 - v1, 2.0 * (v0 + v1) - 4.0 * v_half])
     }
-    /// `phi` on the line `x + s step` in cell `c`, where `l` are the barycentric coordinates of `x`.
+    /// `phi` on the line `x + s step` in cell `c`, where `l` are the barycentric coordinates of
+    /// `x`.
     pub(super) fn on_line<const D: usize>(
         space: &Space<D>,
         phi: &[f64],

@@ -5,16 +5,16 @@ use crate::mesh::Point;
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
-/// Diameters that a ring is measured along.
+/// Number of diameters of a ring.
 const DIAMETERS: usize = 96;
-/// Part of the diameters that may find no interface: its zero may lie by a little in a cell whose
-/// nodes it does not part.
+/// Largest fraction of diameters without an interface: a zero may lie just inside a cell whose
+/// nodes have one sign.
 const MISSED: f64 = 0.05;
 
 impl<const D: usize> Interface<'_, D> {
-    /// In space: mean radius about `centre` in the plane with this normal, and amplitudes of the waves of the
-    /// numbers `modes` around it, by half the diameters in 96 directions. NaN where too little of the
-    /// surface is found.
+    /// In space: mean radius about `centre` in the plane with this normal, and amplitudes of the
+    /// waves with the numbers `modes` around it, from the half-diameters in 96 directions. NaN if
+    /// too little of the surface is found.
     pub fn waves(&self, centre: &Point<D>, normal: &SVector<f64, D>, modes: &[usize]) -> Vec<f64> {
         let normal: SVector<f64, 3> = normal.fixed_resize(0.0);
         let n = normal.normalize();
@@ -33,7 +33,7 @@ impl<const D: usize> Interface<'_, D> {
             count if count >= (1.0 - MISSED) * DIAMETERS as f64 => found.iter().sum::<f64>() / count,
             _ => f64::NAN,
         };
-        // A diameter that was not found counts as the mean.
+        // A missing diameter is replaced by the mean.
         let part = |f: &dyn Fn(f64) -> f64| {
             let term = |(i, r): (usize, &f64)| {
                 if r.is_finite() { (r - mean) * f(angle(i)) } else { 0.0 }
@@ -44,7 +44,7 @@ impl<const D: usize> Interface<'_, D> {
             let m = m as f64;
             2.0 * part(&|a| (m * a).cos()).hypot(part(&|a| (m * a).sin()))
         };
-        // No number where too little was found, `hypot` of nothing being 0.
+        // NaN if too little was found, since `hypot` of nothing is 0.
         let modes = modes.iter().map(|&m| if mean.is_nan() { mean } else { mode(m) });
         std::iter::once(mean).chain(modes).collect()
     }

@@ -1,4 +1,4 @@
-//! Active contours: the level set that cuts an image into two grey levels (book, section 1.4.1).
+//! Active contours: the level set that separates two grey levels of an image (book, section 1.4.1).
 
 use super::band::{heaviside, zeta};
 use crate::base::{Cause, Error, Partition, Result};
@@ -6,7 +6,7 @@ use crate::fem::{At, Basis, Cells, EDGES, Projector, Rule, Space, integrate};
 use crate::mesh::Point;
 use std::sync::Arc;
 
-/// How a [`Segmentation`] is made.
+/// Weights of a [`Segmentation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentationWeights {
     /// Weight `alpha` of the fidelity to the image, > 0.
@@ -17,7 +17,7 @@ pub struct SegmentationWeights {
     pub thickness: f64,
 }
 
-/// The energy of a level set on an image, in its two parts, and what the image is taken for.
+/// The two parts of the energy of a level set on an image, and the mean grey levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentationFit {
     /// Mean grey levels `c1` inside and `c2` outside.
@@ -28,25 +28,34 @@ pub struct SegmentationFit {
     pub length: f64,
 }
 
-/// The gradient flow of `alpha E1 + beta E2`, where the image `u0` has the level `c1` inside and `c2` outside and the contour is short:
+/// The gradient flow of `alpha E1 + beta E2`, which fits the levels `c1` inside and `c2` outside to
+/// the image `u0` with a short contour:
 ///
-/// `E1 = int |u0 - c1|^2 (1 - H) + int |u0 - c2|^2 H`, `E2 = int delta |grad phi|`, `H = H(phi/eps)`, `delta = zeta(phi/eps)/eps`,
+/// `E1 = int |u0 - c1|^2 (1 - H) + int |u0 - c2|^2 H`, `E2 = int delta |grad phi|`,
+/// `H = H(phi/eps)`, `delta = zeta(phi/eps)/eps`,
 ///
-/// `H` being 1 outside (`phi > 0`). Of both, `int dE psi = int delta (alpha [(u0 - c2)^2 - (u0 - c1)^2] - beta div n) psi`, so that
+/// with `H = 1` outside (`phi > 0`). Of both,
+/// `int dE psi = int delta (alpha [(u0 - c2)^2 - (u0 - c1)^2] - beta div n) psi`, so that
 ///
-/// `d phi/dt = delta (alpha [(u0 - c1)^2 - (u0 - c2)^2] + beta div (grad phi/|grad phi|))`, which is (1.29) with the weights where they belong,
+/// `d phi/dt = delta (alpha [(u0 - c1)^2 - (u0 - c2)^2] + beta div (grad phi/|grad phi|))`,
 ///
-/// and `c1 = int u0 (1 - H) / int (1 - H)`, `c2 = int u0 H / int H` make `E1` least. A step takes the new level set in the length alone, and the old slope:
+/// which is (1.29) with the weights corrected. `c1 = int u0 (1 - H) / int (1 - H)` and
+/// `c2 = int u0 H / int H` minimise `E1`. A step is implicit in the length term only, with the old
+/// slope:
 ///
-/// `(m phi', q) + beta dt (grad phi'/|grad phi|, grad q) = (m phi + dt alpha [(u0 - c1)^2 - (u0 - c2)^2], q)`, `m = 1/delta`,
+/// `(m phi', q) + beta dt (grad phi'/|grad phi|, grad q) = (m phi + dt alpha [(u0 - c1)^2 - (u0 -
+/// c2)^2], q)`, `m = 1/delta`,
 ///
-/// with the natural condition on the boundary, which the contour meets at right angles. `delta` is not less than a millionth of its largest
-/// value, so that what is outside of the band stays where it is. The length is stable for any step; in one step the contour moves by `eps` at most, up to where
-/// the level set rests.
+/// with the natural boundary condition: the contour meets the boundary at right angles. `delta` is
+/// at least 1e-6 of its maximum, so that `phi` outside of the band does not change. The length term
+/// is stable for any step; in one step the contour moves by at most `eps`, up to the edge of the
+/// band.
 ///
-/// A long step moves the contour less than its length promises: the implicit term holds back what happens across the band too.
+/// A long step moves the contour less than its length implies, because the implicit term also
+/// couples across the band.
 ///
-/// Limits: objects that the contour does not come by are not found, since `delta` is zero away from it; two levels alone are told apart.
+/// Limits: objects away from the path of the contour are not found, since `delta` is zero there;
+/// only two levels are distinguished.
 ///
 /// Source: Chan and Vese 2001; (1.29).
 pub struct Segmentation<const D: usize> {
@@ -56,18 +65,19 @@ pub struct Segmentation<const D: usize> {
     weights: SegmentationWeights,
 }
 
-/// Smallest `zeta` that is divided by.
+/// Least value of `zeta` in a denominator.
 const REST: f64 = 1e-6;
-/// Smallest `|grad phi|` that is divided by: a distance has less only where fronts meet.
+/// Least value of `|grad phi|` in a denominator: a distance is below it only where fronts meet.
 const FLAT: f64 = 0.1;
 /// Degree of the rule on the parts of a cell.
 const DEGREE: usize = 4;
-/// A side that has less of the domain than this has no mean.
+/// Least fraction of the domain for which a side has a mean.
 const LEAST: f64 = 1e-9;
 
 impl<const D: usize> Segmentation<D> {
-    /// A segmentation of the image `grey`, a level at each place, on a P2 space. In the plane the cells are integrated over in their four parts
-    /// between P2 nodes: an image of pixels that are pairs of such parts is integrated exactly.
+    /// A segmentation of the image `grey`, a level at each position, on a P2 space. In the plane
+    /// the rule covers the four parts of a cell between its P2 nodes: an image whose pixels are
+    /// pairs of such parts is integrated exactly.
     ///
     /// # Errors
     /// A matrix that does not fit into the memory.
@@ -98,7 +108,7 @@ impl<const D: usize> Segmentation<D> {
     /// The mean grey levels inside and outside.
     ///
     /// # Errors
-    /// One of the two sides is gone.
+    /// One of the two sides is empty.
     pub fn levels(&self, phi: &[f64]) -> Result<[f64; 2]> {
         let (basis, eps) = (self.projector.basis(), self.weights.thickness);
         let [inside, grey_inside, all, grey_all] = integrate(basis, Cells::All, |at| {
@@ -113,7 +123,7 @@ impl<const D: usize> Segmentation<D> {
         Err(gone(side).value(format!("{:.3e} of the image inside", inside / all)))
     }
 
-    /// The energy and the levels that make it least.
+    /// The energy, and the levels that minimise it.
     ///
     /// # Errors
     /// Those of [`levels`](Self::levels).
@@ -130,10 +140,11 @@ impl<const D: usize> Segmentation<D> {
         Ok(SegmentationFit { levels, fidelity: fidelity * misfit, length: length * size })
     }
 
-    /// A step of length `dt`, after which the level set is to be made a signed distance again.
+    /// A step of length `dt`; the level set must be redistanced after it.
     ///
     /// # Errors
-    /// Those of [`levels`](Self::levels); a matrix that cannot be factored; the contour is gone after the step.
+    /// Those of [`levels`](Self::levels); a matrix that cannot be factored; an empty contour after
+    /// the step.
     pub fn step(&mut self, dt: f64, phi: &mut [f64]) -> Result<()> {
         let [c1, c2] = self.levels(phi)?;
         let (basis, old) = (self.projector.basis().clone(), phi.to_vec());
@@ -158,14 +169,14 @@ impl<const D: usize> Segmentation<D> {
     }
 }
 
-/// The error for a side that is no more.
+/// The error for an empty side.
 fn gone(side: &str) -> Error {
     Error::computation(format!("the contour is gone: nothing is left {side}"))
         .remedy("give the length a smaller weight, or take a start that crosses the objects")
         .because(Cause::ContourLost)
 }
 
-/// The rule on each of the four parts of a triangle that its edge midpoints make.
+/// The rule on each of the four parts of a triangle between its edge midpoints.
 fn quartered(rule: &Rule) -> Rule {
     let corner = |k: usize| -> [f64; 3] { std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }) };
     let middle = |i: usize, j: usize| -> [f64; 3] { std::array::from_fn(|k| 0.5 * (corner(i)[k] + corner(j)[k])) };
@@ -186,8 +197,8 @@ fn quartered(rule: &Rule) -> Rule {
     Rule { points: points.collect(), weights: weights.collect() }
 }
 
-/// The number of connected parts of `phi < 0`, nodes of a P2 space being neighbours on the lattice that they make in their cells. Parts that meet the
-/// boundary count too.
+/// Number of connected parts of `phi < 0` on the lattice of the P2 nodes. Parts that meet the
+/// boundary are included.
 pub fn parts_inside<const D: usize>(space: &Space<D>, phi: &[f64]) -> usize {
     let mut parts = Partition::new(space.len());
     let edges = &EDGES[..D * (D + 1) / 2];
@@ -254,7 +265,8 @@ mod tests {
         assert!((fit.levels[0] + fit.levels[1] - 1.0).abs() < 1e-9 && (fit.length - 20.0).abs() < 1e-3, "{fit:?}");
     }
 
-    /// Along the flow `d phi/dt = -dE` the energy falls by the square of the motion, `-int (phi' - phi)^2/dt`, for both parts of the energy.
+    /// Along the flow `d phi/dt = -dE` the energy falls by the square of the motion,
+    /// `-int (phi' - phi)^2/dt`, for both parts of the energy.
     #[test]
     fn a_small_step_goes_down_the_gradient_of_the_energy() {
         let space = space(20);

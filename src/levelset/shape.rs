@@ -1,11 +1,23 @@
-//! Shapes with a true signed distance: the trait, balls, rounded boxes, and the check that a shape fits its domain.
+//! Shapes with a true signed distance: the trait, balls, rounded boxes, and the check that a shape
+//! fits its domain.
 
 use crate::base::{Error, Result, parallel};
 use crate::fem::Space;
 use crate::mesh::Point;
 use nalgebra::{Rotation, SVector};
 
-/// A closed set with a boundary to which the distance can be computed.
+/// A closed set with a signed distance to its boundary.
+///
+/// # Examples
+/// ```
+/// use immersa::levelset::{Circle, Shape};
+/// use immersa::mesh::Point;
+///
+/// let circle = Circle::new(Point::<2>::new(1.0, 1.0), 2.0)?;
+/// assert_eq!(circle.distance(&Point::<2>::new(4.0, 5.0)), 3.0);
+/// assert_eq!(circle.distance(&Point::<2>::new(1.0, 1.0)), -2.0);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub trait Shape<const D: usize>: Send + Sync {
     /// Signed Euclidean distance from `x` to the boundary, negative inside.
     fn distance(&self, x: &Point<D>) -> f64;
@@ -13,7 +25,8 @@ pub trait Shape<const D: usize>: Send + Sync {
     fn bounds(&self) -> (Point<D>, Point<D>);
 }
 
-/// The signed distance of `shape` at the nodes of `space`. Multiply by the initial stretch to get the initial `phi`.
+/// The signed distance of `shape` at the nodes of `space`. Multiply by the initial stretch to get
+/// the initial `phi`.
 pub fn signed_distance<const D: usize>(space: &Space<D>, shape: &dyn Shape<D>) -> Vec<f64> {
     let mut phi = vec![0.0; space.len()];
     parallel::fill(&mut phi, 1, |first, part| {
@@ -24,13 +37,13 @@ pub fn signed_distance<const D: usize>(space: &Space<D>, shape: &dyn Shape<D>) -
     phi
 }
 
-/// Refuses a shape that comes nearer than `margin` to the sides of the domain.
+/// Rejects a shape that is nearer than `margin` to the sides of the domain.
 ///
-/// `bounds` are those of the shape, `domain` is the bounding box of the mesh, `margin` is usually the half-width of the
-/// band: a band cut by a wall has lost part of its weight.
+/// `bounds` are those of the shape, `domain` is the bounding box of the mesh, `margin` is usually
+/// the half-width of the band: a band cut by a wall loses part of its weight.
 ///
 /// # Errors
-/// Names the side, the box of the shape and by how much it has to move or shrink.
+/// Names the side, the box of the shape and the distance by which it has to move or shrink.
 pub fn check_inside<const D: usize>(
     bounds: (Point<D>, Point<D>),
     domain: (Point<D>, Point<D>),
@@ -54,7 +67,7 @@ pub fn check_inside<const D: usize>(
     Ok(())
 }
 
-/// Refuses a point that is not finite.
+/// Rejects a point that is not finite.
 pub(super) fn check_point<const D: usize>(what: &str, x: &Point<D>) -> Result<()> {
     if x.iter().all(|c| c.is_finite()) {
         return Ok(());
@@ -62,7 +75,7 @@ pub(super) fn check_point<const D: usize>(what: &str, x: &Point<D>) -> Result<()
     Err(Error::scene(format!("{what} must be finite numbers")).value(format!("{:?}", x.as_slice())))
 }
 
-/// Refuses lengths that are not positive and finite.
+/// Rejects lengths that are not positive and finite.
 pub(super) fn check_lengths(what: &str, lengths: &[f64]) -> Result<()> {
     if lengths.iter().all(|&l| l > 0.0 && l.is_finite()) {
         return Ok(());
@@ -72,7 +85,7 @@ pub(super) fn check_lengths(what: &str, lengths: &[f64]) -> Result<()> {
         .remedy("give finite lengths > 0, in the units of the mesh"))
 }
 
-/// Refuses semi-axes that are not positive, or too different; `what` is the shape with its article.
+/// Rejects semi-axes that are not positive, or too different; `what` is the shape with its article.
 pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Result<()> {
     check_lengths(&format!("the semi-axes of {what}"), axes.as_slice())?;
     if axes.max() <= 1e6 * axes.min() {
@@ -301,7 +314,8 @@ mod tests {
         fn the_bounds_of_a_box_touch_it(hx in 0.2..1.0f64, hy in 0.2..1.0f64, r in 0.0..1.0f64, angle in -180.0..180.0f64) {
             let shape = RoundedBox::new(p(0.0, 0.0), p(hx, hy), r * hx.min(hy), angle).unwrap();
             let half = shape.bounds().1;
-            // The distance from a far point on the axis to the supporting line is the smallest along that line.
+            // The distance from a far point on the axis to the supporting line is the smallest
+            // along that line.
             for axis in 0..2 {
                 let nearest = (0..4000)
                     .map(|k| {

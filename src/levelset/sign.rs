@@ -1,4 +1,4 @@
-//! Where a P2 level set changes its sign.
+//! Cells with a change of sign of a P2 level set.
 
 use crate::base::{Error, Result};
 use crate::fem::{Element, Space};

@@ -1,4 +1,4 @@
-//! What is measured on a surface: volume, area, axes, extents.
+//! Measures of a surface: volume, area, axes, extents.
 
 use super::isosurface::Isosurface;
 use super::patch::Triangle;
@@ -7,7 +7,8 @@ use crate::fem::Rule;
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 
-/// Degree that makes the second moments of the region under a curved triangle exact: cubes of quadratic functions times two tangents.
+/// Degree at which the second moments of the region under a curved triangle are exact: cubes of
+/// quadratic functions times two tangents.
 const DEGREE: usize = 8;
 
 /// Geometry of the set `phi < 0` in space and of its surface, in the units of the mesh.
@@ -19,14 +20,15 @@ pub struct SolidMeasures {
     pub surface: f64,
     /// Centroid of the set.
     pub centroid: Point<3>,
-    /// Largest semi-axis of the ellipsoid that has the same volume-weighted second moments as the set.
+    /// Largest semi-axis of the ellipsoid that has the same volume-weighted second moments as the
+    /// set.
     pub axis_1: f64,
     /// Middle semi-axis of that ellipsoid.
     pub axis_2: f64,
     /// Smallest semi-axis of that ellipsoid.
     pub axis_3: f64,
-    /// Directions of its axes, largest axis first, orthonormal, each with its largest component positive. Without meaning where axes
-    /// are equal.
+    /// Directions of its axes, largest axis first, orthonormal, each with its largest component
+    /// positive. Arbitrary for equal axes.
     pub directions: [SVector<f64, 3>; 3],
     /// Half the extent of the surface in x.
     pub extent_x: f64,
@@ -44,8 +46,8 @@ impl Isosurface {
         parallel::sum(self.triangles().len(), |i| [of(&self.triangles()[i])])[0]
     }
 
-    /// Volume, area, centroid, axes and extents. The integrals over `phi < 0` become integrals over its boundary by the divergence
-    /// theorem, exact for the curved triangles.
+    /// Volume, area, centroid, axes and extents. The integrals over `phi < 0` become integrals over
+    /// its boundary by the divergence theorem, exact for the curved triangles.
     ///
     /// # Errors
     /// No surface, or a set without volume.
@@ -92,7 +94,8 @@ impl Isosurface {
         }))
     }
 
-    /// `int 1, x, y, z, x^2, y^2, z^2, x y, y z, z x` over the set `phi < 0`, with coordinates from `origin`.
+    /// `int 1, x, y, z, x^2, y^2, z^2, x y, y z, z x` over the set `phi < 0`, with coordinates from
+    /// `origin`.
     fn moments(&self, origin: &Point<3>) -> [f64; 10] {
         let rule = Rule::simplex(2, DEGREE);
         let of = |t: &Triangle| {
@@ -117,7 +120,8 @@ impl Isosurface {
     }
 }
 
-/// Semi-axes of the ellipsoid with these central second moments per volume, largest first, and their directions.
+/// Semi-axes of the ellipsoid with these central second moments per volume, largest first, and
+/// their directions.
 fn principal(moments: &SMatrix<f64, 3, 3>) -> ([f64; 3], [SVector<f64, 3>; 3]) {
     let eigen = moments.symmetric_eigen();
     let mut order = [0, 1, 2];
@@ -146,14 +150,14 @@ mod tests {
     fn space(n: usize) -> Space<3> {
         Space::new(&Arc::new(box_mesh([-1.0; 3], [1.0; 3], [n, n, n]).unwrap()), Element::P2)
     }
-    /// Halvings of the mesh are this many orders apart.
+    /// Observed orders between meshes of half the edge length.
     fn orders(e: [[f64; 5]; 3]) -> [[f64; 2]; 5] {
         std::array::from_fn(|k| [(e[0][k] / e[1][k]).log2(), (e[1][k] / e[2][k]).log2()])
     }
 
     #[test]
     fn the_measures_of_a_sphere_converge() {
-        // Root mean squares over eight places: on a single one the error falls unevenly.
+        // Root mean squares over eight positions: for a single one the error decreases unevenly.
         let r = 0.55;
         let e = [6, 12, 24].map(|n| {
             let space = space(n);
@@ -185,7 +189,8 @@ mod tests {
     fn an_ellipsoid_in_the_space_shows_the_error_of_the_triangles_alone() {
         let (axes, centre) = (p(0.8, 0.6, 0.45), p(0.03, -0.02, 0.04));
         let turn = nalgebra::Rotation3::new(p(0.3, -0.5, 0.7));
-        // Surface of the ellipsoid by products of the trapezoidal and Gauss' rules in its parameters.
+        // Surface of the ellipsoid by products of the trapezoidal and Gauss' rules in its
+        // parameters.
         let mut area = 0.0;
         for (z, w) in crate::fem::gauss_legendre(60) {
             let z = 2.0 * z - 1.0;

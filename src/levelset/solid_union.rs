@@ -6,9 +6,10 @@ use crate::mesh::Point;
 
 /// The union of shapes in space, with the smallest of their distances.
 ///
-/// Exact outside, and inside as long as the ball that it spans meets one part only. Where parts overlap, the nearest boundary of one part
-/// may lie inside another: the distance inside is then that to the boundary of the part that the point lies deepest in, which is at most
-/// the true one. It has the slope 1 and the right zero set everywhere.
+/// Exact outside, and inside as long as the ball of this radius meets one part only. Where parts
+/// overlap, the nearest boundary of one part may lie inside another: the distance inside is then
+/// that to the boundary of the part in which the point is deepest, which is at most the true one.
+/// Its slope is 1 and its zero set exact everywhere.
 pub struct SolidUnion {
     parts: Vec<Box<dyn Shape<3>>>,
     bounds: (Point<3>, Point<3>),

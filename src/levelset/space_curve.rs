@@ -1,4 +1,5 @@
-//! Curves in space, where two level sets vanish: length, tangent, curvature, torsion (section 1.3 of the book).
+//! Curves in space, the intersections of two level sets: length, tangent, curvature, torsion
+//! (section 1.3 of the book).
 
 use super::isosurface::Isosurface;
 use super::patch::Triangle;
@@ -10,13 +11,15 @@ use nalgebra::{SMatrix, SVector};
 
 type V = SVector<f64, 3>;
 
-/// Newton's steps onto the curve at most, and the step over the size of a triangle below which it is reached.
+/// Largest number of Newton steps onto the curve, and the tolerance of the step relative to the
+/// size of a triangle.
 const STEPS: usize = 8;
 const REACHED: f64 = 1e-13;
-/// Farther from its start than this fraction of the size of a triangle, a zero belongs to another piece.
+/// Largest distance of a zero from its start, as a fraction of the size of a triangle; farther
+/// zeros belong to another piece.
 const FARTHEST: f64 = 0.5;
 
-/// The frame of Frenet at a point of a curve in space, with curvature and torsion.
+/// The Frenet frame at a point of a curve in space, with curvature and torsion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frenet {
     /// Unit tangent `t = grad phi1 x grad phi2/|grad phi1 x grad phi2|` (1.17).
@@ -27,17 +30,20 @@ pub struct Frenet {
     pub binormal: V,
     /// Curvature `|[grad t] t|` (1.21), not negative, 1/length.
     pub curvature: f64,
-    /// Torsion `([grad n] t) . b` (1.21), positive for a right-handed helix whichever way it is run through, 1/length.
+    /// Torsion `([grad n] t) . b` (1.21), positive for a right-handed helix in either direction,
+    /// 1/length.
     pub torsion: f64,
 }
 
 impl Frenet {
-    /// From the derivatives of two functions at a common zero; `None` where their gradients are parallel. Where the curve is straight, normal,
-    /// binormal and torsion are not defined, and zero here.
+    /// From the derivatives of two functions at a common zero; `None` if their gradients are
+    /// parallel. Where the curve is straight, normal, binormal and torsion are not defined, and set
+    /// to zero.
     ///
-    /// The field `T = g x h` of the gradients is followed by the curve `c' = T(c)`, so that `c'' = [grad T] T` and
-    /// `c''' = D^2 T(T, T) + [grad T] c''`, and curvature and torsion are those of a curve with any parameter: `|c' x c''|/|c'|^3` and
-    /// `det(c', c'', c''')/|c' x c''|^2`. These equal (1.21) and need no derivative of a unit vector.
+    /// The curve `c' = T(c)` follows the field `T = g x h` of the gradients, so that
+    /// `c'' = [grad T] T` and `c''' = D^2 T(T, T) + [grad T] c''`; curvature and torsion are those
+    /// of a curve with any parameter: `|c' x c''|/|c'|^3` and `det(c', c'', c''')/|c' x c''|^2`.
+    /// These equal (1.21) without derivatives of a unit vector.
     pub fn new(phi1: &Derivatives<3>, phi2: &Derivatives<3>) -> Option<Frenet> {
         let (g, h) = (phi1.gradient, phi2.gradient);
         let first = g.cross(&h);
@@ -62,20 +68,23 @@ impl Frenet {
 /// A point of a curve in space, with its part of the length and its geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
-    /// Where it is, and its weight, a length; `at.q` numbers the points.
+    /// Its location, and its weight, a length; `at.q` numbers the points.
     pub at: At<3>,
     /// The frame, by recovered derivatives.
     pub frenet: Frenet,
 }
 
-/// The curve in which the interfaces of two level sets meet, `phi1 = phi2 = 0`, as points with weights.
+/// The intersection of the interfaces of two level sets, `phi1 = phi2 = 0`, as points with weights.
 ///
-/// The triangles of the surface `phi1 = 0` ([`Isosurface`]) are cut by the line on which `phi2`, linear between the corners of their four quarters, changes its
-/// sign; the ends of these segments are moved onto the zeros of both P2 functions by Newton's steps in the plane of the two gradients. Each segment gives the
-/// middle of its arc with the length of a parabola through three points, so that the length has an error of order 4 in the mesh size as long as the curve is
-/// smooth. Curvature and torsion come from derivatives recovered at the vertices ([`Recovered`]): order 2, and 1 (2 on regular meshes).
+/// The triangles of the surface `phi1 = 0` ([`Isosurface`]) are cut by the zero line of `phi2`,
+/// linear between the corners of their four quarters; the ends of these segments are moved onto the
+/// zeros of both P2 functions by Newton steps in the plane of the two gradients. Each segment gives
+/// the midpoint of its arc with the length of a parabola through three points, so that the length
+/// has an error of order 4 in the mesh size for a smooth curve. Curvature and torsion come from
+/// derivatives recovered at the vertices ([`Recovered`]): order 2, and 1 (2 on regular meshes).
 ///
-/// Curves need not be closed: they may end on the walls. Where the two surfaces touch there is no tangent, and such points are left out.
+/// Curves need not be closed: they may end on the walls. Points where the two surfaces are tangent
+/// are omitted.
 #[derive(Clone, Debug, Default)]
 pub struct SpaceCurve {
     points: Vec<CurvePoint>,
@@ -115,7 +124,7 @@ impl SpaceCurve {
     pub fn points(&self) -> &[CurvePoint] {
         &self.points
     }
-    /// Whether the interfaces do not meet.
+    /// True if the interfaces do not intersect.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
@@ -135,7 +144,7 @@ const QUARTERS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 /// A point of a cell and its barycentric coordinates.
 type Placed = (Point<3>, [f64; 4]);
 
-/// Appends the middles of the arcs on a triangle of the surface of `phi[0]`, with their lengths.
+/// Appends the midpoints of the arcs on a triangle of the surface of `phi[0]`, with their lengths.
 fn arcs_in(space: &Space<3>, phi: [&[f64]; 2], triangle: &Triangle, out: &mut Vec<At<3>>) {
     let cell = triangle.cell as usize;
     let value = triangle.barycentric.map(|l| space.value(phi[1], cell, &l));
@@ -167,7 +176,8 @@ fn between(a: &Placed, b: &Placed, t: f64) -> Placed {
     (a.0 + (b.0 - a.0) * t, std::array::from_fn(|k| a.1[k] + (b.1[k] - a.1[k]) * t))
 }
 
-/// The common zero of both functions of the cell next to a point, in the plane of their gradients; the point itself where none is within `reach`.
+/// The common zero of both functions of the cell near a point, in the plane of their gradients; the
+/// point itself if there is none within `reach`.
 fn onto_curve(space: &Space<3>, phi: [&[f64]; 2], cell: usize, start: Placed, reach: f64) -> Placed {
     let own = phi.map(|f| space.on_cell(f, cell));
     let map = space.mesh().map(cell);
@@ -208,7 +218,8 @@ mod tests {
     use std::f64::consts::PI;
     use std::sync::Arc;
 
-    /// The derivatives at `x` of `x - a cos(k z)` and `y - a sin(k z)`, whose common zero is a right-handed helix.
+    /// The derivatives at `x` of `x - a cos(k z)` and `y - a sin(k z)`, whose common zero is a
+    /// right-handed helix.
     fn helix(a: f64, k: f64, x: &V) -> [Derivatives<3>; 2] {
         let (s, c) = (k * x[2]).sin_cos();
         let of = |axis: usize, first: f64, second: f64, third: f64| {

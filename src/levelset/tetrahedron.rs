@@ -6,7 +6,8 @@ use crate::fem::{EDGES, Space};
 use crate::mesh::{NONE, Point};
 use nalgebra::SVector;
 
-/// The edges of the sorted vertices, in lexicographic order; node `4 + e` of the lattice is the middle of edge `e`.
+/// The edges of the sorted vertices, in lexicographic order; node `4 + e` of the lattice is the
+/// middle of edge `e`.
 const SORTED_EDGES: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 /// The tetrahedra at the corners of the lattice, positively oriented.
@@ -16,24 +17,27 @@ const CORNERS: [[usize; 4]; 4] = [[0, 4, 5, 6], [4, 1, 7, 8], [5, 7, 2, 9], [6, 
 const DIAGONALS: [([usize; 2], [usize; 4]); 3] =
     [([4, 9], [5, 6, 8, 7]), ([5, 8], [4, 7, 9, 6]), ([6, 7], [4, 5, 9, 8])];
 
-/// The faces opposite to the vertices, seen from outside, with the lattice nodes of their corners and of the middles of their sides.
+/// The faces opposite to the vertices, seen from outside, with the lattice nodes of their corners
+/// and of the middles of their sides.
 const FACES: [[usize; 6]; 4] = [[1, 2, 3, 7, 9, 8], [0, 3, 2, 6, 9, 5], [0, 1, 3, 4, 8, 6], [0, 2, 1, 5, 7, 4]];
 
 /// The four triangles of a face by its six nodes.
 const QUARTERS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 
-/// Farther than this fraction of the chord, a zero of a line through its middle belongs to another branch.
+/// Largest distance of a zero from the middle of a chord, as a fraction of the chord; farther zeros
+/// belong to another branch.
 const FARTHEST: f64 = 0.5;
 
-/// A tetrahedron with its vertices sorted by their numbers in the mesh. What lies on a face is computed from the vertices of the
-/// face alone (the others add exact zeros) and in their order, hence with the same bits from both cells.
+/// A tetrahedron with its vertices sorted by their numbers in the mesh. Points on a face are
+/// computed from the vertices of the face only (the others add exact zeros) and in their order,
+/// hence are bit-identical from both cells.
 pub(super) struct Tetrahedron<'a> {
     space: &'a Space<3>,
     phi: &'a [f64],
     c: usize,
     /// Local numbers of the sorted vertices.
     order: [usize; 4],
-    /// Whether sorting turned the orientation round.
+    /// True if sorting reversed the orientation.
     odd: bool,
     vertices: [Point<3>; 4],
     /// At the nodes of the lattice.
@@ -70,7 +74,7 @@ impl<'a> Tetrahedron<'a> {
         for tetrahedron in CORNERS {
             self.march(&tetrahedron, out);
         }
-        // Any diagonal fits the neighbours; the shortest makes the best triangles.
+        // Any diagonal is compatible with the neighbours; the shortest gives the best triangles.
         let length = |d: &[usize; 2]| (self.point(&node(d[0])) - self.point(&node(d[1]))).norm_squared();
         let mut best = &DIAGONALS[0];
         for other in &DIAGONALS[1..] {
@@ -84,7 +88,8 @@ impl<'a> Tetrahedron<'a> {
         }
     }
 
-    /// Appends the part of the face opposite to the local vertex `opposite` where `phi < 0`, with the normal out of the cell.
+    /// Appends the part of the face opposite to the local vertex `opposite` where `phi < 0`, with
+    /// the normal out of the cell.
     pub(super) fn wall(&self, opposite: usize, out: &mut Vec<Triangle>) {
         let Some(k) = self.order.iter().position(|&o| o == opposite) else { return };
         for quarter in QUARTERS {
@@ -147,7 +152,7 @@ impl<'a> Tetrahedron<'a> {
         }
     }
 
-    /// Appends a triangle with these corners; a side whose middle is not given is straight.
+    /// Appends a triangle with these corners; a side without a given middle is straight.
     fn push(&self, corners: &[Sorted; 3], middles: [Option<Middle>; 3], out: &mut Vec<Triangle>) {
         let straight = |i: usize| self.placed(between(&corners[i], &corners[(i + 1) % 3]));
         let m: [Middle; 3] = std::array::from_fn(|i| middles[i].unwrap_or_else(|| straight(i)));
@@ -158,7 +163,7 @@ impl<'a> Tetrahedron<'a> {
             points: all.map(|(x, _)| x),
             barycentric: all.map(|(_, l)| self.own_order(&l)),
         };
-        // A zero that is a node leaves pieces without area.
+        // A zero at a node gives pieces of area zero.
         if (0..6).any(|k| triangle.area_vector(&corner(k)) != SVector::<f64, 3>::zeros()) {
             out.push(triangle);
         }
@@ -215,12 +220,14 @@ impl<'a> Tetrahedron<'a> {
         }
     }
 
-    /// The same on the boundary of the mesh, on the perpendicular bisector of the chord in the plane of the facet.
+    /// The same on the boundary of the mesh, on the perpendicular bisector of the chord in the
+    /// plane of the facet.
     fn middle_on_wall(&self, start: &Sorted, end: &Sorted, face: [usize; 3]) -> Sorted {
         let middle = between(start, end);
         let chord: Sorted = std::array::from_fn(|k| end[k] - start[k]);
         let (v, p, q) = (node(face[0]), node(face[1]), node(face[2]));
-        // A vector in the plane that is not along the chord; the corner between the two sides stands first in `face`.
+        // A vector in the plane that is not along the chord; the corner between the two sides
+        // stands first in `face`.
         let median: Sorted = std::array::from_fn(|k| 0.5 * (p[k] + q[k]) - v[k]);
         let (c, m) = (self.vector(&chord), self.vector(&median));
         let square = c.norm_squared();
@@ -233,8 +240,8 @@ impl<'a> Tetrahedron<'a> {
         if s.abs() <= FARTHEST && scale.is_finite() { std::array::from_fn(|k| middle[k] + s * step[k]) } else { middle }
     }
 
-    /// The zero half-way between two crossings along the mean gradient in two cells, that of the function in the first of them: nothing here
-    /// depends on the cell that asks.
+    /// The zero half-way between two crossings along the mean gradient in two cells, that of the
+    /// function in the first of them; independent of the calling cell.
     fn middle_inside(&self, start: &Sorted, end: &Sorted, [first, second]: [usize; 2]) -> Middle {
         let mesh = self.space.mesh();
         let middle = between(start, end);

@@ -9,15 +9,16 @@ use std::sync::Arc;
 
 /// The union of plane shapes, with the true distance to its boundary.
 ///
-/// The smallest distance of the parts is exact outside, and inside as long as the disc that it spans meets one part only.
-/// Where parts overlap, the nearest boundary of one part may lie inside another; there the distance is that to the traced
-/// boundary of the union, with an error of `1e-9` of its diagonal.
+/// The smallest distance of the parts is exact outside, and inside as long as the disc of this
+/// radius meets one part only. Where parts overlap, the nearest boundary of one part may lie inside
+/// another; there the distance is that to the traced boundary of the union, with an error of `1e-9`
+/// of its diagonal.
 pub struct Union {
     parts: Arc<Vec<Box<dyn Shape<2>>>>,
     /// Boundary of the union; only if the boxes of two parts meet.
     boundary: Option<Tree<2>>,
     bounds: (Point<2>, Point<2>),
-    /// Parts nearer to each other than this are joined.
+    /// Distance below which parts are joined.
     seam: f64,
 }
 
@@ -35,12 +36,13 @@ impl Union {
         let parts = Arc::new(parts);
         let mut boundary = None;
         if (0..boxes.len()).any(|i| (0..i).any(|j| meet(i, j))) {
-            // Fine enough for the smallest part, within reason.
+            // Resolves the smallest part, within limits.
             let smallest = boxes.iter().map(|b| (b.1 - b.0).min()).fold(f64::INFINITY, f64::min);
             let squares = (64.0 * (bounds.1 - bounds.0).max() / smallest).clamp(256.0, 1024.0) as usize;
             let grid = Grid::over(bounds, squares, 2);
             let copy = Arc::clone(&parts);
-            // Inflated by less than the tolerance, so that a side which two parts share is no boundary.
+            // Enlarged by less than the tolerance, so that a side shared by two parts is not a
+            // boundary.
             let level: Box<Level> = Box::new(move |x| nearest(&copy, x).1 - seam);
             boundary = Some(Tree::new(grid.trace(&*level, &grid.sample(&*level))?));
         }
@@ -114,7 +116,8 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
-        /// Two discs: inside, the nearest boundary point is the foot on one arc or one of the two corners.
+        /// Two discs: inside, the nearest boundary point is the foot on one arc or one of the two
+        /// corners.
         #[test]
         fn overlapping_discs_have_the_distance_to_their_arcs_and_corners(gap in 0.1..1.9f64, r in 0.4..1.0f64, x in -1.0..3.0f64, y in -1.0..1.0f64) {
             let centres = [p(0.0, 0.0), p(gap, 0.0)];

@@ -1,4 +1,5 @@
-//! The direct solver: supernodal LDL^T without pivoting and iterative refinement. The only module that names faer.
+//! The direct solver: supernodal LDL^T without pivoting, with iterative refinement. Only this
+//! module uses faer.
 
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, StackReq};
@@ -18,29 +19,32 @@ use kernel::{numeric, supernodes, symbolic_factor, view_of_pattern};
 
 /// Relative residual above which a solution is refused.
 const TOLERANCE: f64 = 1e-9;
-/// Relative residual above which a solution is refined: the bare substitution is near 3e-16 in a good order.
+/// Relative residual above which a solution is refined: plain substitution reaches 3e-16 in a good
+/// order.
 const REFINED: f64 = 1e-13;
 const MOST_REFINEMENTS: usize = 3;
 
-/// How well a linear system was solved.
+/// Accuracy and cost of a linear solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveReport {
-    /// `|b - A x| / |b|` in the 2-norm after the last refinement; of several right-hand sides the largest.
+    /// `|b - A x| / |b|` in the 2-norm after the last refinement; the largest over all right-hand
+    /// sides.
     pub residual: f64,
-    /// Number of steps of iterative refinement; none when the bare substitution was accurate, and none after an iteration.
+    /// Number of steps of iterative refinement; 0 if the substitution was accurate, and after an
+    /// iterative solve.
     pub refinements: usize,
-    /// Krylov iterations, 0 where none was tried.
+    /// Number of Krylov iterations; 0 for a direct solve.
     pub iterations: usize,
 }
 
-/// The numbers of a factor; none before the first numeric factorisation.
+/// The values of a factor; none before the first numeric factorisation.
 enum Values {
     Double(Vec<f64>),
     Single(Single),
 }
 
-/// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive definite, or a saddle
-/// point in the order of [`Ordering::saddle_point`].
+/// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive
+/// definite, or a saddle point in the order of [`Ordering::saddle_point`].
 ///
 /// Sequential, so that results do not depend on the number of threads.
 pub struct Factor {
@@ -57,16 +61,18 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// Finds the pattern of the factor, and with it its size; allocates only what this takes.
+    /// Symbolic factorisation: computes the pattern of the factor, and with it its size; allocates
+    /// only what this takes.
     ///
     /// # Errors
-    /// Computation, if the factor would not fit into the memory that the machine can give at the moment; internal, if
-    /// the ordering is not one of this matrix.
+    /// Computation, if the factor does not fit into the available memory; internal, if the ordering
+    /// does not belong to the matrix.
     pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Factor> {
         Factor::analyse_within(matrix, ordering, available())
     }
 
-    /// [`analyse`](Factor::analyse) with a limit on the bytes that the factor may take, `None` for no limit.
+    /// [`analyse`](Factor::analyse) with a limit on the bytes that the factor may take, `None` for
+    /// no limit.
     ///
     /// # Errors
     /// As [`analyse`](Factor::analyse).
@@ -78,10 +84,11 @@ impl Factor {
         }
     }
 
-    /// [`analyse`](Factor::analyse) without a limit: what the factor takes is known, and no memory was asked for.
+    /// [`analyse`](Factor::analyse) without a limit: computes the size of the factor and allocates
+    /// no memory for it.
     ///
     /// # Errors
-    /// Internal, if the ordering is not one of this matrix.
+    /// Internal, if the ordering does not belong to the matrix.
     pub fn plan(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Factor> {
         let symbolic = symbolic_factor(matrix, &ordering)?;
         Ok(Factor {
@@ -124,12 +131,13 @@ impl Factor {
         self.symbolic.len_val()
     }
 
-    /// Whether there are values of a factor.
+    /// True if the factor has values.
     pub(super) fn is_valid(&self) -> bool {
         self.is_valid
     }
 
-    /// Operations of a numeric factorisation: the sum over the columns of the square of their lengths.
+    /// Operations of a numeric factorisation: the sum over the columns of the square of their
+    /// lengths.
     pub fn operations(&self) -> f64 {
         let SymbolicCholeskyRaw::Supernodal(parts) = self.symbolic.raw() else { return 0.0 };
         let columns = parts.supernode_begin().iter().zip(parts.supernode_end());
@@ -141,7 +149,7 @@ impl Factor {
         lengths.map(squares).sum()
     }
 
-    /// What the factor takes, and an estimate of how long.
+    /// Size of the factor, and an estimate of the time of a factorisation.
     pub fn size(&self) -> FactorSize {
         FactorSize {
             unknowns: self.order(),
@@ -153,12 +161,14 @@ impl Factor {
         }
     }
 
-    /// What a numeric factorisation costs, in iterations that this factor preconditions: see [`FactorSize::cost`].
+    /// Cost of a numeric factorisation in iterations preconditioned by this factor: see
+    /// [`FactorSize::cost`].
     pub fn cost(&self) -> f64 {
         self.size().cost()
     }
 
-    /// Bytes that the factor takes with its working space, all of them after the first [`refactor`](Factor::refactor).
+    /// Bytes of the factor with its working space; allocated at the first
+    /// [`refactor`](Self::refactor).
     pub fn bytes(&self) -> usize {
         let extra = match self.precision() {
             Precision::Double => 0,
@@ -177,11 +187,11 @@ impl Factor {
         }
     }
 
-    /// Factorises the matrix, whose values may have changed but not its pattern. Allocates at the first call only.
+    /// Numeric factorisation of a matrix with the same pattern. Allocates at the first call only.
     ///
     /// # Errors
-    /// Computation, if an entry is not finite, if a pivot is zero, or if the memory does not suffice; internal, if the
-    /// pattern is another one.
+    /// Computation, if an entry is not finite, a pivot is zero, or the memory does not suffice;
+    /// internal, if the pattern differs.
     pub fn refactor(&mut self, matrix: &SymmetricMatrix) -> Result<()> {
         self.is_valid = false;
         self.require_pattern_of(matrix)?;
@@ -206,7 +216,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Allocates what a numeric factorisation needs, once.
+    /// Allocates the storage of a numeric factorisation, once.
     fn reserve(&mut self) -> Result<()> {
         let (length, entries) = (self.nonzeros(), self.matrix_entries);
         let reserved = match &mut self.values {
@@ -222,14 +232,16 @@ impl Factor {
         Ok(())
     }
 
-    /// Solves `A x = rhs` for one right-hand side or for several, one after another in `rhs` and `x`.
+    /// Solves `A x = rhs` for one right-hand side or for several, one after another in `rhs` and
+    /// `x`.
     ///
-    /// A step of iterative refinement while `|b - A x| > 1e-13 |b|`, which in the orderings made here it is not, and more of them, up
-    /// to three, while it is above `1e-9 |b|`. Allocates only when there are more right-hand sides than ever before.
+    /// Takes a step of iterative refinement if `|b - A x| > 1e-13 |b|` (not needed in the orderings
+    /// of this module), and up to three while it exceeds `1e-9 |b|`. Allocates only if there are
+    /// more right-hand sides than in all calls before.
     ///
     /// # Errors
-    /// Computation, if the right-hand side is not finite or the residual stays above 1e-9; internal, if there is no
-    /// valid factor, the pattern is another one, or the lengths are wrong.
+    /// Computation, if the right-hand side is not finite or the residual stays above 1e-9;
+    /// internal, if there is no valid factor, the pattern is another one, or the lengths are wrong.
     pub fn solve(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
         self.require_pattern_of(matrix)?;
         let n = self.order();
@@ -282,7 +294,8 @@ impl Factor {
         }
     }
 
-    /// Sets the residuals `b - A x` and returns the largest relative one, infinite where one is not a number.
+    /// Computes the residuals `b - A x` and returns the largest relative one; infinite if one is
+    /// NaN.
     fn update_residual(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &[f64]) -> f64 {
         let n = self.order();
         let mut largest = 0.0_f64;
@@ -336,7 +349,7 @@ impl Values {
     }
 }
 
-/// Gives a list its length, once; whether the memory sufficed.
+/// Resizes a list once; returns false if the memory does not suffice.
 fn resize<T: Clone + Default>(list: &mut Vec<T>, length: usize) -> bool {
     let fits = list.len() == length || list.try_reserve_exact(length).is_ok();
     if fits {

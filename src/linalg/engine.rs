@@ -1,4 +1,4 @@
-//! What solves for a saddle point, or preconditions: chosen by what fits into the memory.
+//! Choice of the solver of a saddle point by the available memory.
 
 use super::gmres::RESTART;
 use super::memory::{available, readable};
@@ -7,68 +7,72 @@ use super::{Factor, FactorSize, Multipliers, Ordering, Precision, SymmetricMatri
 use crate::base::{Cause, Error, Result};
 use std::fmt;
 
-/// A way of solving for a saddle point.
+/// Solver of a saddle point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// With the factor of the whole matrix in double precision.
+pub enum SolverKind {
+    /// Direct: factor of the whole matrix in double precision.
     Direct,
-    /// By GMRES with the factor of the whole matrix in single precision, half as large: 2 to 3 iterations.
+    /// GMRES preconditioned by the factor of the whole matrix in single precision: half the memory,
+    /// 2 to 3 iterations.
     Single,
-    /// By GMRES with scalar factors for the components and a Schur complement that is approximated: a fifth of the memory, 20 to 80 iterations.
+    /// GMRES preconditioned by scalar factors of the components and an approximate Schur
+    /// complement: a fifth of the memory, 20 to 80 iterations.
     Schur,
 }
 
-impl Way {
-    /// The word for it in a scene.
-    pub fn word(self) -> &'static str {
+impl SolverKind {
+    /// Name in a scene (`numerics.solver`).
+    pub fn name(self) -> &'static str {
         match self {
-            Way::Direct => "direct",
-            Way::Single => "single",
-            Way::Schur => "schur",
+            SolverKind::Direct => "direct",
+            SolverKind::Single => "single",
+            SolverKind::Schur => "schur",
         }
     }
-    /// Iterations after which a solve has failed.
+    /// Largest number of iterations of a solve.
     pub(super) fn most_iterations(self) -> usize {
         match self {
-            Way::Direct => 0,
-            Way::Single => 40,
-            Way::Schur => 400,
+            SolverKind::Direct => 0,
+            SolverKind::Single => 40,
+            SolverKind::Schur => 400,
         }
     }
-    /// Bytes of the directions that the iterations keep.
+    /// Bytes of the Krylov vectors.
     pub(super) fn vector_bytes(self, unknowns: usize) -> usize {
         let directions = match self {
-            Way::Direct => 0,
-            Way::Single => 5,
-            Way::Schur => RESTART,
+            SolverKind::Direct => 0,
+            SolverKind::Single => 5,
+            SolverKind::Schur => RESTART,
         };
         (2 * directions + 2) * unknowns * size_of::<f64>()
     }
 }
 
-impl fmt::Display for Way {
+impl fmt::Display for SolverKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Way::Direct => "a factor of the whole matrix (direct)",
-            Way::Single => "GMRES with a factor in single precision (single)",
-            Way::Schur => "GMRES with scalar factors and a Schur complement (schur)",
+            SolverKind::Direct => "a factor of the whole matrix (direct)",
+            SolverKind::Single => "GMRES with a factor in single precision (single)",
+            SolverKind::Schur => "GMRES with scalar factors and a Schur complement (schur)",
         })
     }
 }
 
-/// Which ways of solving are allowed, and how much memory their factors may take.
+/// Allowed solvers, and memory of their factors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Solving {
-    /// The way; `None` takes the first that fits, in the order of [`Way`].
-    pub way: Option<Way>,
-    /// Bytes that the factors may take with all working space; `None` stands for what the machine can give when they are planned.
+pub struct SolverOptions {
+    /// The solver; `None` takes the first that fits, in the order of [`SolverKind`].
+    pub kind: Option<SolverKind>,
+    /// Largest number of bytes of the factors with all working space; `None` for the memory
+    /// available when they are planned.
     pub memory: Option<usize>,
 }
 
-/// Exponent of the unknowns in the bytes of a factor, for what a refusal says would fit: that of nested dissection in space.
+/// Exponent of the number of unknowns in the bytes of a factor, for the size that an error message
+/// suggests: nested dissection in space.
 const GROWTH: f64 = 4.0 / 3.0;
 
-/// A factor or what stands for it.
+/// A factor, or a preconditioner in its place.
 #[allow(clippy::large_enum_variant, reason = "there is one, and it is not moved about")]
 pub(super) enum Engine {
     Whole(Factor),
@@ -76,31 +80,32 @@ pub(super) enum Engine {
 }
 
 impl Engine {
-    /// The first way that fits.
+    /// The first solver that fits.
     ///
     /// # Errors
     /// Computation, if none does.
     pub fn choose(
         matrix: &SymmetricMatrix,
         multipliers: Multipliers,
-        solving: Solving,
+        options: SolverOptions,
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<Engine> {
-        let limit = solving.memory.or_else(available);
+        let limit = options.memory.or_else(available);
         let mut tried = Vec::new();
-        if solving.way != Some(Way::Schur) {
+        if options.kind != Some(SolverKind::Schur) {
             let mut factor = Factor::plan(matrix, Ordering::saddle_point(matrix, multipliers)?)?;
-            for (way, precision) in [(Way::Direct, Precision::Double), (Way::Single, Precision::Single)] {
+            for (kind, precision) in [(SolverKind::Direct, Precision::Double), (SolverKind::Single, Precision::Single)]
+            {
                 factor = factor.with_precision(precision);
                 let engine = Engine::Whole(factor);
-                if solving.way.is_none_or(|asked| asked == way) && engine.fits(limit, &mut tried) {
+                if options.kind.is_none_or(|allowed| allowed == kind) && engine.fits(limit, &mut tried) {
                     return Ok(engine);
                 }
                 let Engine::Whole(back) = engine else { break };
                 factor = back;
             }
         }
-        if solving.way.is_none_or(|asked| asked == Way::Schur) {
+        if options.kind.is_none_or(|allowed| allowed == SolverKind::Schur) {
             let engine = Engine::Schur(Box::new(Schur::plan(matrix, saddle()?)?));
             if engine.fits(limit, &mut tried) {
                 return Ok(engine);
@@ -109,22 +114,22 @@ impl Engine {
         Err(refusal(matrix.order(), limit, &tried))
     }
 
-    /// Whether it fits; notes what it takes.
-    fn fits(&self, limit: Option<usize>, tried: &mut Vec<(Way, usize)>) -> bool {
+    /// True if it fits; appends its size to `tried`.
+    fn fits(&self, limit: Option<usize>, tried: &mut Vec<(SolverKind, usize)>) -> bool {
         let bytes = self.size().bytes;
-        tried.push((self.way(), bytes));
+        tried.push((self.kind(), bytes));
         limit.is_none_or(|limit| bytes <= limit)
     }
 
-    pub fn way(&self) -> Way {
+    pub fn kind(&self) -> SolverKind {
         match self {
-            Engine::Whole(factor) if factor.precision() == Precision::Single => Way::Single,
-            Engine::Whole(_) => Way::Direct,
-            Engine::Schur(_) => Way::Schur,
+            Engine::Whole(factor) if factor.precision() == Precision::Single => SolverKind::Single,
+            Engine::Whole(_) => SolverKind::Direct,
+            Engine::Schur(_) => SolverKind::Schur,
         }
     }
 
-    /// Of all factors, with the directions of the iterations.
+    /// Size of all factors, with the Krylov vectors.
     pub fn size(&self) -> FactorSize {
         let size = match self {
             Engine::Whole(factor) => factor.size(),
@@ -137,7 +142,7 @@ impl Engine {
                 precision: Precision::Single,
             },
         };
-        FactorSize { bytes: size.bytes + self.way().vector_bytes(size.unknowns), ..size }
+        FactorSize { bytes: size.bytes + self.kind().vector_bytes(size.unknowns), ..size }
     }
 
     pub fn is_valid(&self) -> bool {
@@ -162,17 +167,17 @@ impl Engine {
     }
 }
 
-fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(Way, usize)]) -> Error {
+fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(SolverKind, usize)]) -> Error {
     let limit = limit.unwrap_or(usize::MAX);
     let needed: Vec<String> =
-        tried.iter().map(|(way, bytes)| format!("{} by {}", readable(*bytes), way.word())).collect();
-    let fitting = tried.iter().map(|(way, bytes)| {
+        tried.iter().map(|(kind, bytes)| format!("{} by {}", readable(*bytes), kind.name())).collect();
+    let fitting = tried.iter().map(|(kind, bytes)| {
         let share = (limit as f64 / *bytes as f64).powf(1.0 / GROWTH);
-        format!("about {:.2e} unknowns by {}", share * unknowns as f64, way.word())
+        format!("about {:.2e} unknowns by {}", share * unknowns as f64, kind.name())
     });
     let fitting: Vec<String> = fitting.collect();
     let (cause, other) = match tried {
-        [(Way::Schur, _)] | [_, _, ..] => (None, ""),
+        [(SolverKind::Schur, _)] | [_, _, ..] => (None, ""),
         _ => (Some(Cause::SolverMemory), ", let the solver be chosen by the memory"),
     };
     let error = Error::computation("the factors of a matrix do not fit into the memory")

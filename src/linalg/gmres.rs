@@ -1,24 +1,24 @@
-//! GMRES for a symmetric matrix, preconditioned by whatever solves a similar one.
+//! GMRES for a symmetric matrix with any preconditioner.
 
 use super::SymmetricMatrix;
 
-/// Directions that are kept before the method starts anew from the solution so far.
+/// Number of Krylov vectors before a restart.
 pub(super) const RESTART: usize = 40;
-/// Iterations before the speed of convergence is judged.
+/// Number of iterations before the rate of convergence is assessed.
 const TRIAL: usize = 4;
 
-/// How an iteration ended.
+/// Result of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Iterated {
     /// Applications of the preconditioner.
     pub iterations: usize,
-    /// `|b - A x| / |b|` in the 2-norm, of the vector that is returned, computed from it.
+    /// `|b - A x| / |b|` in the 2-norm, computed from the returned vector.
     pub residual: f64,
-    /// Whether the residual is within the tolerance.
+    /// True if the residual is within the tolerance.
     pub converged: bool,
 }
 
-/// Working space of the method; grows with the number of iterations that were ever needed.
+/// Working space; grows with the largest number of iterations so far.
 #[derive(Default)]
 pub(super) struct Gmres {
     /// Orthonormal residual directions `v_0 .. v_m`.
@@ -34,11 +34,13 @@ pub(super) struct Gmres {
 }
 
 impl Gmres {
-    /// Improves `x` until `|b - A x| <= tolerance |b|` in the 2-norm, in at most `most` iterations; gives up as soon as the
-    /// mean reduction so far would need half as many again. `precondition` replaces a vector by `M^{-1}` times it.
+    /// Improves `x` until `|b - A x| <= tolerance |b|` in the 2-norm, in at most `most` iterations.
+    /// Stops early if the mean reduction so far needs half as many again. `precondition` replaces a
+    /// vector by `M^{-1}` times it.
     ///
-    /// Right preconditioning, so that the residual that is minimised is that of the system itself (Saad, Iterative Methods for
-    /// Sparse Linear Systems, 2nd ed., algorithm 9.6). Sequential, the same bits for any number of threads.
+    /// Preconditioned from the right, so that the residual of the system itself is minimised (Saad,
+    /// Iterative Methods for Sparse Linear Systems, 2nd ed., algorithm 9.6). Sequential:
+    /// bit-identical for any number of threads.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,
@@ -84,7 +86,7 @@ impl Gmres {
         }
     }
 
-    /// The residual of `x` as first direction; returns its norm.
+    /// Sets the first direction to the residual of `x`; returns its norm.
     fn start(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &[f64]) -> f64 {
         matrix.multiply(x, &mut self.residual);
         self.residual.iter_mut().zip(rhs).for_each(|(r, b)| *r = b - *r);
@@ -98,7 +100,7 @@ impl Gmres {
         norm
     }
 
-    /// Adds direction `j`; returns the norm of the residual that the least-squares problem leaves.
+    /// Adds direction `j`; returns the norm of the residual of the least-squares problem.
     fn expand(&mut self, j: usize, matrix: &SymmetricMatrix, precondition: &mut impl FnMut(&mut [f64])) -> f64 {
         let n = self.residual.len();
         let z = slot(&mut self.directions, j, n);
@@ -146,7 +148,7 @@ impl Gmres {
     }
 }
 
-/// Iterations that are needed in all if the reduction goes on as it did.
+/// Total number of iterations expected at the present rate of convergence.
 fn expected(first: f64, now: f64, iterations: usize, tolerance: f64) -> f64 {
     let rate = (now / first).ln();
     if rate < 0.0 { iterations as f64 * (tolerance / first).ln() / rate } else { f64::INFINITY }
@@ -178,7 +180,8 @@ mod tests {
     use super::super::testing::{laplacian, scattered};
     use super::*;
 
-    /// The residual is what it says, and without preconditioner as many iterations as distinct eigenvalues suffice.
+    /// The residual is what it says, and without preconditioner as many iterations as distinct
+    /// eigenvalues suffice.
     #[test]
     fn as_many_iterations_as_there_are_different_eigenvalues_solve_a_system() {
         let mut a = SymmetricMatrix::from_groups(60, (0..60u32).map(|i| [i])).unwrap();

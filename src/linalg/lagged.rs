@@ -1,41 +1,41 @@
-//! A factor that is kept while the matrix changes: it preconditions, and is made anew when that is cheaper.
+//! A lagged factor: it preconditions while the matrix changes, and is renewed when that is cheaper.
 
 use super::direct::require_finite;
-use super::engine::{Engine, Solving, Way};
+use super::engine::{Engine, SolverKind, SolverOptions};
 use super::gmres::{Gmres, Iterated, RESTART};
 use super::schur::Saddle;
 use super::{Factor, FactorSize, Multipliers, Ordering, SolveReport, SymmetricMatrix};
 use crate::base::{Cause, Error, Result};
 use cpu_time::ProcessTime;
 
-/// What the factor has to do with the matrix of a solve.
+/// Change of the matrix since the factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// The factor is that of this matrix.
+    /// The matrix is the factored one.
     None,
-    /// The matrix has changed and will stay for many solves: it is factored.
+    /// The matrix has changed and stays for many solves: it is factored.
     Lasting,
-    /// The matrix changes from solve to solve: the cheaper way is taken.
+    /// The matrix changes from solve to solve: the cheaper method is taken.
     Passing,
 }
 
-/// What a solve of [`LaggedFactor`] was.
+/// Report of a solve with [`LaggedFactor`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaggedReport {
-    /// Its quality; `iterations` counts those that were given up too, and is 0 after a direct solve.
+    /// Accuracy; `iterations` includes those of abandoned trials, and is 0 after a direct solve.
     pub solve: SolveReport,
-    /// Whether the matrix was factored.
+    /// True if the matrix was factored.
     pub refactored: bool,
-    /// Whether iterations with an older factor were given up before.
+    /// True if iterations with an older factor were abandoned first.
     pub given_up: bool,
-    /// How often the factor was read, each time twice.
+    /// Number of substitutions with the factor; each reads it twice.
     pub substitutions: usize,
-    /// Seconds of all processors in the factorisation.
+    /// Processor seconds of the factorisation.
     pub factoring: f64,
 }
 
 impl LaggedReport {
-    /// Of a solve with the factor of the matrix, after a factorisation that took these seconds or none.
+    /// Report of a direct solve, after a factorisation that took `factoring` seconds, if any.
     fn direct(solve: SolveReport, factoring: Option<f64>) -> LaggedReport {
         let substitutions =
             solve.iterations + if solve.iterations == 0 || factoring.is_some() { 1 + solve.refinements } else { 0 };
@@ -49,43 +49,46 @@ impl LaggedReport {
     }
 }
 
-/// The books of the choice between iterations and a factorisation. Counts alone: the choice is the same in every run of a scene,
-/// on any machine and for any number of threads.
+/// Costs that decide between iterations and a factorisation. Only counts enter: the decision is the
+/// same in every run of a scene, on any machine and for any number of threads.
 ///
-/// The unit is one iteration. A factorisation costs [`Factor::cost`] of them, and the solve with it one more. After each solve the cost of that solve is
-/// held against the mean cost of the solves since the last factorisation, that one included: as soon as it is larger, the mean is
-/// at its least, and the next solve factors (the rule for replacing what wears out).
+/// The unit is one iteration. A factorisation costs [`Factor::cost`], and the solve with it one
+/// more. After each solve its cost is compared with the mean cost of the solves since the last
+/// factorisation, that one included. As soon as it is larger, the mean is minimal and the next
+/// solve factors (the optimal replacement rule).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ledger {
-    /// Solves since the last factorisation, the one with it included.
+pub struct SolveCost {
+    /// Number of solves since the last factorisation, that one included.
     pub solves: f64,
-    /// What they cost.
+    /// Their total cost.
     pub spent: f64,
-    /// What the last of them cost.
+    /// Cost of the last solve.
     pub last: f64,
-    /// Solves that still factor without a trial, because trials have failed.
+    /// Number of solves that still factor without a trial, after failed trials.
     pub hold: f64,
-    /// How many periods in a row saved nothing.
+    /// Number of consecutive periods that saved nothing.
     pub failures: f64,
 }
 
 /// Longest series of solves without a trial.
 const LONGEST_HOLD: f64 = 64.0;
-/// A factorisation that costs fewer iterations than this is never put off: that many are needed at least.
+/// Cost in iterations below which a factorisation is never delayed.
 const LEAST_COST: f64 = 3.0;
-/// Part of the cost of factoring each time that a period of iterations may have, to count as one that saves.
+/// Largest fraction of the cost of factoring in every solve at which a period of iterations counts
+/// as a saving.
 const WORTHWHILE: f64 = 0.95;
-/// What a solve with the factor of the matrix costs, in iterations.
+/// Cost of a direct solve, in iterations.
 const DIRECT_SOLVE: f64 = 1.0;
-/// Relative residual of iterations with a factor of the matrix itself, where no other is given.
+/// Default relative residual of iterations with a factor of the matrix itself.
 const OWN_TOLERANCE: f64 = 1e-10;
 
-impl Ledger {
-    fn wants_factor(&self) -> bool {
+impl SolveCost {
+    fn should_factor(&self) -> bool {
         self.hold > 0.0 || self.last * self.solves > self.spent
     }
-    /// A factorisation begins another period, `wasted` iterations after the last one; the solve with it cost `own`. A period that saved nothing is a failure, and the
-    /// next trials come after 0, 1, 3, 7, ... further factorisations.
+    /// Starts a period after a factorisation, preceded by `wasted` iterations; its own solve costs
+    /// `own`. A period that saved nothing is a failure; the next trials follow 0, 1, 3, 7, ...
+    /// further factorisations.
     fn factored(&mut self, cost: f64, own: f64, wasted: usize) {
         let direct = cost + own;
         let tried = self.solves > 1.0 || wasted > 0;
@@ -96,7 +99,7 @@ impl Ledger {
             self.failures = 0.0;
         }
         let hold = (self.hold - 1.0).max(0.0);
-        *self = Ledger { solves: 1.0, spent: direct, last: 0.0, hold, failures: self.failures };
+        *self = SolveCost { solves: 1.0, spent: direct, last: 0.0, hold, failures: self.failures };
     }
     fn iterated(&mut self, iterations: usize) {
         self.last = iterations as f64;
@@ -105,18 +108,20 @@ impl Ledger {
     }
 }
 
-/// A factorisation that serves while the matrix changes: its matrix is solved for by GMRES with the old factor as preconditioner,
-/// as long as this costs less than factoring; what does not converge is factored and solved with its own factor.
+/// A factor that is used while the matrix changes: as preconditioner of GMRES, as long as this
+/// costs less than factoring. If GMRES does not converge, the matrix is factored and solved
+/// directly.
 ///
-/// A factor in double precision solves its own matrix directly. One in single precision, and the scalar factors of the Schur route, precondition GMRES
-/// for it as well, to the same tolerance (1e-10 where it is 0); a solve that does not reach it is an error.
+/// A factor in double precision solves its own matrix directly. A factor in single precision and
+/// the scalar factors of the Schur solver precondition GMRES for it as well, to the same tolerance
+/// (1e-10 if it is 0); a solve that does not reach it is an error.
 pub struct LaggedFactor {
     engine: Engine,
     krylov: Gmres,
-    ledger: Ledger,
+    solve_cost: SolveCost,
     /// Relative residual at which iterations stop; 0 factors every matrix.
     tolerance: f64,
-    /// What a factorisation costs, in iterations.
+    /// Cost of a factorisation, in iterations.
     cost: f64,
 }
 
@@ -128,98 +133,101 @@ impl LaggedFactor {
     pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering, tolerance: f64) -> Result<LaggedFactor> {
         Ok(LaggedFactor::with(Engine::Whole(Factor::analyse(matrix, ordering)?), tolerance))
     }
-    /// Finds the way of solving for a saddle point with these multipliers, by what fits into the memory: directly, with
-    /// a factor in single precision, by the Schur route. `saddle` is asked for where the last comes into question.
+    /// Chooses the solver of a saddle point with these multipliers by the available memory: direct,
+    /// factor in single precision, or Schur. `saddle` is called only for the last.
     ///
     /// # Errors
-    /// Computation, if nothing that `solving` allows fits.
+    /// Computation, if no solver that `options` allows fits.
     pub fn choose(
         matrix: &SymmetricMatrix,
         multipliers: impl Into<Multipliers>,
-        solving: Solving,
+        options: SolverOptions,
         tolerance: f64,
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<LaggedFactor> {
-        Ok(LaggedFactor::with(Engine::choose(matrix, multipliers.into(), solving, saddle)?, tolerance))
+        Ok(LaggedFactor::with(Engine::choose(matrix, multipliers.into(), options, saddle)?, tolerance))
     }
     fn with(engine: Engine, tolerance: f64) -> LaggedFactor {
         let cost = engine.size().cost();
-        LaggedFactor { engine, krylov: Gmres::default(), ledger: Ledger::default(), tolerance, cost }
+        LaggedFactor { engine, krylov: Gmres::default(), solve_cost: SolveCost::default(), tolerance, cost }
     }
-    /// The factor of the whole matrix, where there is one.
+    /// The factor of the whole matrix; `None` for the Schur solver.
     pub fn factor(&self) -> Option<&Factor> {
         match &self.engine {
             Engine::Whole(factor) => Some(factor),
             Engine::Schur(_) => None,
         }
     }
-    /// The way of solving.
-    pub fn way(&self) -> Way {
-        self.engine.way()
+    /// The solver.
+    pub fn kind(&self) -> SolverKind {
+        self.engine.kind()
     }
-    /// What the factor, or all factors, take.
+    /// Size of the factor, or of all factors.
     pub fn size(&self) -> FactorSize {
         self.engine.size()
     }
-    /// Whether the matrix of the factor is solved for by iterations too, so that a good start pays.
+    /// True if the matrix of the factor is solved iteratively too, so that a good initial guess
+    /// helps.
     pub fn always_iterates(&self) -> bool {
-        self.way() != Way::Direct
+        self.kind() != SolverKind::Direct
     }
-    /// The operators on the multipliers, to be filled before a solve whose matrix has changed; none but on the Schur route.
+    /// The operators on the multipliers, to be filled before a solve with a changed matrix; empty
+    /// but for the Schur solver.
     pub fn operators_mut(&mut self) -> &mut [SymmetricMatrix] {
         match &mut self.engine {
             Engine::Whole(_) => &mut [],
             Engine::Schur(schur) => schur.operators_mut(),
         }
     }
-    /// Whether a matrix that changes from solve to solve may be iterated for.
+    /// True if a matrix that changes from solve to solve may be solved by iterations.
     pub fn may_iterate(&self) -> bool {
         self.tolerance > 0.0 && self.cost >= LEAST_COST
     }
     /// Makes the next solve factor its matrix.
-    pub fn forget(&mut self) {
-        self.ledger = Ledger { hold: 1.0, ..Ledger::default() };
+    pub fn invalidate(&mut self) {
+        self.solve_cost = SolveCost { hold: 1.0, ..SolveCost::default() };
     }
-    /// What a factorisation costs, in iterations.
+    /// Cost of a factorisation, in iterations.
     pub fn cost(&self) -> f64 {
         self.cost
     }
-    /// Bytes that the factor takes with all working space.
+    /// Bytes of the factor with all working space.
     pub fn bytes(&self) -> usize {
         let most = if self.may_iterate() { self.most_iterations() } else { 0 };
         let vectors = if most > 0 { 2 * most.min(RESTART) + 2 } else { 0 };
         let own = vectors * self.engine.size().unknowns * size_of::<f64>();
-        match self.way() {
-            Way::Direct => self.factor().map_or(self.engine.size().bytes, Factor::bytes) + own,
-            way => self.engine.size().bytes + own.saturating_sub(way.vector_bytes(self.engine.size().unknowns)),
+        match self.kind() {
+            SolverKind::Direct => self.factor().map_or(self.engine.size().bytes, Factor::bytes) + own,
+            kind => self.engine.size().bytes + own.saturating_sub(kind.vector_bytes(self.engine.size().unknowns)),
         }
     }
-    /// The books.
-    pub fn ledger(&self) -> Ledger {
-        self.ledger
+    /// Costs since the last factorisation.
+    pub fn solve_cost(&self) -> SolveCost {
+        self.solve_cost
     }
-    /// Makes the factor that an interrupted run had, from its matrix and its books.
+    /// Computes the factor of an interrupted run again, from its matrix and its costs.
     ///
     /// # Errors
     /// As [`Factor::refactor`].
-    pub fn restore(&mut self, matrix: &SymmetricMatrix, ledger: Ledger) -> Result<()> {
+    pub fn restore(&mut self, matrix: &SymmetricMatrix, solve_cost: SolveCost) -> Result<()> {
         self.engine.refactor(matrix)?;
-        self.ledger = ledger;
+        self.solve_cost = solve_cost;
         Ok(())
     }
 
-    /// More iterations with an old factor than the factorisation is worth are not made.
+    /// Largest number of iterations with an old factor: no more than a factorisation costs.
     fn most_iterations(&self) -> usize {
-        match self.way() {
-            Way::Direct | Way::Single => (self.cost + DIRECT_SOLVE) as usize,
-            way @ Way::Schur => self.cost as usize + way.most_iterations(),
+        match self.kind() {
+            SolverKind::Direct | SolverKind::Single => (self.cost + DIRECT_SOLVE) as usize,
+            kind @ SolverKind::Schur => self.cost as usize + kind.most_iterations(),
         }
     }
 
-    /// Solves `A x = rhs`; `x` holds the start of an iteration.
+    /// Solves `A x = rhs`; `x` holds the initial guess.
     ///
     /// # Errors
-    /// As [`Factor::refactor`] and [`Factor::solve`]; an iteration with a factor of the matrix itself that does not converge.
+    /// Those of [`Factor::refactor`] and [`Factor::solve`]; no convergence of iterations with a
+    /// factor of the matrix itself.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,
@@ -230,13 +238,15 @@ impl LaggedFactor {
         if change == Change::None && self.engine.is_valid() {
             return Ok(LaggedReport::direct(self.solve_own(matrix, rhs, x)?, None));
         }
-        let try_krylov =
-            change == Change::Passing && self.may_iterate() && self.engine.is_valid() && !self.ledger.wants_factor();
+        let try_krylov = change == Change::Passing
+            && self.may_iterate()
+            && self.engine.is_valid()
+            && !self.solve_cost.should_factor();
         let mut wasted = 0;
         if try_krylov {
             let done = self.iterate(matrix, rhs, x, (self.tolerance, self.most_iterations()));
             if done.converged {
-                self.ledger.iterated(done.iterations);
+                self.solve_cost.iterated(done.iterations);
                 let solve = SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations };
                 return Ok(LaggedReport {
                     solve,
@@ -252,14 +262,14 @@ impl LaggedFactor {
         self.engine.refactor(matrix)?;
         let factoring = start.elapsed().as_secs_f64();
         let solve = self.solve_own(matrix, rhs, x)?;
-        self.ledger.factored(self.cost, DIRECT_SOLVE.max(solve.iterations as f64), wasted);
+        self.solve_cost.factored(self.cost, DIRECT_SOLVE.max(solve.iterations as f64), wasted);
         let solve = SolveReport { iterations: wasted + solve.iterations, ..solve };
         Ok(LaggedReport { given_up: wasted > 0, ..LaggedReport::direct(solve, Some(factoring)) })
     }
 
-    /// Solves with the factor of this very matrix.
+    /// Solves with the factor of `matrix` itself.
     fn solve_own(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
-        if let (Way::Direct, Engine::Whole(factor)) = (self.way(), &mut self.engine) {
+        if let (SolverKind::Direct, Engine::Whole(factor)) = (self.kind(), &mut self.engine) {
             return factor.solve(matrix, rhs, x);
         }
         require_finite(rhs)?;
@@ -267,13 +277,13 @@ impl LaggedFactor {
             x.fill(0.0);
         }
         let tolerance = if self.tolerance > 0.0 { self.tolerance } else { OWN_TOLERANCE };
-        let most = self.way().most_iterations();
+        let most = self.kind().most_iterations();
         let done = self.iterate(matrix, rhs, x, (tolerance, most));
         if done.converged {
             return Ok(SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations });
         }
         Err(Error::computation("the iterations for a linear system did not converge")
-            .at(format!("{} unknowns, {}", rhs.len(), self.way()))
+            .at(format!("{} unknowns, {}", rhs.len(), self.kind()))
             .value(format!(
                 "relative residual {:.1e} after {} iterations, asked for {tolerance:e}",
                 done.residual, done.iterations
@@ -301,8 +311,9 @@ mod tests {
         LaggedFactor { cost: 15.0, ..LaggedFactor::analyse(&matrix, ordering, tolerance).unwrap() }
     }
 
-    /// Viscosities that grow by 2 % from solve to solve: the solutions are those of factoring each, to the tolerance, with far fewer
-    /// factorisations, and the residual that is reported is the true one.
+    /// Viscosities that grow by 2 % from solve to solve: the solutions are those of factoring each,
+    /// to the tolerance, with far fewer factorisations, and the residual that is reported is the
+    /// true one.
     #[test]
     fn an_old_factor_solves_a_matrix_that_creeps_away_from_it() {
         let (mut old, mut direct) = (lagged(1e-10), lagged(0.0));
@@ -358,15 +369,15 @@ mod tests {
         }
     }
 
-    /// Solves that cost 1, 2, 3, ... after a factorisation of 8 and its solve of 2: the mean over a period of n solves,
-    /// (10 + n (n - 1)/2)/n, is least for n = 4 and 5, both 4.
+    /// Solves that cost 1, 2, 3, ... after a factorisation of 8 and its solve of 2: the mean over a
+    /// period of n solves, (10 + n (n - 1)/2)/n, is least for n = 4 and 5, both 4.
     #[test]
     fn a_factor_is_renewed_where_the_mean_cost_is_least() {
-        let mut ledger = Ledger::default();
-        ledger.factored(8.0, 1.0, 0);
+        let mut solve_cost = SolveCost::default();
+        solve_cost.factored(8.0, 1.0, 0);
         let mut solves = 1;
-        while !ledger.wants_factor() {
-            ledger.iterated(solves);
+        while !solve_cost.should_factor() {
+            solve_cost.iterated(solves);
             solves += 1;
         }
         assert!((5..=6).contains(&solves), "{solves}");

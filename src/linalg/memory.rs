@@ -1,6 +1,6 @@
-//! How much memory the machine can still give.
+//! Available memory of the machine.
 
-/// Bytes that the machine can still give without swapping; `None` where it does not say so.
+/// Bytes available without swapping; `None` if the system does not report them.
 pub(super) fn available() -> Option<usize> {
     parse(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }
@@ -11,7 +11,7 @@ fn parse(meminfo: &str) -> Option<usize> {
     kibibytes.checked_mul(1024)
 }
 
-/// A number of bytes for people: `1.3 GB`.
+/// A number of bytes in readable form: `1.3 GB`.
 pub(super) fn readable(bytes: usize) -> String {
     let bytes = bytes as f64;
     for (unit, size) in [("GB", 1e9), ("MB", 1e6), ("kB", 1e3)] {

@@ -1,4 +1,4 @@
-//! Nested dissection by METIS, the only foreign code that is called directly.
+//! Nested dissection by METIS, the only foreign library that is called directly.
 
 use std::ffi::c_int;
 use std::ptr;
@@ -6,27 +6,29 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::base::{Error, Result};
 
-/// METIS draws random numbers from one generator for the whole process, which every call seeds anew: two calls at
-/// the same time would not be reproducible.
+/// METIS has one generator of random numbers for the whole process, seeded in every call:
+/// simultaneous calls would not be reproducible.
 static ONE_CALL_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 const SEED: i32 = 1;
 
-/// An undirected graph without loops: vertex `v` has the neighbours `neighbours[starts[v]..starts[v + 1]]`.
+/// An undirected graph without loops: vertex `v` has the neighbours
+/// `neighbours[starts[v]..starts[v + 1]]`.
 pub(super) struct Graph {
     pub starts: Vec<i32>,
     pub neighbours: Vec<i32>,
-    /// One positive number a vertex.
+    /// One positive weight per vertex.
     pub weights: Vec<i32>,
 }
 
 impl Graph {
-    /// An order of the vertices in which elimination fills in little: entry `k` is the vertex to eliminate as `k`-th.
+    /// A fill-reducing order of the vertices: entry `k` is the vertex that is eliminated `k`-th.
     ///
-    /// G. Karypis and V. Kumar, *A fast and high quality multilevel scheme for partitioning irregular graphs*, 1998.
+    /// G. Karypis and V. Kumar, *A fast and high quality multilevel scheme for partitioning
+    /// irregular graphs*, 1998.
     ///
     /// # Errors
-    /// Computation, if METIS fails, which it does only for want of memory.
+    /// Computation, if METIS fails (only for lack of memory).
     pub fn nested_dissection(&mut self) -> Result<Vec<usize>> {
         let count = self.weights.len();
         if self.neighbours.is_empty() {
@@ -50,7 +52,8 @@ impl Graph {
     fn call(&mut self, vertices: &mut i32, order: &mut [i32], position: &mut [i32]) -> c_int {
         let mut options = [0; metis_sys::METIS_NOPTIONS as usize];
         // SAFETY: `options` has METIS_NOPTIONS entries. The graph is one of `vertices` vertices in the form that METIS
-        // documents (checked in the tests of `ordering`); all arrays live, exclusively borrowed, until the call returns.
+        // documents (checked in the tests of `ordering`); all arrays live, exclusively borrowed,
+        // until the call returns.
         unsafe {
             metis_sys::METIS_SetDefaultOptions(options.as_mut_ptr());
             options[metis_sys::moptions_et_METIS_OPTION_SEED as usize] = SEED;
@@ -67,7 +70,7 @@ impl Graph {
     }
 }
 
-/// A size as METIS counts, in 32 bits.
+/// A size as an integer of METIS, 32 bits.
 ///
 /// # Errors
 /// Computation, if it does not fit.

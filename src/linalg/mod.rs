@@ -1,8 +1,8 @@
-//! Sparse symmetric matrices, fill-reducing orderings and direct solvers. Knows no mesh.
+//! Sparse symmetric matrices, fill-reducing orderings and direct solvers, independent of any mesh.
 //!
-//! The way through this module: build a [`SymmetricMatrix`] from the groups of unknowns that couple, fill it, choose an
-//! [`Ordering`], analyse it once with [`Factor::analyse`], then [`Factor::refactor`] whenever the values change and
-//! [`Factor::solve`] as often as needed.
+//! Use: build a [`SymmetricMatrix`] from the groups of unknowns that couple, fill it, choose an
+//! [`Ordering`], analyse it once with [`Factor::analyse`], call [`Factor::refactor`] when values
+//! change, and [`Factor::solve`] as often as needed.
 
 mod direct;
 mod engine;
@@ -21,8 +21,8 @@ mod symmetric;
 mod testing;
 
 pub use direct::{Factor, SolveReport};
-pub use engine::{Solving, Way};
-pub use lagged::{Change, LaggedFactor, LaggedReport, Ledger};
+pub use engine::{SolverKind, SolverOptions};
+pub use lagged::{Change, LaggedFactor, LaggedReport, SolveCost};
 pub use ordering::{Multipliers, Ordering};
 pub use schur::Saddle;
 pub use size::{FactorSize, Precision};

@@ -1,4 +1,4 @@
-//! Orders of elimination that keep the factor of a sparse symmetric matrix small and its computation stable.
+//! Orders of elimination with little fill and a stable factorisation.
 
 use super::SymmetricMatrix;
 use super::metis::{self, Graph};
@@ -7,17 +7,17 @@ use std::collections::HashSet;
 
 const NONE: usize = usize::MAX;
 
-/// Which unknowns of a saddle point are multipliers.
+/// The multipliers among the unknowns of a saddle point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Multipliers {
-    /// The first; all later unknowns are multipliers too.
+    /// The first multiplier; all later unknowns are multipliers.
     pub first: usize,
-    /// The first of those that are eliminated after all their neighbours of the first row.
+    /// The first multiplier that is eliminated after all its neighbours of the first row.
     pub first_late: usize,
 }
 
 impl From<usize> for Multipliers {
-    /// All from `first` on, none of them late.
+    /// All multipliers from `first` on, none of them late.
     fn from(first: usize) -> Multipliers {
         Multipliers { first, first_late: usize::MAX }
     }
@@ -33,7 +33,7 @@ pub struct Ordering {
 }
 
 impl Ordering {
-    /// Nested dissection, for a positive definite matrix. Only the pattern matters.
+    /// Nested dissection, for a positive definite matrix. Depends on the pattern only.
     ///
     /// # Errors
     /// Computation, if the matrix is too large for METIS.
@@ -43,19 +43,25 @@ impl Ordering {
         Ordering::of_blocks(&adjacency, &singles, matrix.order())
     }
 
-    /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C` small, even zero.
+    /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C`
+    /// small, even zero.
     ///
-    /// The `multipliers` belong to the second row (pressures). Each is merged with one unknown of the
-    /// first row (a velocity component): the one with the largest entry of `B` that is not yet taken, if possible on a
-    /// node that has no multiplier yet, multipliers with the fewest entries first. The graph so compressed is dissected, and each velocity is eliminated before its
-    /// pressure, so that no pressure is eliminated while its pivot is still the tiny `-C`: for Taylor-Hood elements
-    /// LDL^T without pivoting is then accurate to rounding. Depends on the values of `B`: fill the matrix before.
+    /// The `multipliers` belong to the second row (pressures). Each is paired with one unknown of
+    /// the first row (a velocity component): the one with the largest entry of `B` that is still
+    /// free, if possible on a node without a multiplier, multipliers with the fewest entries first.
+    /// The graph of the pairs is dissected, and each velocity is eliminated before its pressure: no
+    /// pressure is eliminated while its pivot is still the tiny `-C`. For Taylor-Hood elements
+    /// LDL^T without pivoting is then accurate to rounding. Depends on the values of `B`: fill the
+    /// matrix first.
     ///
-    /// Late multipliers (the constants of cells in a pressure that jumps) are eliminated after all their neighbours of the first
-    /// row: an edge feels the constant of a cell and the pressure at the vertex opposite to it alike, so that one velocity does not do for each.
+    /// Late multipliers (constants of cells in a discontinuous pressure) are eliminated after all
+    /// their neighbours of the first row: an edge couples equally with the constant of a cell and
+    /// with the pressure at the opposite vertex, so that one velocity per multiplier does not
+    /// suffice.
     ///
     /// # Errors
-    /// Computation, if the matrix is too large for METIS; internal, if there are fewer unknowns than come before the first multiplier.
+    /// Computation, if the matrix is too large for METIS; internal, if there are fewer unknowns
+    /// than come before the first multiplier.
     pub fn saddle_point(matrix: &SymmetricMatrix, multipliers: impl Into<Multipliers>) -> Result<Ordering> {
         let Multipliers { first: first_multiplier, first_late } = multipliers.into();
         if first_multiplier > matrix.order() {
@@ -73,7 +79,7 @@ impl Ordering {
         &self.unknowns
     }
 
-    /// For every unknown its place in the order of elimination.
+    /// Position of every unknown in the order of elimination.
     pub fn positions(&self) -> &[usize] {
         &self.positions
     }
@@ -84,7 +90,8 @@ impl Ordering {
         Ok(expanded.delayed(adjacency, first_late).postordered(adjacency))
     }
 
-    /// The same order but for the unknowns from `first_late` on, each of which comes after the last of its neighbours among the others.
+    /// The same order, but each unknown from `first_late` on follows the last of its neighbours
+    /// among the others.
     fn delayed(self, adjacency: &Adjacency, first_late: usize) -> Ordering {
         let n = self.unknowns.len();
         if first_late >= n {
@@ -108,8 +115,8 @@ impl Ordering {
         Ordering { unknowns, positions }
     }
 
-    /// An equivalent order in which every subtree of the elimination tree is contiguous: the same fill, and
-    /// columns of the same pattern next to each other, so that supernodes are large.
+    /// An equivalent order in which every subtree of the elimination tree is contiguous: the same
+    /// fill, and columns of the same pattern next to each other, so that supernodes are large.
     fn postordered(&self, adjacency: &Adjacency) -> Ordering {
         let parents = self.elimination_tree(adjacency);
         let n = parents.len();
@@ -137,9 +144,10 @@ impl Ordering {
         Ordering::new(unknowns)
     }
 
-    /// The parent of every place of the order in the elimination tree, [`NONE`] for a root.
+    /// The parent of every position in the elimination tree, [`NONE`] for a root.
     ///
-    /// J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990, with path compression.
+    /// J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990, with path
+    /// compression.
     fn elimination_tree(&self, adjacency: &Adjacency) -> Vec<usize> {
         let n = self.unknowns.len();
         let mut parents = vec![NONE; n];
@@ -160,13 +168,15 @@ impl Ordering {
     }
 }
 
-/// For every multiplier the unknown it is merged with, [`NONE`] for all other unknowns and where none is left.
+/// The unknown that every multiplier is paired with, [`NONE`] for all other unknowns and where none
+/// is free.
 ///
-/// Of the unknowns that see the same multipliers (the velocity components of a node) one only is given away while there is
-/// another choice: with three pressures on the components of one node near the corner of a box their block of `B` is
-/// singular, and elimination meets a zero pivot.
+/// Of the unknowns with the same multipliers (the velocity components of a node) only one is paired
+/// while there is another choice: with three pressures on the components of one node near the
+/// corner of a box their block of `B` is singular, and elimination meets a zero pivot.
 fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
-    // An entry must be larger by this factor to win over an earlier one: equal ones differ by rounding.
+    // An entry must be larger by this factor to win over an earlier one: equal ones differ by
+    // rounding.
     const CLEARLY_LARGER: f64 = 1.0001;
     let entries = |p: usize| {
         let (rows, values) = matrix.column(p);
@@ -174,7 +184,7 @@ fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
         rows[..end].iter().copied().zip(values.iter().map(|v| v.abs()))
     };
     let mut multipliers: Vec<usize> = (first_multiplier..matrix.order()).collect();
-    // Unknowns of one node: those with the same multipliers, told apart by a hash of their list.
+    // Unknowns of one node: those with the same multipliers, distinguished by a hash of their list.
     let mut node = vec![0_u64; first_multiplier];
     for &p in &multipliers {
         for (i, _) in entries(p) {
@@ -235,7 +245,8 @@ impl Adjacency {
     }
 }
 
-/// A partition of the unknowns into blocks that are eliminated together, each in the order of its members.
+/// A partition of the unknowns into blocks that are eliminated together, each in the order of its
+/// members.
 struct Blocks {
     starts: Vec<usize>,
     members: Vec<usize>,
@@ -243,7 +254,8 @@ struct Blocks {
 }
 
 impl Blocks {
-    /// Every unknown is in the block of its partner if it has one (an earlier unknown), otherwise it founds a block.
+    /// Every unknown is in the block of its partner, if it has one (an earlier unknown); otherwise
+    /// it starts a block.
     fn from_partners(partners: &[usize]) -> Blocks {
         let n = partners.len();
         let mut guest = vec![NONE; n];
@@ -336,7 +348,8 @@ mod tests {
     fn dissection_fills_in_less_than_the_natural_order() {
         let a = laplacian(60, 0.0);
         let dissected = fill(&a, &Ordering::plain(&a).unwrap());
-        // The natural order fills the band: 60^3 entries. Nested dissection: (31/8) n^2 log2 n, about 82 000.
+        // The natural order fills the band: 60^3 entries. Nested dissection: (31/8) n^2 log2 n,
+        // about 82 000.
         assert!(fill(&a, &natural(3600)) > 200_000);
         assert!(dissected < 90_000, "{dissected}");
     }
@@ -373,7 +386,8 @@ mod tests {
 
     #[test]
     fn partners_are_the_largest_entries_on_nodes_that_are_left() {
-        // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none: 1 and 2 are of one node.
+        // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none: 1 and 2 are
+        // of one node.
         let mut a = SymmetricMatrix::from_groups(6, [[0, 3], [1, 3], [2, 3], [1, 4], [2, 4]].iter()).unwrap();
         for (i, p, b) in [(0, 3, 1.0), (1, 3, -4.0), (2, 3, 2.0), (1, 4, 3.0), (2, 4, -2.5)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();

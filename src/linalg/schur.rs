@@ -1,26 +1,29 @@
-//! A preconditioner for saddle points whose factor does not fit: scalar factors for the components, and a Schur complement that is
-//! approximated by operators on the multipliers.
+//! A preconditioner for saddle points whose factor does not fit: scalar factors of the components,
+//! and an approximate Schur complement from operators on the multipliers.
 
 use super::{CONSTRAINED, Factor, Ordering, Precision, SymmetricMatrix};
 use crate::base::Result;
 
-/// What is known of a saddle point `[A, B^T; B, -C]` beside its entries.
+/// Structure of a saddle point `[A, B^T; B, -C]`, in addition to its entries.
 #[derive(Clone, Debug)]
 pub struct Saddle {
-    /// For every unknown before the multipliers, the component that it belongs to, counted from 0.
+    /// Component of every unknown before the multipliers, counted from 0.
     pub components: Vec<u8>,
-    /// Positive definite operators on the multipliers; the sum of their inverses is near the inverse of `B A^-1 B^T`.
+    /// Positive definite operators on the multipliers; the sum of their inverses approximates the
+    /// inverse of `B A^-1 B^T`.
     pub operators: Vec<SymmetricMatrix>,
 }
 
-/// The block-triangular preconditioner
-/// `z_p = -(sum_k O_k^-1) r_p`, `z_i = A_ii^-1 (r_i - sum_{j < i} A_ij z_j - B_i^T z_p)` for the components `i` one after the other.
+/// The block-triangular preconditioner `z_p = -(sum_k O_k^-1) r_p`,
+/// `z_i = A_ii^-1 (r_i - sum_{j < i} A_ij z_j - B_i^T z_p)` for the components `i` in turn.
 ///
-/// Each `A_ii` is a scalar operator with a factor of its own, in single precision: the accuracy of a preconditioner, and half the memory. The sweep
-/// over the components (Gauss-Seidel) takes in what couples them: viscous stress, grad-div, implicit forces. For the flow the operators `O_k` are
-/// those of J. Cahouet and J.-P. Chabard, *Some fast 3D finite element solvers for the generalized Stokes problem*, 1988, with the
-/// grad-div weight added to the viscosity: with `A = r + (2 mu + gamma) k^2` on gradients of the wave number `k`, the Schur complement
-/// is `k^2/A`, and its inverse `(2 mu + gamma) + r/k^2`.
+/// Each `A_ii` is a scalar operator with a factor of its own in single precision, which suffices
+/// for a preconditioner and halves the memory. The sweep over the components (Gauss-Seidel)
+/// includes their coupling: viscous stress, grad-div, implicit forces. For the flow the operators
+/// `O_k` are those of J. Cahouet and J.-P. Chabard, *Some fast 3D finite element solvers for the
+/// generalized Stokes problem*, 1988, with the grad-div weight added to the viscosity: with
+/// `A = r + (2 mu + gamma) k^2` on gradients of wave number `k`, the Schur complement is `k^2/A`,
+/// and its inverse `(2 mu + gamma) + r/k^2`.
 pub(super) struct Schur {
     blocks: Vec<Block>,
     operators: Vec<SymmetricMatrix>,
@@ -46,7 +49,7 @@ struct Block {
 }
 
 impl Schur {
-    /// Finds the patterns of the factors; asks for no large memory.
+    /// Symbolic factorisation of all factors; allocates no memory for their values.
     ///
     /// # Errors
     /// As [`Ordering::plain`].
@@ -90,7 +93,7 @@ impl Schur {
         })
     }
 
-    /// The operators on the multipliers, whose values are those of the next [`refactor`](Self::refactor).
+    /// The operators on the multipliers; the next [`refactor`](Self::refactor) uses their values.
     pub fn operators_mut(&mut self) -> &mut [SymmetricMatrix] {
         &mut self.operators
     }
@@ -110,7 +113,7 @@ impl Schur {
         Ok(())
     }
 
-    /// Whether there are factors.
+    /// True if the factors have values.
     pub fn is_valid(&self) -> bool {
         self.valid
     }
@@ -156,7 +159,7 @@ impl Schur {
         self.all().map(Factor::operations).sum()
     }
 
-    /// Entries that one application reads: those of the factors, and of the matrix once a component.
+    /// Entries read by one application: those of the factors, and of the matrix once per component.
     pub fn entries_read(&self) -> usize {
         self.nonzeros() + self.blocks.len() * self.entries_of_matrix
     }

@@ -1,9 +1,9 @@
-//! What a factor in single precision is made of.
+//! Storage of a factor in single precision.
 
 use super::SymmetricMatrix;
 
-/// A factor in single precision, of the matrix `S A S`; `S` is a diagonal of powers of two that keeps all numbers within the range of
-/// single precision, whatever the units.
+/// A factor in single precision of the matrix `S A S`. The diagonal `S` of powers of two keeps all
+/// numbers within the range of single precision in any units.
 #[derive(Default)]
 pub(super) struct Single {
     /// The factor.
@@ -15,15 +15,15 @@ pub(super) struct Single {
 }
 
 impl Single {
-    /// Bytes that it takes beside the factor.
+    /// Bytes in addition to the factor.
     pub fn extra_bytes(order: usize, entries: usize) -> usize {
         4 * entries + 8 * order
     }
 
-    /// Takes over the values of a matrix.
+    /// Copies the values of a matrix, scaled.
     ///
-    /// `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or small beside the entries above it (a pressure), near the
-    /// reciprocal of the largest `S_i |a_ij|`.
+    /// `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or small beside the entries
+    /// above it (a pressure), near the reciprocal of the largest `S_i |a_ij|`.
     pub fn take(&mut self, matrix: &SymmetricMatrix) {
         self.scale.clear();
         let mut entry = 0;
@@ -48,7 +48,7 @@ impl Single {
     }
 }
 
-/// 1 where there is no such power.
+/// Nearest power of two; 1 if there is none.
 fn power_of_two_near(v: f64) -> f64 {
     let power = v.log2().round().exp2();
     if power.is_normal() { power } else { 1.0 }

@@ -1,17 +1,22 @@
-//! What a factor takes, and how long.
+//! Size of a factor, and time of a factorisation.
 
-/// Counted costs of a factorisation: per operation, and per entry of the factor. With [`ITERATING`] they choose; their unit does not matter.
+/// Relative costs of a factorisation: per operation, and per entry of the factor. The unit is that
+/// of [`ITERATING`].
 const FACTORING: [f64; 2] = [0.028, 8.0];
-/// Counted costs of an iteration (substitution, product with the matrix, orthogonalisation): per entry that is read, and per unknown.
+/// Relative costs of an iteration (substitution, product with the matrix, orthogonalisation): per
+/// entry read, and per unknown.
 const ITERATING: [f64; 2] = [1.3, 100.0];
-/// What an operation, and the reading of an entry, cost in single precision beside double.
+/// Cost in single precision over that in double precision: of an operation, and of reading an
+/// entry.
 const SINGLE: [f64; 2] = [0.5, 0.75];
-/// Nanoseconds of a factorisation on one core of a server: per operation, and per entry. For people, as [`SOLVING`].
+/// Nanoseconds of a factorisation on one core of a server: per operation, and per entry. For
+/// display only, as [`SOLVING_TIME`].
 ///
-/// Measured (November 2026, seconds of the processor) for P2-P1 on `n^3` cubes, n = 8, 12, 16: 0.065, 0.57, 3.5 to 4.5 (by this model 0.06, 0.74,
-/// 4.3), in single precision 0.04, 0.34, 2.0.
+/// Measured (November 2026, seconds of the processor) for P2-P1 on `n^3` cubes, n = 8, 12, 16:
+/// 0.065, 0.57, 3.5 to 4.5 (by this model 0.06, 0.74, 4.3), in single precision 0.04, 0.34, 2.0.
 const FACTORING_TIME: [f64; 2] = [0.018, 2.5];
-/// Nanoseconds of a solve, as [`ITERATING`]. Measured as above: 0.005, 0.028, 0.085 (by this model 0.006, 0.030, 0.10).
+/// Nanoseconds of a solve, as [`ITERATING`]. Measured as above: 0.005, 0.028, 0.085 (by this model
+/// 0.006, 0.030, 0.10).
 const SOLVING_TIME: [f64; 2] = [0.8, 100.0];
 
 /// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions are in double precision.
@@ -42,7 +47,8 @@ pub struct FactorSize {
     pub entries: usize,
     /// Entries that a solve or an iteration reads, each twice.
     pub read: usize,
-    /// Operations of a numeric factorisation: the sum over the columns of the square of their lengths.
+    /// Operations of a numeric factorisation: the sum over the columns of the square of their
+    /// lengths.
     pub operations: f64,
     /// Bytes of the factor with its working space.
     pub bytes: usize,
@@ -51,22 +57,26 @@ pub struct FactorSize {
 }
 
 impl FactorSize {
-    /// What a numeric factorisation costs, in iterations that the factor preconditions: counted operations and entries, weighed with
-    /// constants that were measured once and are the same on every machine, so that no choice depends on a clock.
+    /// Cost of a numeric factorisation, in iterations preconditioned by the factor: numbers of
+    /// operations and entries, weighted with measured constants that are the same on every machine,
+    /// so that no decision depends on a clock.
     ///
-    /// Measured on one core of a server (November 2026): factorisation over substitution and product for P2-P1 on `n x n` squares, n = 30,
-    /// 60, 120: 6.8, 4.2, 5.3 (by this model 4.2, 5.4, 7.3); on `n^3` cubes, n = 4, 6, 8, 10: 8.3, 9.3, 10.4, 15.0 (6.4, 10.4, 14.5, 20.6);
-    /// another time, n = 8, 12, 16: 14, 20, 41 (14.5, 28, 46), in single precision 10, 17, 30 (9.9, 19, 31).
+    /// Measured on one core of a server (November 2026): factorisation over substitution and
+    /// product for P2-P1 on `n x n` squares, n = 30, 60, 120: 6.8, 4.2, 5.3 (by this model 4.2,
+    /// 5.4, 7.3); on `n^3` cubes, n = 4, 6, 8, 10: 8.3, 9.3, 10.4, 15.0 (6.4, 10.4, 14.5, 20.6);
+    /// another time, n = 8, 12, 16: 14, 20, 41 (14.5, 28, 46), in single precision 10, 17, 30 (9.9,
+    /// 19, 31).
     pub fn cost(&self) -> f64 {
         self.weighed(FACTORING, self.entries) / self.iteration(ITERATING).max(1.0)
     }
 
-    /// Seconds that a factorisation takes on one core of a server: an estimate from the counts, for people; nothing is chosen by it.
+    /// Estimated seconds of a factorisation on one core of a server, for display only.
     pub fn factoring_seconds(&self) -> f64 {
         1e-9 * self.weighed(FACTORING_TIME, self.entries)
     }
 
-    /// Seconds that a substitution or an iteration takes, as [`factoring_seconds`](Self::factoring_seconds).
+    /// Estimated seconds of a substitution or an iteration, as
+    /// [`factoring_seconds`](Self::factoring_seconds).
     pub fn solving_seconds(&self) -> f64 {
         1e-9 * self.iteration(SOLVING_TIME)
     }

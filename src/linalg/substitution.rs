@@ -1,10 +1,13 @@
 //! Forward and backward substitution with a supernodal factor `L D L^T`.
 //!
-//! Bound by the traffic of the factor, which is read twice. Eight columns are taken at once: what they meet of the solution is read
-//! and written once for all of them, and on the way back, against the order in the memory, so many streams keep it busy (two thirds
-//! of the time that four take, where the factor is larger than the caches). The divisions by `D` are made on the way back.
+//! The time is that of reading the factor from the memory, twice. Eight columns are processed
+//! together: the entries of the solution that they share are read and written once, and in the
+//! backward pass, against the order in the memory, so many streams use the full bandwidth (two
+//! thirds of the time of four columns, if the factor is larger than the caches). The divisions by
+//! `D` are done in the backward pass.
 
-/// A number that a factor is stored in. The arithmetic is in double precision: single precision halves what is read.
+/// A stored number of a factor. The arithmetic is in double precision: single precision halves the
+/// bytes read.
 pub(super) trait Entry: Copy {
     /// The number in double precision.
     fn wide(self) -> f64;
@@ -24,29 +27,31 @@ impl Entry for f32 {
     }
 }
 
-/// Where the blocks of a factor are.
+/// Positions of the blocks of a factor.
 ///
-/// A supernode is a block of consecutive columns with the same rows below their triangle: `width` columns of `width + rows`
-/// entries each, one after another; the diagonal holds `D`, what stands above it means nothing.
+/// A supernode is a block of consecutive columns with the same rows below their triangle: `width`
+/// columns of `width + rows` entries each, one after another. The diagonal holds `D`; entries above
+/// it are unused.
 pub(super) struct Supernodes {
     blocks: Vec<Block>,
     /// Rows below the triangles, block by block.
     rows: Vec<u32>,
-    /// The part of the solution that a block meets.
+    /// Entries of the solution that belong to a block.
     panel: Vec<f64>,
 }
 
 struct Block {
     column: usize,
     width: usize,
-    /// Where its entries start, in all entries of the factor.
+    /// Index of its first entry among all entries of the factor.
     entries: usize,
-    /// Where its rows start and end.
+    /// Start and end of its rows.
     rows: [usize; 2],
 }
 
 impl Supernodes {
-    /// From blocks in the order of elimination, each with its first column, its width, the start of its entries and its rows.
+    /// From blocks in the order of elimination, each with its first column, its width, the start of
+    /// its entries and its rows.
     pub fn new<R: Iterator<Item = u32>>(list: impl Iterator<Item = (usize, usize, usize, R)>) -> Supernodes {
         let (mut blocks, mut rows, mut tallest) = (Vec::new(), Vec::new(), 0);
         for (column, width, entries, below) in list {
@@ -96,7 +101,8 @@ impl Block {
     }
 }
 
-/// `x <- L^-1 x` for the first `width` entries of the panel, what they take from the others being added to these.
+/// `x <- L^-1 x` for the first `width` entries of the panel; their contributions to the other
+/// entries are added to these.
 fn eliminate<E: Entry>(entries: &[E], width: usize, panel: &mut [f64]) {
     let mut k = 0;
     while k < width {
@@ -130,10 +136,10 @@ fn eliminate_columns<const N: usize, E: Entry>(entries: &[E], k: usize, panel: &
     N
 }
 
-/// `x <- L^-T x` for the first `width` entries of the panel, the others being known.
+/// `x <- L^-T x` for the first `width` entries of the panel; the others are known.
 fn substitute_back<E: Entry>(entries: &[E], width: usize, panel: &mut [f64]) {
     let mut k = width;
-    // The columns in the same groups as on the way there.
+    // The columns in the same groups as in the forward pass.
     while k > 0 {
         k -= match (k % 8, k % 4) {
             (0, _) => substitute_columns::<8, E>(entries, k - 8, panel),

@@ -1,4 +1,4 @@
-//! Symmetric sparse matrices, of which the upper triangle is stored.
+//! Sparse symmetric matrices; the upper triangle is stored.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -6,13 +6,15 @@ use sprs::CsMat;
 
 use crate::base::{Error, Result};
 
-/// Marks a place in a group that is no unknown, because its value is given; it is skipped everywhere.
+/// Marks a position in a group without an unknown, because its value is prescribed; skipped
+/// everywhere.
 pub const CONSTRAINED: u32 = u32::MAX;
 
 /// A square symmetric matrix `A`; only entries `A_ij` with `i <= j` are stored, by columns.
 ///
-/// The pattern is built once, from groups of unknowns that couple with each other (the unknowns of one cell), and never
-/// changes; values are set to zero and added again as often as needed. All diagonal entries are in the pattern.
+/// The pattern is built once, from groups of unknowns that couple with each other (the unknowns of
+/// one cell), and never changes; values are set to zero and added again as often as needed. All
+/// diagonal entries are in the pattern.
 #[derive(Clone, Debug)]
 pub struct SymmetricMatrix {
     upper: CsMat<f64>,
@@ -54,7 +56,8 @@ impl SymmetricMatrix {
         Ok(SymmetricMatrix { upper, pattern })
     }
 
-    /// The principal submatrix of the unknowns (ascending) for which `number[i]`, their number in it, is not [`CONSTRAINED`].
+    /// The principal submatrix of the unknowns (ascending) whose new index `number[i]` is not
+    /// [`CONSTRAINED`].
     ///
     /// # Errors
     /// Internal, if the numbers do not ascend from 0.
@@ -73,7 +76,8 @@ impl SymmetricMatrix {
         Ok(part)
     }
 
-    /// Takes the values of the principal submatrix of `whole` that this one was made as.
+    /// Copies the values of the principal submatrix of `whole`; `number` as in
+    /// [`principal`](Self::principal).
     pub(super) fn take_principal(&mut self, whole: &SymmetricMatrix, number: &[u32]) {
         let mut to = self.upper.data_mut().iter_mut();
         for j in (0..whole.order()).filter(|&j| number[j] != CONSTRAINED) {
@@ -98,7 +102,8 @@ impl SymmetricMatrix {
         &self.upper
     }
 
-    /// The rows and the values of the stored entries of column `j`; rows ascend and the last one is `j`.
+    /// The rows and the values of the stored entries of column `j`; rows ascend and the last one is
+    /// `j`.
     pub(super) fn column(&self, j: usize) -> (&[usize], &[f64]) {
         let range = self.upper.indptr().outer_inds_sz(j);
         (&self.upper.indices()[range.clone()], &self.upper.data()[range])
@@ -109,7 +114,7 @@ impl SymmetricMatrix {
         self.upper.data()
     }
 
-    /// The stored values, column by column, for change.
+    /// The stored values, column by column, mutable.
     pub fn values_mut(&mut self) -> &mut [f64] {
         self.upper.data_mut()
     }
@@ -121,10 +126,12 @@ impl SymmetricMatrix {
 
     /// Adds a full symmetric `local` matrix (`m x m`, by rows) to the entries of the `m` unknowns.
     ///
-    /// [`CONSTRAINED`] unknowns are skipped; an unknown may occur more than once (periodic boundaries).
+    /// [`CONSTRAINED`] unknowns are skipped; an unknown may occur more than once (periodic
+    /// boundaries).
     ///
     /// # Errors
-    /// Internal, if `local` is not `m x m` or couples two unknowns that no group of the pattern holds together.
+    /// Internal, if `local` is not `m x m` or couples two unknowns that no group of the pattern
+    /// holds together.
     pub fn add_group(&mut self, unknowns: &[u32], local: &[f64]) -> Result<()> {
         let m = unknowns.len();
         if local.len() != m * m {
@@ -163,12 +170,13 @@ impl SymmetricMatrix {
         }
     }
 
-    /// Whether both matrices have the same pattern.
+    /// True if both matrices have the same pattern.
     pub fn same_pattern(&self, other: &SymmetricMatrix) -> bool {
         self.pattern == other.pattern
     }
 
-    /// A number that is equal for equal patterns and, for all practical purposes, different for different ones.
+    /// A hash of the pattern: equal for equal patterns and practically different for different
+    /// ones.
     pub(super) fn pattern(&self) -> u64 {
         self.pattern
     }
@@ -215,7 +223,7 @@ fn fingerprint(matrix: &CsMat<f64>) -> u64 {
     hasher.finish()
 }
 
-/// The groups, and for every unknown the groups that it is in.
+/// The groups, and the groups of every unknown.
 struct Incidence {
     members: Vec<u32>,
     /// Group `g` is `members[group_starts[g]..group_starts[g + 1]]`.

@@ -2,7 +2,8 @@
 
 use super::{CONSTRAINED, SymmetricMatrix};
 
-/// The five-point Laplacian on `n x n` interior points with zero boundary values, plus `shift` times the identity.
+/// The five-point Laplacian on `n x n` interior points with zero boundary values, plus `shift`
+/// times the identity.
 pub fn laplacian(n: usize, shift: f64) -> SymmetricMatrix {
     let at = |i: usize, j: usize| (i + n * j) as u32;
     let mut edges = Vec::new();
@@ -29,9 +30,10 @@ pub fn laplacian(n: usize, shift: f64) -> SymmetricMatrix {
     matrix
 }
 
-/// A Stokes step in the unit square, P2-P1 on `n x n` squares cut in two, zero velocity on the walls:
-/// `mass (u, v) + viscosity (grad u, grad v) - (p, div v) - (q, div u) - penalty (p, q)`. Without penalty the first
-/// pressure is fixed. Returns the matrix and the number of the first pressure.
+/// A Stokes step in the unit square, P2-P1 on `n x n` squares cut in two, zero velocity on the
+/// walls: `mass (u, v) + viscosity (grad u, grad v) - (p, div v) - (q, div u) - penalty (p, q)`.
+/// Without penalty the first pressure is fixed. Returns the matrix and the number of the first
+/// pressure.
 pub fn stokes(n: usize, mass: f64, viscosity: f64, penalty: f64) -> (SymmetricMatrix, usize) {
     let fixed = usize::from(penalty == 0.0);
     let inner = 2 * n - 1;
@@ -63,7 +65,8 @@ pub fn stokes(n: usize, mass: f64, viscosity: f64, penalty: f64) -> (SymmetricMa
     (matrix, 2 * inner * inner)
 }
 
-/// The 15 x 15 matrix of one triangle: six nodes of the first velocity component, six of the second, three pressures.
+/// The 15 x 15 matrix of one triangle: six nodes of the first velocity component, six of the
+/// second, three pressures.
 fn stokes_cell(x: [[f64; 2]; 3], mass: f64, viscosity: f64, penalty: f64) -> Vec<f64> {
     let edge = |a: usize, b: usize, c: usize| x[b][c] - x[a][c];
     let twice_area = edge(0, 1, 0) * edge(0, 2, 1) - edge(0, 1, 1) * edge(0, 2, 0);

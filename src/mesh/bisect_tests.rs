@@ -9,7 +9,8 @@ fn area(mesh: &Mesh<3>, name: &str) -> f64 {
     mesh.boundary(name).unwrap().iter().map(|&f| mesh.facet_normal(&mesh.facets()[f as usize]).1).sum()
 }
 
-/// A mesh without hanging points has no facets but those on the sides of the box, and these cover the sides once.
+/// A mesh without hanging points has no facets but those on the sides of the box, and these cover
+/// the sides once.
 fn assert_sound(mesh: &Mesh<3>, min: [f64; 3], max: [f64; 3]) {
     let side = [0, 1, 2].map(|k| max[k] - min[k]);
     assert!((mesh.volume() / side.iter().product::<f64>() - 1.0).abs() < 1e-12);
@@ -49,7 +50,7 @@ fn a_shell_is_as_fine_as_wished_and_the_rest_is_coarse() {
         let v = [0, 1, 2, 3].map(|k| mesh.points()[mesh.cell(c)[k] as usize]);
         let third = third_shortest_edge(&v);
         assert!(third <= edge * 1.001 || !meets_shell(&v, &centre.into(), radius, band), "cell {c}: {third}");
-        // Nothing is finer than one step below the wish: no cell is cut for nothing.
+        // Nothing is finer than one step below the requested size: no unnecessary bisections.
         assert!(third > 0.4 * edge, "cell {c}: {third}");
         coarsest = coarsest.max(third);
     }
@@ -82,7 +83,7 @@ fn sampled(x: &Point<3>, v: &[Point<3>; 4], n: usize) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// Cells about any points of any box fit together, in a few shapes.
+    /// Refinement about any points of any box is conforming, with few shapes.
     #[test]
     fn cells_about_any_point_fit(
         x in prop::array::uniform3(0.0..1.0f64),

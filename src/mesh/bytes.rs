@@ -20,8 +20,8 @@ impl<const D: usize> Mesh<D> {
         out.0
     }
 
-    /// The mesh that [`to_bytes`](Self::to_bytes) wrote: the same points, cells and facets in the same order. `None` when the bytes are
-    /// no mesh.
+    /// The mesh of [`to_bytes`](Self::to_bytes): the same points, cells and facets in the same
+    /// order. `None` if the bytes are not a mesh.
     pub fn from_bytes(bytes: &[u8]) -> Option<Mesh<D>> {
         let mut from = Reader(bytes);
         let mut mesh = Mesh::new(from.vectors()?, from.integers()?).ok()?;

@@ -1,16 +1,18 @@
-//! Meshes for FreeFEM, in formats that every FreeFEM reads without a plugin: triangles in its own `.msh` (not gmsh's) by `readmesh`, tetrahedra in
-//! Medit's `.mesh` by `readmesh3`.
+//! Mesh files for FreeFEM, readable without a plugin: triangles in its own `.msh` (not gmsh's) by
+//! `readmesh`, tetrahedra in Medit's `.mesh` by `readmesh3`.
 
 use super::{Facet, Mesh};
 use crate::base::{Error, Result};
 use std::fmt::Write;
 
-/// The sides of a rectangle and of a box have the labels that FreeFEM's `square` and `cube` give them, from 1.
+/// Sides of a rectangle and a box in the order of their labels in FreeFEM's `square` and `cube`,
+/// from 1.
 const SIDES: [&str; 6] = ["bottom", "right", "top", "left", "back", "front"];
 
-/// The labels of the boundaries in [`text`]: `bottom`, `right`, `top`, `left`, in space also `back` and `front`, are 1 to 4 or 6 as in FreeFEM's `square`
-/// and `cube`, the others have the numbers after these in the order of the alphabet. A facet of several boundaries gets the label of the smallest of
-/// them, so that `walls`, which is all of them, gets none; a facet of none gets 0.
+/// Labels of the boundaries in [`text`]: `bottom`, `right`, `top`, `left`, in space also `back` and
+/// `front`, are 1 to 4 or 6 as in FreeFEM's `square` and `cube`; the others follow in alphabetical
+/// order. A facet of several boundaries has the label of the smallest of them, so that `walls`, the
+/// union of all, has none; a facet of none has 0.
 pub fn labels<const D: usize>(mesh: &Mesh<D>) -> Vec<(String, u32)> {
     let (owners, sides) = (owners(mesh), &SIDES[..2 * D]);
     let mut used: Vec<&str> = owners.iter().flatten().copied().collect();
@@ -24,12 +26,13 @@ pub fn labels<const D: usize>(mesh: &Mesh<D>) -> Vec<(String, u32)> {
         .collect()
 }
 
-/// The mesh in FreeFEM's format: triangles as a line with the numbers of vertices, triangles and boundary edges, then `x y label` a vertex, three
-/// vertices (from 1) and a region a triangle, two vertices and a label an edge; tetrahedra as the parts `Vertices`, `Tetrahedra` and `Triangles` of a
-/// file of Medit, each with its number of lines of the same kind. Coordinates come back bit by bit.
+/// The mesh in FreeFEM's format. Triangles: a line with the numbers of vertices, triangles and
+/// boundary edges, then `x y label` per vertex, three vertices (from 1) and a region per triangle,
+/// two vertices and a label per edge. Tetrahedra: the parts `Vertices`, `Tetrahedra` and
+/// `Triangles` of a Medit file, each with its number of such lines. Coordinates are lossless.
 ///
 /// # Errors
-/// Of kind `Input`: a boundary without a name, on which no condition could be set.
+/// Of kind `Input`: a facet without a named boundary, on which no condition could be set.
 pub fn text<const D: usize>(mesh: &Mesh<D>) -> Result<String> {
     let (labels, owners) = (labels(mesh), owners(mesh));
     let label = |name: &str| labels.iter().find(|l| l.0 == name).map_or(0, |l| l.1);
@@ -68,7 +71,8 @@ pub fn text<const D: usize>(mesh: &Mesh<D>) -> Result<String> {
     })
 }
 
-/// The corners of a facet, counter-clockwise from the outside of its cell, as FreeFEM's own meshes have them.
+/// The corners of a facet, counter-clockwise from the outside of its cell, as FreeFEM's own meshes
+/// have them.
 fn seen_from_outside<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> impl Iterator<Item = u32> {
     let order: &[usize] = match (D, facet.opposite) {
         (2, 0) => &[1, 2],
@@ -90,7 +94,7 @@ fn nameless<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> Error {
         .remedy(format!("name all of the boundary in the mesh (gmsh: Physical {part})"))
 }
 
-/// The smallest boundary of every facet, the first in the alphabet among equals.
+/// The smallest boundary of every facet, the first in alphabetical order among equals.
 fn owners<const D: usize>(mesh: &Mesh<D>) -> Vec<Option<&str>> {
     let mut owners: Vec<Option<(usize, &str)>> = vec![None; mesh.facets().len()];
     for (name, facets) in mesh.boundaries() {
@@ -109,7 +113,8 @@ mod tests {
     use super::*;
     use crate::mesh::{Diagonals, Point, box_mesh, disc, rectangle};
 
-    /// What FreeFem++ 4.11 writes with `savemesh` for `square(3, 2, [2*x, y], flags=1)`, its edges sorted.
+    /// Output of `savemesh` of FreeFem++ 4.11 for `square(3, 2, [2*x, y], flags=1)`, with sorted
+    /// edges.
     const SAVED: &str = "12 12 10
 0 0 4|0.666666666667 0 1|1.33333333333 0 1|2 0 2|0 0.5 4|0.666666666667 0.5 0|1.33333333333 0.5 0|2 0.5 2|0 1 4|0.666666666667 1 3|1.33333333333 1 3|2 1 3
 1 2 5|5 2 6|2 3 7|2 7 6|3 4 7|7 4 8|5 6 10|5 10 9|6 7 10|10 7 11|7 8 12|7 12 11

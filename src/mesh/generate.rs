@@ -1,9 +1,9 @@
-//! Meshes made here: rectangles, boxes and discs.
+//! Mesh generators: rectangles, boxes and discs.
 
 use super::{Mesh, Point};
 use crate::base::{Error, Result};
 
-/// How the squares of a rectangle are halved.
+/// Diagonals of the squares of a rectangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Diagonals {
     /// All from lower left to upper right: FreeFEM's `square(n, m, flags = 0)`.
@@ -11,12 +11,13 @@ pub enum Diagonals {
     Right,
     /// All from lower right to upper left: `flags = 2`.
     Left,
-    /// Square `(i, j)` to the left if `i + j` is even, else to the right: `flags = 1`. The mesh is symmetric about both
-    /// middle lines if the numbers of squares are even.
+    /// Square `(i, j)` to the left if `i + j` is even, else to the right: `flags = 1`. The mesh is
+    /// symmetric about both middle lines if the numbers of squares are even.
     UnionJack,
 }
 
-/// A rectangle cut into `cells[0] x cells[1]` squares, each halved by a diagonal. Points and cells are numbered as FreeFEM does.
+/// A rectangle cut into `cells[0] x cells[1]` squares, each halved by a diagonal. Points and cells
+/// are numbered as FreeFEM does.
 ///
 /// Boundary names: `left`, `right`, `bottom`, `top`, and `walls` for all of them.
 ///
@@ -50,10 +51,12 @@ pub fn rectangle(min: [f64; 2], max: [f64; 2], cells: [usize; 2], diagonals: Dia
     Ok(mesh)
 }
 
-/// A box cut into `cells[0] x cells[1] x cells[2]` blocks of six tetrahedra each (Kuhn's triangulation: all six share the
-/// diagonal from the lowest to the highest corner, so that neighbouring blocks fit).
+/// A box cut into `cells[0] x cells[1] x cells[2]` blocks of six tetrahedra each (Kuhn's
+/// triangulation: all six share the diagonal from the lowest to the highest corner, so that
+/// neighbouring blocks fit).
 ///
-/// Boundary names: `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z), and `walls` for all of them.
+/// Boundary names: `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z), and `walls` for
+/// all of them.
 ///
 /// # Errors
 /// A direction without cells, or corners that are not finite or not in order.
@@ -71,7 +74,8 @@ pub fn box_mesh(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Result<Mesh<
     let mut tetrahedra = Vec::with_capacity(24 * nx * ny * nz);
     for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
         let corner = i * step[0] + j * step[1] + k * step[2];
-        // Each order of the axes is a path along edges to the opposite corner; even orders are positively oriented.
+        // Each order of the axes is a path along edges to the opposite corner; even orders are
+        // positively oriented.
         for [a, b, c] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
             let path = [0, step[a], step[a] + step[b], step[a] + step[b] + step[c]].map(|s| (corner + s) as u32);
             let even = (b + 3 - a) % 3 == 1;
@@ -83,8 +87,9 @@ pub fn box_mesh(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Result<Mesh<
     Ok(mesh)
 }
 
-/// A disc of `rings` concentric rings of triangles: a point in the middle and `6 k` on circle `k`, so that all triangles
-/// have about the same size and angles between 42 and 97 degrees. The outer points lie on the circle.
+/// A disc of `rings` concentric rings of triangles: a point in the middle and `6 k` on circle `k`,
+/// so that all triangles have about the same size and angles between 42 and 97 degrees. The outer
+/// points lie on the circle.
 ///
 /// Boundary names: `wall`, and `walls` (the same).
 ///
@@ -127,7 +132,7 @@ pub fn disc(centre: [f64; 2], radius: f64, rings: usize) -> Result<Mesh<2>> {
     Ok(mesh)
 }
 
-/// More than this would not fit the 32-bit numbers of points.
+/// Larger numbers of points would not fit into 32 bits.
 const MOST_ALONG_A_SIDE: usize = 20_000;
 
 fn check_box<const D: usize>(min: &[f64; D], max: &[f64; D], cells: &[usize; D]) -> Result<()> {
@@ -143,7 +148,8 @@ fn check_box<const D: usize>(min: &[f64; D], max: &[f64; D], cells: &[usize; D])
         .remedy("give finite corners with max > min, and at least one cell in each direction but less than 170 million in all"))
 }
 
-/// Names the facets of an axis-aligned box `left`, `right`, `bottom`, `top` (3-D also `back`, `front`) by their normals, and all of them `walls`.
+/// Names the facets of an axis-aligned box `left`, `right`, `bottom`, `top` (3-D also `back`,
+/// `front`) by their normals, and all of them `walls`.
 pub(crate) fn name_box_sides<const D: usize>(mesh: &mut Mesh<D>) {
     let names = ["left", "right", "bottom", "top", "back", "front"];
     let mut parts = vec![Vec::new(); 2 * D];

@@ -1,27 +1,29 @@
-//! Finding the cell of a point: by walking along a segment from a known cell, or from nothing with a grid.
+//! Point location: by walking along a segment from a known cell, or with a grid.
 
 use super::{Mesh, NONE, Point};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-/// A barycentric coordinate above `-TOLERANCE` counts as inside. Coordinates of size `|x|` are rounded by
-/// `1e-16 |x|`, so this holds for cells larger than about `1e-4 |x|`.
+/// A barycentric coordinate above `-TOLERANCE` counts as inside. Coordinates of size `|x|` are
+/// rounded by `1e-16 |x|`, so this holds for cells larger than about `1e-4 |x|`.
 pub const TOLERANCE: f64 = 1e-12;
 
-/// Within this barycentric distance a point is taken to lie on a facet when a walk goes round a vertex or an edge.
+/// Barycentric distance within which a point lies on a facet, when a walk passes a vertex or an
+/// edge.
 const NEAR: f64 = 1e-9;
-/// A segment that turns away from a facet by less than this, relative to its length, runs along the facet.
+/// A segment at a smaller angle to a facet (relative to its length) runs along the facet.
 const GRAZING: f64 = 1e-12;
-/// Facets that a walk crosses without getting on before the cells around the point are searched.
+/// Number of facets crossed without progress before the cells around the point are searched.
 const PATIENCE: usize = 32;
-/// Most cells searched around a vertex.
+/// Largest number of cells searched around a vertex.
 const STAR: usize = 256;
 
-/// A point given by its cell.
+/// A point given by its cell and barycentric coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Location {
     /// Number of the cell.
     pub cell: u32,
-    /// Barycentric coordinates in that cell; entries `0..=D` are used. None is below `-`[`TOLERANCE`].
+    /// Barycentric coordinates in that cell; entries `0..=D` are used. None is below
+    /// `-`[`TOLERANCE`].
     pub barycentric: [f64; 4],
 }
 
@@ -34,12 +36,13 @@ impl<const D: usize> Mesh<D> {
 
     /// Walks along the straight segment from `from`, which lies in `cell`, to `to`.
     ///
-    /// Returns the location of `to` and `true`; or, when the segment leaves the domain, the location of the point where
-    /// it first does (its barycentric coordinates are `>= 0`) and `false`. The boundary belongs to the domain: a segment
-    /// may run along it or touch it. A point counts as inside a cell up to [`TOLERANCE`]. If `to` is not finite the
-    /// answer is `cell` with NaN coordinates, and `false`.
+    /// Returns the location of `to` and `true`; or, if the segment leaves the domain, the location
+    /// of the point where it first does (with barycentric coordinates `>= 0`) and `false`. The
+    /// boundary belongs to the domain: a segment may run along it or touch it. A point counts as
+    /// inside a cell up to [`TOLERANCE`]. If `to` is not finite the result is `cell` with NaN
+    /// coordinates, and `false`.
     ///
-    /// Does not allocate. The cost is one or two small products a cell crossed.
+    /// Does not allocate. The cost is one or two small products per crossed cell.
     pub fn walk(&self, cell: u32, from: &Point<D>, to: &Point<D>) -> (Location, bool) {
         if !to.iter().all(|x| x.is_finite()) {
             return (Location { cell, barycentric: [f64::NAN; 4] }, false);
@@ -48,7 +51,7 @@ impl<const D: usize> Mesh<D> {
         let mut reached = 0.0;
         let mut stalled = 0;
         let mut ignored = [false; 4];
-        // A segment meets a cell once; the bound only guards against a defect of the mesh.
+        // A segment meets a cell once; the bound is a safeguard against a defective mesh.
         for _ in 0..(PATIENCE + 1) * (self.cell_count() + 1) {
             let b = self.map(cell).barycentric(to);
             if b[..=D].iter().all(|&l| l >= -TOLERANCE) {
@@ -85,8 +88,9 @@ impl<const D: usize> Mesh<D> {
         Location { cell: cell as u32, barycentric: clamped::<D>(self.map(cell).barycentric(&p)) }
     }
 
-    /// Among the cells around `from + t (to - from)`, one that the segment goes on into, with the facets that it starts
-    /// on (and so cannot leave by). `None` if there is no such cell: the segment leaves the domain here.
+    /// A cell around `from + t (to - from)` into which the segment continues, with the facets that
+    /// contain its start (by which it cannot leave). `None` if there is none: the segment leaves
+    /// the domain here.
     #[cold]
     fn onward(&self, cell: usize, from: &Point<D>, to: &Point<D>, t: f64) -> Option<(usize, [bool; 4])> {
         let p = from + (to - from) * t;
@@ -123,7 +127,8 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// The facet by which the segment with end points `a`, `b` (barycentric) leaves a cell, and the parameter in `[0, 1]`.
+/// The facet by which the segment with end points `a`, `b` (barycentric) leaves a cell, and the
+/// parameter in `[0, 1]`.
 fn exit<const D: usize>(a: &[f64; 4], b: &[f64; 4], ignored: &[bool; 4]) -> Option<(usize, f64)> {
     let mut first = None;
     let mut least = f64::INFINITY;
@@ -139,7 +144,7 @@ fn exit<const D: usize>(a: &[f64; 4], b: &[f64; 4], ignored: &[bool; 4]) -> Opti
     first
 }
 
-/// Removes negative barycentric coordinates; the sum stays 1.
+/// Sets negative barycentric coordinates to zero; the sum stays 1.
 fn clamped<const D: usize>(mut b: [f64; 4]) -> [f64; 4] {
     let mut sum = 0.0;
     for l in &mut b[..=D] {
@@ -154,7 +159,8 @@ fn clamped<const D: usize>(mut b: [f64; 4]) -> [f64; 4] {
 
 /// Finds the cell of any point: a uniform grid of buckets, each with the cells that overlap it.
 ///
-/// Exact also where the domain is not convex or has holes, since every cell near a point is looked at.
+/// Also exact for domains that are not convex or have holes, because every cell near a point is
+/// examined.
 #[derive(Clone, Debug)]
 pub struct Locator<const D: usize> {
     low: Point<D>,
@@ -167,7 +173,7 @@ pub struct Locator<const D: usize> {
 }
 
 impl<const D: usize> Locator<D> {
-    /// Sorts the cells of a mesh into about one bucket a cell.
+    /// Sorts the cells of a mesh into about one bucket per cell.
     pub fn new(mesh: &Mesh<D>) -> Locator<D> {
         let (low, high) = mesh.bounding_box();
         let extent = high - low;
@@ -196,10 +202,11 @@ impl<const D: usize> Locator<D> {
         grid
     }
 
-    /// The location of `x`, or `None` outside the domain. `mesh` is the mesh that the locator was made from.
+    /// The location of `x`, or `None` outside the domain. `mesh` is the mesh that the locator was
+    /// made from.
     ///
-    /// Decided by exact predicates; a point that is in no cell but within [`TOLERANCE`] of one (as rounding leaves
-    /// points of an oblique boundary) belongs to the nearest.
+    /// Uses exact predicates. A point in no cell but within [`TOLERANCE`] of one (a rounded point
+    /// of an oblique boundary) belongs to the nearest.
     pub fn locate(&self, mesh: &Mesh<D>, x: &Point<D>) -> Option<Location> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
@@ -223,7 +230,8 @@ impl<const D: usize> Locator<D> {
         nearest
     }
 
-    /// Calls `visit` with every bucket that the bounding box of cell `c`, widened a little for rounding, overlaps.
+    /// Calls `visit` with every bucket that overlaps the bounding box of cell `c`, enlarged
+    /// slightly for rounding.
     fn overlapped(&self, mesh: &Mesh<D>, c: usize, mut visit: impl FnMut(usize)) {
         let points = mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]);
         let mut low = Point::<D>::repeat(f64::INFINITY);
@@ -244,7 +252,7 @@ impl<const D: usize> Locator<D> {
 
     /// Grid coordinates of the bucket of `x`, the nearest one if `x` lies outside the grid.
     fn coordinates(&self, x: &Point<D>) -> [usize; D] {
-        // A cast from float saturates, so that what lies below goes to 0.
+        // A cast from float saturates: negative values become 0.
         std::array::from_fn(|i| (((x[i] - self.low[i]) * self.density[i]) as usize).min(self.shape[i] - 1))
     }
 
@@ -253,7 +261,7 @@ impl<const D: usize> Locator<D> {
     }
 }
 
-/// Whether cell `c` contains `x`, its boundary included, without rounding error.
+/// True if cell `c`, with its boundary, contains `x`, without rounding error.
 fn contains<const D: usize>(mesh: &Mesh<D>, c: usize, x: &Point<D>) -> bool {
     let cell = mesh.cell(c);
     (0..=D).all(|k| {
@@ -263,7 +271,8 @@ fn contains<const D: usize>(mesh: &Mesh<D>, c: usize, x: &Point<D>) -> bool {
             orient2d(p(0), p(1), p(2)) >= 0.0
         } else {
             let p = |i| Coord3D { x: vertex(i)[0], y: vertex(i)[1], z: vertex(i)[2] };
-            // Positive when the first three run clockwise seen from the fourth, the opposite of our orientation.
+            // Positive when the first three run clockwise seen from the fourth, the opposite of our
+            // orientation.
             orient3d(p(0), p(1), p(2), p(3)) <= 0.0
         }
     })

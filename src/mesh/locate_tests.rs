@@ -11,7 +11,8 @@ fn with_hole<const D: usize>(mesh: &Mesh<D>, low: f64, high: f64) -> Mesh<D> {
     Mesh::new(mesh.points().to_vec(), kept.flat_map(|c| mesh.cell(c).to_vec()).collect()).unwrap()
 }
 
-/// Moves the inner points of a rectangle or box mesh on `[0, n]^D` with `n` cells a side, so that nothing is aligned.
+/// Moves the inner points of a rectangle or box mesh on `[0, n]^D` with `n` cells a side, so that
+/// nothing is aligned.
 fn shaken<const D: usize>(mesh: &Mesh<D>, n: f64) -> Mesh<D> {
     let move_point = |(i, p): (usize, &Point<D>)| {
         let inner = p.iter().all(|&x| x > 0.0 && x < n);
@@ -39,7 +40,7 @@ fn is_at<const D: usize>(mesh: &Mesh<D>, at: &Location, x: &Point<D>) -> bool {
     at.barycentric[..=D].iter().all(|&l| l >= -TOLERANCE) && (mesh.point_at(at) - x).norm() < 1e-11
 }
 
-/// Every way to find a point of a convex domain gives it back.
+/// Every search for a point of a convex domain finds it.
 fn finds<const D: usize>(mesh: &Mesh<D>, from: Location, to: Location) {
     let (x, y) = (mesh.point_at(&from), mesh.point_at(&to));
     let (found, inside) = mesh.walk(from.cell, &x, &y);
@@ -86,8 +87,9 @@ proptest! {
     }
 }
 
-/// Where a segment between points with whole coordinates first enters the open cube `(low, high)^D`: `None` if never,
-/// without rounding (parameters are fractions over the product of the steps).
+/// Parameter at which a segment between points with integer coordinates first enters the open cube
+/// `(low, high)^D`; `None` if never. Without rounding (parameters are fractions over the product of
+/// the steps).
 fn entry<const D: usize>(from: [i64; D], to: [i64; D], low: i64, high: i64) -> Option<f64> {
     let step: [i64; D] = std::array::from_fn(|i| to[i] - from[i]);
     let all: i64 = step.iter().filter(|s| **s != 0).map(|s| s.abs()).product();
@@ -107,8 +109,9 @@ fn entry<const D: usize>(from: [i64; D], to: [i64; D], low: i64, high: i64) -> O
     (first < last).then(|| first as f64 / all as f64)
 }
 
-/// Walks between all points of a lattice (`2 n` steps a unit cell of three, with the middle cell missing) must stop at
-/// the hole exactly when they enter its interior: along its sides and past its corners they go on.
+/// Walks between all points of a lattice (`2 n` steps a unit cell of three, with the middle cell
+/// missing) must stop at the hole exactly when they enter its interior: along its sides and past
+/// its corners they go on.
 fn lattice<const D: usize>(mesh: &Mesh<D>, per_cell: i64, stride: usize) {
     let n = 3 * per_cell + 1;
     let lattice: Vec<[i64; D]> =

@@ -1,4 +1,4 @@
-//! Simplicial meshes: points, cells, named regions and boundaries, neighbours. Knows no field and no solver.
+//! Simplicial meshes: points, cells, named regions and boundaries, neighbours.
 
 pub mod adapt;
 mod bisect;
@@ -23,14 +23,14 @@ use std::collections::BTreeMap;
 use topology::connect;
 pub(crate) use topology::facet_key;
 
-/// A point of space.
+/// A point of the plane or of space.
 pub type Point<const D: usize> = SVector<f64, D>;
 
 /// "No cell": the neighbour across a facet on the boundary.
 pub const NONE: u32 = u32::MAX;
 
-/// The affine map of a cell: barycentric coordinates are `lambda_k = (inverse * (x - origin))_(k-1)` for `k = 1..=D`,
-/// `lambda_0 = 1 - sum`.
+/// The affine map of a cell: barycentric coordinates are
+/// `lambda_k = (inverse * (x - origin))_(k-1)` for `k = 1..=D`, `lambda_0 = 1 - sum`.
 #[derive(Clone, Debug)]
 pub struct Affine<const D: usize> {
     /// First vertex of the cell.
@@ -53,7 +53,8 @@ impl<const D: usize> Affine<D> {
         }
         b
     }
-    /// Barycentric coordinates of the point at `step` from the one with the coordinates `l`, if it lies in the cell.
+    /// Barycentric coordinates of the point at `step` from the point with coordinates `l`, if it
+    /// lies in the cell.
     #[inline]
     pub fn moved(&self, l: &[f64; 4], step: &SVector<f64, D>) -> Option<[f64; 4]> {
         let dl = self.inverse * step;
@@ -90,7 +91,19 @@ pub struct Facet {
 
 /// A conforming simplicial mesh with named parts.
 ///
-/// Cells are positively oriented. Neighbour `k` of a cell lies across the facet opposite to its local vertex `k`.
+/// Cells are positively oriented. Neighbour `k` of a cell lies across the facet opposite to its
+/// local vertex `k`.
+///
+/// # Examples
+/// ```
+/// use immersa::mesh::{Diagonals, rectangle};
+///
+/// let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [4, 2], Diagonals::UnionJack)?;
+/// assert_eq!((mesh.points().len(), mesh.cell_count()), (15, 16));
+/// assert!((mesh.volume() - 2.0).abs() < 1e-14);
+/// assert_eq!(mesh.boundary("left")?.len(), 2);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     points: Vec<Point<D>>,
@@ -104,13 +117,14 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// A mesh from points and cells (`D + 1` point numbers a cell, flat). Negatively oriented cells are turned round
-    /// and listed in [`Mesh::reoriented`].
+    /// A mesh from points and cells (`D + 1` point numbers per cell, flat). Negatively oriented
+    /// cells are reoriented and listed in [`Mesh::reoriented`].
     ///
     /// # Errors
-    /// A point number out of range, a coordinate that is not finite, a degenerate cell (volume below `1e-14` of the
-    /// cube of its longest edge, or square in 2-D), a facet shared by more than two cells, or two cells on the same side of
-    /// a facet (they overlap). Each names the cell and its coordinates.
+    /// A point number out of range, a coordinate that is not finite, a degenerate cell (volume
+    /// below `1e-14` of the cube of its longest edge, in 2-D of the square), a facet shared by more
+    /// than two cells, or two cells on the same side of a facet (they overlap). Each names the cell
+    /// and its coordinates.
     pub fn new(points: Vec<Point<D>>, mut cells: Vec<u32>) -> Result<Mesh<D>> {
         if cells.is_empty() || !cells.len().is_multiple_of(D + 1) {
             return Err(Error::input(format!("the mesh has no cells of dimension {D}"))
@@ -193,7 +207,8 @@ impl<const D: usize> Mesh<D> {
     pub fn facets(&self) -> &[Facet] {
         &self.facets
     }
-    /// Point numbers of a boundary facet, oriented so that the normal of [`Mesh::facet_normal`] points outward.
+    /// Point numbers of a boundary facet, oriented so that the normal of [`Mesh::facet_normal`]
+    /// points outward.
     pub fn facet_points(&self, f: &Facet) -> impl Iterator<Item = u32> + '_ {
         let opposite = f.opposite as usize;
         self.cell(f.cell as usize).iter().enumerate().filter(move |(k, _)| *k != opposite).map(|(_, &v)| v)
@@ -213,15 +228,15 @@ impl<const D: usize> Mesh<D> {
     pub fn regions(&self) -> &BTreeMap<String, Vec<u32>> {
         &self.regions
     }
-    /// Gives a boundary part a name. Numbers are those of [`Mesh::facets`].
+    /// Names a boundary part. Numbers are those of [`Mesh::facets`].
     pub fn set_boundary(&mut self, name: impl Into<String>, facets: Vec<u32>) {
         self.boundaries.insert(name.into(), facets);
     }
-    /// Gives a set of cells a name.
+    /// Names a set of cells.
     pub fn set_region(&mut self, name: impl Into<String>, cells: Vec<u32>) {
         self.regions.insert(name.into(), cells);
     }
-    /// The cells that came with the wrong orientation and were turned round.
+    /// The cells given with negative orientation, which were reoriented.
     pub fn reoriented(&self) -> &[u32] {
         &self.reoriented
     }
@@ -259,7 +274,8 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// Determinant of a 2 x 2 or 3 x 3 matrix (nalgebra's needs bounds that do not go through a generic dimension).
+/// Determinant of a 2 x 2 or 3 x 3 matrix (nalgebra's needs bounds that do not go through a generic
+/// dimension).
 pub(crate) fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
     match D {
         2 => m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(1, 0)],

@@ -1,13 +1,14 @@
-//! What is wrong with a mesh, or may become so: shape of cells, loose points, parts without name.
+//! Quality of a mesh: shape of cells, unused points, unnamed parts.
 //!
-//! What makes a mesh useless (cells without volume, overlapping cells, coordinates that are no numbers) is an error of
-//! [`Mesh::new`] already.
+//! Invalid meshes (degenerate or overlapping cells, coordinates that are not finite) are rejected
+//! by [`Mesh::new`].
 
 use super::{Mesh, NONE, Point};
 use crate::base::Warning;
 use std::collections::HashMap;
 
-/// Cells with a smaller angle, in degrees, are reported: the condition of the matrices grows with its inverse.
+/// Angle in degrees below which cells are reported: the condition number of the matrices grows with
+/// its inverse.
 const SMALL_ANGLE: f64 = 5.0;
 
 /// The worst cell by some measure.
@@ -26,17 +27,18 @@ pub struct Extreme<const D: usize> {
 pub struct Quality<const D: usize> {
     /// Smallest angle between two sides of a cell (in 3-D the dihedral angle), in degrees.
     pub smallest_angle: Extreme<D>,
-    /// Smallest `D` x radius of the inscribed / radius of the circumscribed sphere: 1 for an equilateral cell.
+    /// Smallest `D` x radius of the inscribed / radius of the circumscribed sphere: 1 for an
+    /// equilateral cell.
     pub smallest_radius_ratio: Extreme<D>,
     /// Smallest longest edge of a cell.
     pub smallest_diameter: Extreme<D>,
     /// Greatest longest edge of a cell.
     pub greatest_diameter: Extreme<D>,
-    /// Parts that are not connected through sides of cells.
+    /// Number of parts that are connected through facets.
     pub parts: usize,
 }
 
-/// Measures a mesh and looks for defects.
+/// Measures a mesh and reports defects.
 pub fn check<const D: usize>(mesh: &Mesh<D>) -> (Quality<D>, Vec<Warning>) {
     let (parts, smallest_part) = connected_parts(mesh);
     let least = |value: &dyn Fn(usize) -> f64| extreme(mesh, value);
@@ -84,7 +86,8 @@ fn place<const D: usize>(mesh: &Mesh<D>, c: usize) -> String {
     format!("cell {c} (counted from 0, centre {:?})", centre(mesh, c).as_slice())
 }
 
-/// The gradients of the barycentric coordinates are normal to the sides.
+/// Smallest angle of cell `c`; the gradients of the barycentric coordinates are normal to the
+/// sides.
 fn smallest_angle<const D: usize>(mesh: &Mesh<D>, c: usize) -> f64 {
     let map = mesh.map(c);
     let mut greatest = -1.0f64;
@@ -97,8 +100,9 @@ fn smallest_angle<const D: usize>(mesh: &Mesh<D>, c: usize) -> f64 {
     greatest.clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// With g_k = grad lambda_k, 1/|g_k| is a height, so the inscribed radius is 1 / sum |g_k|. The circumcentre x relative
-/// to vertex 0 has e_k . x = |e_k|^2 / 2 for the edges e_k, which are dual to the gradients.
+/// Ratio of inscribed to circumscribed radius, times `D`. With g_k = grad lambda_k, 1/|g_k| is a
+/// height, so the inscribed radius is 1 / sum |g_k|. The circumcentre x relative to vertex 0
+/// satisfies e_k . x = |e_k|^2 / 2 for the edges e_k, which are dual to the gradients.
 fn radius_ratio<const D: usize>(mesh: &Mesh<D>, c: usize) -> f64 {
     let (map, cell) = (mesh.map(c), mesh.cell(c));
     let point = |k: usize| mesh.points()[cell[k] as usize];
@@ -258,7 +262,8 @@ mod tests {
 
     #[test]
     fn every_defect_is_reported_with_its_place() {
-        // A flat cell, an inverted one, a second part, an unused point and one that stands twice; no names.
+        // A flat cell, an inverted one, a second part, an unused point and one that stands twice;
+        // no names.
         let points = [
             [0.0, 0.0],
             [1.0, 0.0],

@@ -1,20 +1,23 @@
-//! Uniform refinement of triangles and tetrahedra, with new boundary points moved onto the geometry.
+//! Uniform refinement of triangles and tetrahedra, with new boundary points moved onto the
+//! geometry.
 
 use super::{Facet, Mesh, Point, determinant};
 use crate::base::{Cause, Error, Result};
 use nalgebra::SMatrix;
 use std::collections::{BTreeSet, HashMap};
 
-/// The mesh with every cell cut by the middles of its edges: a triangle into four similar to it ("red" refinement; Bank, Sherman and
-/// Weiser 1983), a tetrahedron into four similar to it at its corners and four about the shortest diagonal of the
-/// octahedron between them (Bey, Computing 55, 1995; Zhang, Houston J. Math. 21, 1995). Cell `c` becomes the cells `2^D c` to `2^D c + 2^D - 1`.
-/// Points keep their numbers, names of boundaries and regions are inherited.
+/// The mesh with every cell divided at the midpoints of its edges: a triangle into four similar
+/// ones ("red" refinement; Bank, Sherman and Weiser 1983), a tetrahedron into four similar ones at
+/// its corners and four about the shortest diagonal of the octahedron between them (Bey, Computing
+/// 55, 1995; Zhang, Houston J. Math. 21, 1995). Cell `c` becomes the cells `2^D c` to
+/// `2^D c + 2^D - 1`. Points keep their numbers; names of boundaries and regions are inherited.
 ///
-/// The middle of an edge on the boundary is handed to `onto` with the names of its boundaries in turn; the first place that `onto`
-/// gives is taken instead of it, so that a polygon tends to the curve it stands for, a polyhedron to its surface.
+/// The midpoint of an edge on the boundary is passed to `onto` with the names of its boundaries in
+/// turn; the first position that `onto` returns replaces it, so that a polygon converges to the
+/// curve that it approximates, a polyhedron to its surface.
 ///
 /// # Errors
-/// A cell that is turned over or flattened by a point that was moved.
+/// A cell inverted or flattened by a moved point.
 pub fn refine<const D: usize>(mesh: &Mesh<D>, onto: impl Fn(&str, &Point<D>) -> Option<Point<D>>) -> Result<Mesh<D>> {
     let mut middles = Middles { points: mesh.points().to_vec(), by_ends: HashMap::new(), ends: Vec::new() };
     let mut cells = Vec::with_capacity(((D + 1) << D) * mesh.cell_count());
@@ -50,7 +53,7 @@ pub fn refine<const D: usize>(mesh: &Mesh<D>, onto: impl Fn(&str, &Point<D>) -> 
 
 /// Points in the middle of edges.
 struct Middles<const D: usize> {
-    /// Those of the mesh, then the middles.
+    /// The points of the mesh, then the midpoints.
     points: Vec<Point<D>>,
     by_ends: HashMap<[u32; 2], u32>,
     /// The ends of each edge, in the order of the middles.
@@ -66,7 +69,7 @@ impl<const D: usize> Middles<D> {
         })
     }
 
-    /// The tetrahedra that `a b c d` is cut into, positively oriented as it is.
+    /// The eight tetrahedra of `a b c d`, positively oriented.
     fn eight(&mut self, a: u32, b: u32, c: u32, d: u32) -> [[u32; 4]; 8] {
         let [ab, ac, ad, bc, bd, cd] = [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)].map(|(i, j)| self.of(i, j));
         let length = |i: u32, j: u32| (self.points[i as usize] - self.points[j as usize]).norm_squared();
@@ -101,7 +104,7 @@ fn names_of_edges<const D: usize>(mesh: &Mesh<D>) -> HashMap<[u32; 2], BTreeSet<
     names
 }
 
-/// Refuses cells that points which were moved have turned over; [`Mesh::new`] would turn them round.
+/// Rejects cells that moved points have inverted; [`Mesh::new`] would reorient them.
 fn refuse_turned<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<()> {
     let volume = |v: &[u32]| {
         let from_first = |i: usize, k: usize| points[v[k + 1] as usize][i] - points[v[0] as usize][i];
@@ -118,8 +121,8 @@ fn refuse_turned<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<(
     .because(Cause::CurvedBoundary))
 }
 
-/// The facet of the coarse mesh that `facet` of the fine one is a part of: the one of its parent cell that all its points, or the ends
-/// of the edges that they were in the middle of, belong to.
+/// The facet of the coarse mesh that contains `facet` of the fine one: the facet of its parent cell
+/// with all its points, or with the ends of the edges whose midpoints they are.
 fn parent<const D: usize>(
     mesh: &Mesh<D>,
     fine: &Mesh<D>,

@@ -1,10 +1,10 @@
-//! Which cells share a facet.
+//! Neighbours of cells across facets.
 
 use super::{Facet, NONE, Point};
 use crate::base::{Error, Result};
 use rayon::prelude::*;
 
-/// Neighbours of all cells, and the facets that have none.
+/// Neighbours of all cells, and the facets without one.
 pub(super) fn connect<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<(Vec<u32>, Vec<Facet>)> {
     let vertices = |slot: u32| &cells[slot as usize / (D + 1) * (D + 1)..][..D + 1];
     let local = |slot: u32| slot as usize % (D + 1);
@@ -60,8 +60,8 @@ pub(crate) fn facet_key<const D: usize>(cell: &[u32], k: usize) -> [u32; 3] {
     key
 }
 
-/// Whether the facet opposite to vertex `k`, seen from inside the (positively oriented) cell, takes an odd number of
-/// exchanges to sort: different for the two cells of a facet.
+/// True if the facet opposite to vertex `k`, seen from inside the (positively oriented) cell, takes
+/// an odd number of exchanges to sort: different for the two cells of a facet.
 fn facet_parity(cell: &[u32], k: usize) -> bool {
     let mut odd = k % 2 == 1;
     for i in (0..cell.len()).filter(|&i| i != k) {

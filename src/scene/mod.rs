@@ -52,6 +52,30 @@ use std::path::{Path, PathBuf};
 /// A scene: its tables, its structures, and where it was written.
 ///
 /// Gives access to its [`Script`]. Scenes are equal when their tables and structures are.
+///
+/// # Examples
+/// ```
+/// use immersa::scene::{Scene, problem};
+/// use std::path::Path;
+///
+/// let text = r#"
+/// mesh.rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16] }
+/// fluid = { density = 1.0, viscosity = 0.1 }
+/// [[membrane]]
+/// name = "skin"
+/// shape.circle = { centre = [1, 1], radius = 0.4 }
+/// area.linear = { modulus = 1.0 }
+/// [time]
+/// end = 0.1
+/// step = 0.05
+/// "#;
+/// let scene = Scene::parse_with(text, Path::new("scene.toml"), &["time.step=0.1".into()])?;
+/// assert_eq!(scene.structures()[0].name(), "skin");
+/// let mut problem = problem(&scene)?;
+/// problem.step()?;
+/// assert_eq!(problem.moment().time, 0.1);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
     script: Script,

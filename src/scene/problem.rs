@@ -4,7 +4,7 @@ use super::row::Row;
 use crate::base::{PHASES, Result, Warning};
 use crate::flow::StepReport;
 use crate::mesh::Mesh;
-use crate::sim::{Budget, Energies};
+use crate::sim::{Energies, EnergyBalance};
 use std::path::Path;
 
 /// Position of a problem in time.
@@ -124,8 +124,8 @@ pub trait Problem {
     /// # Errors
     /// Damaged bytes, a state of another scene.
     fn restore(&mut self, saved: [&[u8]; 2], tag: u64, band_edges: Option<[f64; 2]>) -> Result<()>;
-    /// Energies and their budget, where a flow is solved.
-    fn energies(&self) -> Option<(Energies, Budget)> {
+    /// Energies and their balance, where a flow is solved.
+    fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         None
     }
     /// Seconds of all processors by [phase](PHASES) since this was called last, and number of

@@ -8,7 +8,7 @@ use super::schema::{
 use super::structures::{KINDS, StructureKind, Traits};
 use crate::base::{Error, Result};
 use crate::fem::Element;
-use crate::sim::Way;
+use crate::sim::SolverKind;
 use crate::transport::Method;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -203,7 +203,7 @@ fn check_elements(
         }
     }
     match table.get("pressure").filter(|_| numerics.pressure == Element::P1P0) {
-        Some(item) if numerics.solving.way == Some(Way::Schur) => Err(item
+        Some(item) if numerics.solving.kind == Some(SolverKind::Schur) => Err(item
             .key_error("the Schur route has no operator for a pressure that holds the constants twice")
             .remedy("take solver = \"auto\", or pressure = \"P1\"")),
         Some(item) if dimension == 3 => Err(item

@@ -1,4 +1,4 @@
-//! Level sets in a velocity that is given: no flow is solved.
+//! Level sets in a prescribed velocity: no flow is solved.
 
 use super::carried::{Carried, Transport, largest};
 use super::state::State;
@@ -13,7 +13,29 @@ use nalgebra::SVector;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Structures that a given velocity carries; no matrix of a flow and no pressure exist.
+/// Structures transported by a prescribed velocity; there is no flow matrix and no pressure.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::{Element, Space};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use immersa::sim::{Advection, LevelSet, Transport};
+/// use std::sync::Arc;
+///
+/// // The shear (y, 0) carries the line x = 1 to the line x = 1 + t y.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [8, 4], Diagonals::Right)?);
+/// let phi = Space::new(&mesh, Element::P2).interpolate(|x| x[0] - 1.0);
+/// let velocity = Arc::new(|x: &Point<2>, _: f64| Point::<2>::new(x[1], 0.0));
+/// let line = Box::new(LevelSet::new("line", phi));
+/// let transport = (Transport::default(), &vec![]);
+/// let mut advection = Advection::new(&mesh, (velocity, 0.1), transport, vec![line])?;
+/// advection.step()?;
+/// for (value, x) in advection.level_set(0).iter().zip(advection.space().nodes()) {
+///     let exact = x[0] - 0.1 * x[1] - 1.0;
+///     assert!((value - exact).abs() < 1e-12 || x[0] < 0.1); // inflow at x = 0
+/// }
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct Advection<const D: usize> {
     velocity: VelocityFunction<D>,
     dt: f64,
@@ -25,8 +47,8 @@ pub struct Advection<const D: usize> {
 }
 
 impl<const D: usize> Advection<D> {
-    /// Structures on `mesh` in `velocity`, in steps of length `dt`. Of `conditions` the periodic
-    /// sides count.
+    /// Structures on `mesh` in `velocity`, in steps of length `dt`. Only the periodic sides of
+    /// `conditions` are used.
     ///
     /// # Errors
     /// Periodic sides that do not fit; a mass matrix that does not fit into the memory.
@@ -99,11 +121,11 @@ impl<const D: usize> Advection<D> {
     pub fn time(&self) -> f64 {
         self.state.time
     }
-    /// The structures with their transport.
+    /// The structures and their transport.
     pub fn carried(&self) -> &Carried<D> {
         &self.carried
     }
-    /// The same, for options such as [`redistance_every`](Carried::redistance_every).
+    /// The same, mutable, for options such as [`redistance_every`](Carried::redistance_every).
     pub fn carried_mut(&mut self) -> &mut Carried<D> {
         &mut self.carried
     }
@@ -127,18 +149,19 @@ impl<const D: usize> Advection<D> {
     pub fn courant(&self) -> f64 {
         self.carried.carrier.tracer.courant(&self.state.flow.u, self.dt)
     }
-    /// Seconds of all processors by [phase](PHASES) since this was called last.
+    /// Processor seconds by [phase](PHASES) since the last call.
     pub fn take_costs(&mut self) -> [f64; PHASES.len()] {
         self.phases.take()
     }
-    /// Bytes of all that grows with the mesh, an estimate from the sizes.
+    /// Estimated bytes of storage that grows with the mesh.
     pub fn bytes(&self) -> usize {
         self.carried.factor_bytes() + self.carried.field_bytes(1)
     }
 }
 
 impl Advection<2> {
-    /// This advection, at the same time, on `mesh`, another mesh of the same domain with the same names.
+    /// This advection at the same time on `mesh`, another mesh of the same domain with the same
+    /// names.
     ///
     /// # Errors
     /// Those of [`Advection::new`]; a mesh that does not cover the domain.
@@ -157,7 +180,7 @@ impl Advection<2> {
     }
 }
 
-/// The report of a step that solves no flow.
+/// The report of a step without a flow solve.
 pub(super) fn nothing_solved() -> StepReport {
     let solve = SolveReport { residual: 0.0, refinements: 0, iterations: 0 };
     StepReport { solve, refactored: false, given_up: false }

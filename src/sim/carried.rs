@@ -1,4 +1,4 @@
-//! Structures, their fields and their transport: the part that all problems share.
+//! Structures, their fields and their transport: common to all problems.
 
 use crate::base::{Cause, Error, Result};
 use crate::fem::{Basis, Projector, Rule, Space, Translation};
@@ -22,7 +22,7 @@ pub struct Transport {
     pub remap: Option<f64>,
     /// Degree of the quadrature rule of projected transport without a flow.
     pub quadrature: usize,
-    /// True if the backward characteristics are wanted though no structure needs them.
+    /// True to transport the backward characteristics even if no structure needs them.
     pub backward_map: bool,
 }
 
@@ -32,7 +32,7 @@ impl Default for Transport {
     }
 }
 
-/// Structures on a mesh, and how their fields move.
+/// Structures on a mesh, and the transport of their fields.
 pub struct Carried<const D: usize> {
     pub(super) space: Arc<Space<D>>,
     pub(super) translations: Vec<Translation<D>>,
@@ -45,8 +45,8 @@ pub struct Carried<const D: usize> {
 }
 
 impl<const D: usize> Carried<D> {
-    /// Lets the structures declare their fields on a mesh; `kept` are fields from before, which
-    /// replace those of time 0. `basis` is that of a flow.
+    /// Declares the fields of the structures on a mesh; `kept` are earlier fields, which replace
+    /// those of time 0. `basis` is that of a flow, if there is one.
     ///
     /// # Errors
     /// A matrix that does not fit into the memory.
@@ -105,16 +105,16 @@ impl<const D: usize> Carried<D> {
     pub fn transport(&self) -> &Transport {
         &self.transport
     }
-    /// Redistances the level sets of structures after every `every` steps of the count of the state,
-    /// in a resumed run too. For interfaces whose slope means nothing; an elastic membrane would
-    /// lose its stretch.
+    /// Redistances the level sets of structures after every `every` steps, counted by the state,
+    /// also in a resumed run. For interfaces whose slope has no physical meaning; an elastic
+    /// membrane would lose its stretch.
     pub fn redistance_every(&mut self, every: usize, method: Redistancing) {
         self.redistancing = Some((every.max(1) as u64, method));
     }
 
-    /// Carries `from` over a step of length `dt` that ends at `time` into `to`; `blocks` are the
-    /// values of unknowns of structures in the step. With `ahead` it is a prediction: only what acts
-    /// is carried.
+    /// Transports `from` over a step of length `dt` that ends at `time` into `to`; `blocks` are the
+    /// values of unknowns of structures in the step. With `ahead`, a prediction, only fields with
+    /// an effect on the flow are transported.
     ///
     /// # Errors
     /// A projection that fails, a level set that is not finite.
@@ -140,8 +140,8 @@ impl<const D: usize> Carried<D> {
         Ok(())
     }
 
-    /// Redistances the level sets if step number `step`, the first being 1, is one that does.
-    /// Returns true if it was.
+    /// Redistances the level sets after step number `step` (counted from 1), if it is due. Returns
+    /// true if it was done.
     pub(super) fn redistance(&mut self, step: u64, fields: &mut Fields<D>) -> Result<bool> {
         let Some((every, method)) = self.redistancing else { return Ok(false) };
         if !step.is_multiple_of(every) {
@@ -170,11 +170,11 @@ impl<const D: usize> Carried<D> {
             _ => Cow::Borrowed(nodal),
         }
     }
-    /// True if the backward characteristics are carried.
+    /// True if the backward characteristics are transported.
     pub fn has_backward_map(&self, fields: &Fields<D>) -> bool {
         fields.find(DISPLACEMENT).is_some()
     }
-    /// Number of submaps of composed transport and error of the map by its determinant.
+    /// Number of submaps of composed transport, and error of the map by its determinant, (3.68).
     pub fn map_error(&self, fields: &Fields<D>) -> Option<(usize, f64)> {
         let map = fields.map.as_ref()?;
         Some((map.submaps().len(), map.determinant_error(&self.carrier.tracer)))
@@ -216,8 +216,8 @@ impl<const D: usize> Carried<D> {
         projector + self.structures.iter().map(|s| s.bytes()).sum::<usize>()
     }
 
-    /// The interface of structure number `k`. With composed transport in the plane it is cut on halved
-    /// cells where the mesh is too coarse for the backward map.
+    /// The interface of structure number `k`. With composed transport in the plane it is cut on
+    /// halved cells where the mesh is too coarse for the backward map.
     ///
     /// # Errors
     /// A value that is not finite.

@@ -1,19 +1,19 @@
-//! A state as bytes, and back, bit by bit.
+//! Checkpoints: lossless conversion of a state to bytes and back.
 
-use super::budget::{Budget, Energies};
+use super::balance::{Energies, EnergyBalance};
 use super::clock::Clock;
 use super::state::{Factored, Pace, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Cause, Error, Result, fnv1a};
 use crate::flow::FlowState;
-use crate::linalg::Ledger;
+use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
 const MAGIC: &[u8; 8] = b"immersa\x05";
 
 impl<const D: usize> State<D> {
-    /// The state as bytes, marked with `tag`, which tells the scene apart: numbers of 8 bytes, each
+    /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
     /// list after its length.
     pub fn to_bytes(&self, tag: u64) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());
@@ -31,11 +31,11 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         self.fields.write(&mut out);
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { fields, weight, dt, ledger: l }) = &self.factored {
+        if let Some(Factored { fields, weight, dt, solve_cost: l }) = &self.factored {
             fields.write(&mut out);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
-        let (e, b) = (self.energies, self.budget);
+        let (e, b) = (self.energies, self.balance);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred]);
         let check = fnv1a(&out.0);
@@ -95,16 +95,16 @@ impl<const D: usize> State<D> {
             _ => {
                 let fields = Fields::read(from)?;
                 let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
-                let ledger = Ledger { solves, spent, last, hold, failures };
-                Some(Factored { fields, weight, dt, ledger })
+                let solve_cost = SolveCost { solves, spent, last, hold, failures };
+                Some(Factored { fields, weight, dt, solve_cost })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
         let [initial, dissipated, work, exchanged, transferred] = from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
-        let budget = Budget { initial, dissipated, work, exchanged, transferred };
+        let balance = EnergyBalance { initial, dissipated, work, exchanged, transferred };
         let flow = FlowState { u, p };
-        Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, budget })
+        Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
     }
 }
 
@@ -139,10 +139,10 @@ mod tests {
                 fields: fields(3.0),
                 weight: 1.5,
                 dt: 0.1,
-                ledger: Ledger { spent: 9.0, ..Ledger::default() },
+                solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },
             }),
             energies: Energies { kinetic: 1.5, ..Energies::default() },
-            budget: Budget { work: 0.25, ..Budget::default() },
+            balance: EnergyBalance { work: 0.25, ..EnergyBalance::default() },
         }
     }
 

@@ -1,11 +1,12 @@
-//! The lengths of steps that follow the error.
+//! Adaptive time steps: their lengths from the error.
 
 use crate::base::{Cause, Error, Result};
 
-/// How steps are chosen.
+/// Parameters of adaptive time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pacing {
-    /// What the errors of all steps may add up to, relative: a step `dt` may make the error `tolerance dt / end`.
+    /// Tolerance for the sum of the errors of all steps, relative: a step `dt` may have the error
+    /// `tolerance dt / end`.
     pub tolerance: f64,
     /// Length of the first two steps, if the error allows.
     pub first: f64,
@@ -15,21 +16,22 @@ pub struct Pacing {
     pub most: f64,
     /// Times after 0, ascending, at which a step must end; the last is the end.
     pub instants: Vec<f64>,
-    /// Speed that errors of the velocity are related to, or the largest that occurs if it is larger.
+    /// Reference speed for errors of the velocity; a larger speed that occurs replaces it.
     pub speed: f64,
-    /// Length that errors of positions are related to.
+    /// Reference length for errors of positions.
     pub length: f64,
 }
 
-/// Where a run is between the instants, and the step that it wants. The interval between two instants is cut into `2^k` or `3 2^k` equal
-/// parts, and `k` changes inside: instants are hit exactly, and the matrix takes few values.
+/// Position of a run between the instants, and the step that the error allows. The interval between
+/// two instants is divided into `2^k` or `3 2^k` equal parts, and `k` changes inside: instants are
+/// reached exactly, and the matrix takes few values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
-    /// Number of the interval.
+    /// Index of the interval.
     pub interval: u64,
-    /// Parts of it that are done.
+    /// Completed parts of it.
     pub part: u64,
-    /// Parts that it is cut into.
+    /// Number of its parts.
     pub parts: u64,
     /// The step that the error allows.
     pub wanted: f64,
@@ -37,7 +39,7 @@ pub struct Clock {
     pub last: f64,
     /// The one before; 0 before it.
     pub before: f64,
-    /// Steps that were rejected.
+    /// Number of rejected steps.
     pub rejected: u64,
     /// The largest speed that has occurred.
     pub speed: f64,
@@ -45,9 +47,9 @@ pub struct Clock {
 
 /// Largest growth from step to step; BDF2 is zero-stable to `1 + sqrt(2)`.
 const GROWTH: f64 = 2.0;
-/// Part of the step that is predicted to have just the allowed error.
+/// Safety factor of the predicted step.
 const SAFETY: f64 = 0.9;
-/// A longer step is taken when it is this much longer.
+/// Least ratio at which a longer step is taken.
 const WORTHWHILE: f64 = 1.4;
 const ROUNDING: f64 = 1.0 + 1e-10;
 
@@ -56,7 +58,7 @@ impl Clock {
     pub fn new(pacing: &Pacing) -> Clock {
         Clock { wanted: pacing.first, parts: 1, ..Clock::default() }
     }
-    /// Whether the end is reached.
+    /// True if the end is reached.
     pub fn is_done(&self, pacing: &Pacing) -> bool {
         self.interval as usize >= pacing.instants.len()
     }
@@ -64,10 +66,10 @@ impl Clock {
         let k = self.interval as usize;
         [if k == 0 { 0.0 } else { pacing.instants[k - 1] }, pacing.instants[k]]
     }
-    /// The next step, at most `limit`, of which `count` fit before the next instant.
+    /// The next step, at most `limit`; `count` of them fit before the next instant.
     ///
     /// # Errors
-    /// It would be shorter than the shortest that is allowed.
+    /// A step shorter than `least`.
     pub fn propose(&mut self, pacing: &Pacing, limit: f64, count: u64) -> Result<f64> {
         let [from, to] = self.bounds(pacing);
         let length = to - from;
@@ -102,7 +104,7 @@ impl Clock {
         }
         Ok(rounded(length / self.parts as f64))
     }
-    /// The time: exactly an instant at its end.
+    /// The time; exactly an instant at its end.
     pub fn time(&self, pacing: &Pacing) -> f64 {
         if self.part == 0 {
             return if self.interval == 0 { 0.0 } else { pacing.instants[self.interval as usize - 1] };
@@ -110,7 +112,7 @@ impl Clock {
         let [from, to] = self.bounds(pacing);
         from + (to - from) * (self.part as f64 / self.parts as f64)
     }
-    /// A step was made.
+    /// Advances by an accepted step.
     pub fn advance(&mut self, dt: f64) {
         self.part += 1;
         if self.part == self.parts {
@@ -118,7 +120,8 @@ impl Clock {
         }
         (self.before, self.last) = (self.last, dt);
     }
-    /// The step that a step `dt` with the error `error`, over the allowed one and of order `dt^2`, suggests; whether it is accepted.
+    /// Computes the next step from a step `dt` with the error `error`, relative to the tolerance
+    /// and of order `dt^2`. Returns true if the step is accepted.
     pub fn judge(&mut self, dt: f64, error: f64) -> bool {
         let ideal = if error.is_finite() { dt * (SAFETY / error.sqrt()).clamp(0.2, 10.0) } else { 0.5 * dt };
         let accepted = error <= 1.0;
@@ -131,7 +134,7 @@ impl Clock {
     }
 }
 
-/// A step without the last bits, in which equal parts of equal intervals differ: so that their matrices do not.
+/// Rounds off the last bits of a step, so that equal parts of equal intervals have the same matrix.
 fn rounded(dt: f64) -> f64 {
     const LOST: u64 = 1 << 16;
     f64::from_bits((dt.to_bits() + LOST / 2) & !(LOST - 1))
@@ -146,8 +149,9 @@ mod tests {
         Pacing { tolerance: 1e-3, first: 0.004, least: 1e-6, most: 0.3, instants, speed: 1.0, length: 1.0 }
     }
 
-    /// Steps of all sizes that are wanted in turn: each instant is a time of the clock to the last bit, no step is longer than wanted,
-    /// allowed or than twice the last, and the times are the sum of the steps.
+    /// Steps of all sizes that are wanted in turn: each instant is a time of the clock to the last
+    /// bit, no step is longer than wanted, allowed or than twice the last, and the times are the
+    /// sum of the steps.
     #[test]
     fn instants_are_hit_exactly_and_growth_is_bounded() {
         let p = pacing();

@@ -1,8 +1,8 @@
-//! Problems in time: immersed flow, advection in a given velocity, segmentation of an image. Knows
-//! no files and no law of a structure.
+//! Problems in time: immersed flow, advection in a prescribed velocity, segmentation of an image.
+//! Independent of files and of constitutive laws.
 
 mod advection;
-mod budget;
+mod balance;
 mod carried;
 mod checkpoint;
 mod clock;
@@ -13,13 +13,13 @@ mod strain;
 mod transfer;
 
 pub use crate::flow::Fluid;
-pub use crate::linalg::{Solving, Way};
+pub use crate::linalg::{SolverKind, SolverOptions};
 pub use crate::structure::{Coupling, InitialFunction, LevelSet, REMAP, polygon_area, polygon_length};
 pub use advection::Advection;
-pub use budget::{Budget, Energies};
+pub use balance::{Energies, EnergyBalance};
 pub use carried::{Carried, Transport};
 pub use clock::{Clock, Pacing};
-pub use immersed::{Settings, Simulation};
+pub use immersed::{Simulation, SimulationSettings};
 pub use segmentation::Segmenting;
 pub use state::{Factored, Pace, State};
 pub use transfer::Transfer;

@@ -1,4 +1,5 @@
-//! Segmentation of an image: a level set descends along an energy, and nothing flows.
+//! Segmentation of an image by active contours (1.29): a level set follows the gradient flow of an
+//! energy; there is no flow.
 
 use super::advection::nothing_solved;
 use super::carried::{Carried, Transport};
@@ -14,7 +15,7 @@ use std::sync::Arc;
 /// A level set that segments an image, in progress.
 pub struct Segmenting<const D: usize> {
     segmentation: Segmentation<D>,
-    /// The image at the nodes, for files.
+    /// The image at the nodes, for output.
     nodal: Vec<f64>,
     dt: f64,
     carried: Carried<D>,
@@ -23,9 +24,9 @@ pub struct Segmenting<const D: usize> {
 }
 
 impl<const D: usize> Segmenting<D> {
-    /// The level set `contour` on `space` that descends along the energy of `segmentation` in
-    /// pseudo-time steps of length `dt`; it becomes a distance again after every `rebuild` steps by
-    /// `method`. `nodal` is the image at the nodes.
+    /// The level set `contour` on `space` in the gradient flow of the energy of `segmentation`, in
+    /// pseudo-time steps of length `dt`. It is redistanced after every `rebuild` steps by `method`.
+    /// `nodal` is the image at the nodes.
     ///
     /// # Errors
     /// Internal, if the fields cannot be declared.
@@ -44,10 +45,10 @@ impl<const D: usize> Segmenting<D> {
         Ok(Segmenting { segmentation, nodal, dt, carried, state, phases: Phases::default() })
     }
 
-    /// Takes one step down the energy.
+    /// Takes one step of the gradient flow.
     ///
     /// # Errors
-    /// One of the two sides is gone.
+    /// One of the two sides is empty.
     pub fn step(&mut self) -> Result<StepReport> {
         let (dt, steps) = (self.dt, self.state.steps + 1);
         let time = steps as f64 * dt;
@@ -78,7 +79,7 @@ impl<const D: usize> Segmenting<D> {
     /// Energy of the level set on the image, and number of connected parts of its inside.
     ///
     /// # Errors
-    /// One of the two sides is gone.
+    /// One of the two sides is empty.
     pub fn fit(&self) -> Result<(SegmentationFit, usize)> {
         let phi = self.level_set();
         Ok((self.segmentation.fit(&phi)?, parts_inside(&self.carried.space, &phi)))
@@ -99,7 +100,7 @@ impl<const D: usize> Segmenting<D> {
     pub fn dt(&self) -> f64 {
         self.dt
     }
-    /// The level set with its transport.
+    /// The level set and its transport.
     pub fn carried(&self) -> &Carried<D> {
         &self.carried
     }
@@ -107,15 +108,15 @@ impl<const D: usize> Segmenting<D> {
     pub fn state(&self) -> &State<D> {
         &self.state
     }
-    /// Seconds of all processors by [phase](PHASES) since this was called last.
+    /// Processor seconds by [phase](PHASES) since the last call.
     pub fn take_costs(&mut self) -> [f64; PHASES.len()] {
         self.phases.take()
     }
-    /// Bytes of all that grows with the mesh, an estimate from the sizes.
+    /// Estimated bytes of storage that grows with the mesh.
     pub fn bytes(&self) -> usize {
         self.segmentation.bytes() + self.carried.factor_bytes() + self.carried.field_bytes(1)
     }
-    /// Bytes of the factors that are held.
+    /// Bytes of the factors.
     pub fn factor_bytes(&self) -> usize {
         self.segmentation.bytes() + self.carried.factor_bytes()
     }

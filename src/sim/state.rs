@@ -1,14 +1,14 @@
-//! All that changes in time; a checkpoint holds it.
+//! The state of a simulation, as stored in a checkpoint.
 
-use super::budget::{Budget, Energies};
+use super::balance::{Energies, EnergyBalance};
 use super::clock::Clock;
 use crate::base::{Cause, Error, Result};
 use crate::flow::FlowState;
-use crate::linalg::Ledger;
+use crate::linalg::SolveCost;
 use crate::structure::Fields;
 use nalgebra::SVector;
 
-/// Position of a run whose steps follow the error.
+/// State of adaptive time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pace<const D: usize> {
     /// Lengths of steps.
@@ -17,8 +17,8 @@ pub struct Pace<const D: usize> {
     pub earliest_u: Vec<SVector<f64, D>>,
 }
 
-/// Ingredients of the matrix whose factor is kept while the matrix changes: with them a resumed run
-/// has the same factor, and continues with the same bits.
+/// Data of the matrix whose factor is kept while the matrix changes: a resumed run computes the
+/// same factor and continues bit-identically.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factored<const D: usize> {
     /// Fields of the structures.
@@ -27,18 +27,18 @@ pub struct Factored<const D: usize> {
     pub weight: f64,
     /// The step.
     pub dt: f64,
-    /// Statistics of the choice between iterations and a factorisation.
-    pub ledger: Ledger,
+    /// Costs that decide between iterations and a factorisation.
+    pub solve_cost: SolveCost,
 }
 
-/// All that changes in time.
+/// All quantities that change in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State<const D: usize> {
     /// Steps taken.
     pub steps: u64,
     /// The time.
     pub time: f64,
-    /// Position of steps that follow the error; `None` with steps of one length.
+    /// State of adaptive time steps; `None` with constant steps.
     pub pace: Option<Pace<D>>,
     /// Velocity and pressure; no pressure where the velocity is prescribed.
     pub flow: FlowState<D>,
@@ -46,12 +46,12 @@ pub struct State<const D: usize> {
     pub earlier_u: Vec<SVector<f64, D>>,
     /// Fields of the structures.
     pub fields: Fields<D>,
-    /// Ingredients of the factor of the flow, where it outlives its matrix.
+    /// Data of the factor of the flow, if it is kept while the matrix changes.
     pub factored: Option<Factored<D>>,
-    /// Energies now.
+    /// Current energies.
     pub energies: Energies,
-    /// The energy budget.
-    pub budget: Budget,
+    /// The energy balance.
+    pub balance: EnergyBalance,
 }
 
 impl<const D: usize> State<D> {

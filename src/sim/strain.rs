@@ -13,8 +13,8 @@ use std::sync::Arc;
 const DEGREE: usize = 6;
 
 impl<const D: usize> Carried<D> {
-    /// `Y(x) - x` at the nodes, `Y` the place where the material of structure number `k` is at rest;
-    /// that of a passive interface is at rest at time 0.
+    /// The displacement `Y(x) - x` at the nodes to the position at rest of the material of
+    /// structure number `k`; a passive interface is at rest at time 0.
     pub fn rest_displacement<'a>(&self, fields: &'a Fields<D>, k: usize) -> Cow<'a, [SVector<f64, D>]> {
         let displacement = fields.displacement();
         match self.structures.get(k).and_then(|s| s.rest_map()) {
@@ -22,8 +22,8 @@ impl<const D: usize> Carried<D> {
             None => Cow::Borrowed(displacement),
         }
     }
-    /// Root mean square of `det grad Y - 1` over the domain, (5.21) of the paper, (3.68) of the book:
-    /// zero in a flow without divergence.
+    /// Root mean square of `det grad Y - 1` over the domain, (5.21) of the paper, (3.68) of the
+    /// book: zero in a divergence-free flow.
     pub fn determinant_error(&self, fields: &Fields<D>) -> f64 {
         let basis = Basis::new(&self.space, &Arc::new(Rule::simplex(D, DEGREE)));
         let displacement = fields.displacement();
@@ -40,15 +40,15 @@ impl<const D: usize> Carried<D> {
         }
         (sums[0] / sums[1]).sqrt()
     }
-    /// Strain of the interface of structure number `k` at points of it: since it was at rest, of a
-    /// passive interface since time 0.
+    /// Strain of the interface of structure number `k` at points on it, relative to its state at
+    /// rest; for a passive interface relative to time 0.
     pub fn surface_strain(&self, fields: &Fields<D>, k: usize, points: &[SurfacePoint<D>]) -> Vec<SurfaceStrain<D>> {
         let (phi, rest) = (self.level_set(fields, k), self.rest_displacement(fields, k));
         let at = |p: &SurfacePoint<D>| self.strain_at(k, &phi, &rest, p.at.cell, &p.at.barycentric);
         points.iter().map(at).collect()
     }
     /// Area and shear, `Z1` and `Z2`, of the level sets of structure number `k` at the nodes, means
-    /// over the cells about each; 1 farther than `reach` (a length) from the interface.
+    /// over the cells of each node; 1 farther than `reach` (a length) from the interface.
     pub fn nodal_strain(&self, fields: &Fields<D>, k: usize, reach: f64) -> [Vec<f64>; 2] {
         let (phi, rest) = (self.level_set(fields, k), self.rest_displacement(fields, k));
         let mut sums = vec![[0.0; 3]; self.space.len()];
@@ -69,7 +69,7 @@ impl<const D: usize> Carried<D> {
         let mean = |k: usize| sums.iter().map(|s| if s[2] > 0.0 { s[k] / s[2] } else { 1.0 }).collect();
         [mean(0), mean(1)]
     }
-    /// Strain of the level set `phi` of structure number `k` through a place in the mesh.
+    /// Strain of the level set `phi` of structure number `k` at a location in the mesh.
     fn strain_at(
         &self,
         k: usize,

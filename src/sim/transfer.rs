@@ -1,4 +1,4 @@
-//! Fields on another mesh of the same domain.
+//! Transfer of fields to another mesh of the same domain.
 
 use crate::base::Result;
 use crate::fem::{Interpolation, Projection, Space, Translation};
@@ -6,16 +6,16 @@ use crate::structure::{Data, Fields};
 use nalgebra::SVector;
 use std::sync::Arc;
 
-/// Method by which fields are brought to a new mesh.
+/// Method of the transfer to a new mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transfer {
-    /// The values of the old fields at the new nodes; of order 3 for P2, conserves nothing.
+    /// The values of the old fields at the new nodes; order 3 for P2, not conservative.
     Interpolation,
-    /// The L2 projection over the intersections of old and new cells; conserves the integrals.
+    /// The L2 projection over the intersections of old and new cells; conservative.
     Projection,
 }
 
-/// A [`Transfer`] from one space to another, ready for any number of fields.
+/// A [`Transfer`] from one space to another, prepared for any number of fields.
 pub(super) enum Bring<'a> {
     Interpolation(&'a Space<2>, Interpolation),
     Projection(&'a Space<2>, Box<Projection>),
@@ -33,7 +33,7 @@ impl<'a> Bring<'a> {
             Transfer::Projection => Bring::Projection(from, Box::new(Projection::new(from.mesh(), to, translations)?)),
         })
     }
-    /// A field with one number a node; an empty one stays empty.
+    /// A field with one number per node; an empty one stays empty.
     pub fn scalar(&self, f: &[f64]) -> Result<Vec<f64>> {
         match self {
             _ if f.is_empty() => Ok(Vec::new()),
@@ -41,7 +41,7 @@ impl<'a> Bring<'a> {
             Bring::Projection(from, projection) => projection.scalar(from, f),
         }
     }
-    /// A field with one vector a node; an empty one stays empty.
+    /// A field with one vector per node; an empty one stays empty.
     pub fn vector(&self, f: &[SVector<f64, 2>]) -> Result<Vec<SVector<f64, 2>>> {
         match self {
             _ if f.is_empty() => Ok(Vec::new()),
@@ -52,7 +52,7 @@ impl<'a> Bring<'a> {
 }
 
 impl Bring<'_> {
-    /// All fields; those that are not nodal stay as they are.
+    /// All fields; those that are not nodal do not change.
     pub fn fields(&self, fields: &Fields<2>) -> Result<Fields<2>> {
         let mut brought = fields.clone();
         for field in brought.iter_mut() {

@@ -1,18 +1,18 @@
-//! Transport of all fields by the method of a scene.
+//! Transport of all fields by one method.
 
 use super::fields::{Carry, Data, Fields, InitialFunction, Rule};
 use crate::base::{Result, parallel};
 use crate::fem::{Projector, Space};
 use crate::mesh::Location;
 use crate::transport::{
-    CharacteristicMap, Feet, Tracer, Wind, carry_displacement_nodal, carry_displacement_projected, carry_nodal,
-    carry_projected,
+    AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_displacement_nodal, carry_displacement_projected,
+    carry_nodal, carry_projected,
 };
 use nalgebra::SVector;
 use std::sync::Arc;
 
-/// Largest gradient of the displacement of a submap when the scene does not say
-/// (tests/convergence/README.md, "The vortex").
+/// Default largest gradient of the displacement of a submap (tests/convergence/README.md, "The
+/// vortex").
 pub const REMAP: f64 = 1.0;
 
 /// A level set at time 0, for composed transport.
@@ -30,7 +30,7 @@ impl<const D: usize> Initial<D> {
     }
 }
 
-/// Moves fields along a velocity.
+/// Transports fields with a velocity.
 pub struct Carrier<const D: usize> {
     /// Finds the feet of characteristics.
     pub tracer: Tracer<D>,
@@ -49,8 +49,8 @@ impl<const D: usize> Carrier<D> {
         Carrier { tracer, projector, remap: REMAP, initial: Vec::new(), feet: Feet::default() }
     }
 
-    /// Begins composed transport at time 0: convected fields are evaluated by the backward map from
-    /// now on. Fields that act on nothing are evaluated on demand, and lose their nodal values.
+    /// Starts composed transport at time 0: convected fields are then evaluated by the backward
+    /// map. Fields without effect on the flow are evaluated on demand, and lose their nodal values.
     pub fn compose(&mut self, fields: &mut Fields<D>, rules: &[Rule<D>]) {
         let initial = |(field, rule): (&mut super::Field<D>, &Rule<D>)| {
             let (Data::Scalar(nodal), Carry::Convected(function)) = (&mut field.data, &rule.carry) else {
@@ -66,15 +66,15 @@ impl<const D: usize> Carrier<D> {
         }
     }
 
-    /// Carries the fields `from` over one step into `to`. With `ahead`, a prediction, only those that
-    /// act are carried, and no submap is begun.
+    /// Carries the fields `from` over one step into `to`. With `ahead`, a prediction, only fields
+    /// with an effect on the flow are carried, and no submap is started.
     ///
     /// # Errors
     /// A projection that fails.
     pub fn carry(
         &mut self,
         (from, rules): (&Fields<D>, &[Rule<D>]),
-        wind: &Wind<'_, D>,
+        advecting: &AdvectingVelocity<'_, D>,
         dt: f64,
         ahead: bool,
         to: &mut Fields<D>,
@@ -82,13 +82,13 @@ impl<const D: usize> Carrier<D> {
         to.clone_from(from);
         match &mut to.map {
             Some(map) => {
-                self.tracer.feet_of_nodes(wind, dt, &mut self.feet);
+                self.tracer.feet_of_nodes(advecting, dt, &mut self.feet);
                 map.advance(&self.tracer, &self.feet);
                 if !ahead {
                     map.restart_beyond(self.tracer.space(), self.remap);
                 }
             }
-            None => self.find_feet(wind, dt),
+            None => self.find_feet(advecting, dt),
         }
         let map = to.map.take();
         for (k, (field, rule)) in to.iter_mut().zip(rules).enumerate() {
@@ -117,10 +117,10 @@ impl<const D: usize> Carrier<D> {
     }
 
     /// Finds the feet for the following calls of [`carry_scalar`](Self::carry_scalar).
-    pub fn find_feet(&mut self, wind: &Wind<'_, D>, dt: f64) {
+    pub fn find_feet(&mut self, advecting: &AdvectingVelocity<'_, D>, dt: f64) {
         match &self.projector {
-            Some(p) => self.tracer.feet_of_quadrature(wind, dt, p.basis(), &mut self.feet),
-            None => self.tracer.feet_of_nodes(wind, dt, &mut self.feet),
+            Some(p) => self.tracer.feet_of_quadrature(advecting, dt, p.basis(), &mut self.feet),
+            None => self.tracer.feet_of_nodes(advecting, dt, &mut self.feet),
         }
     }
     /// Carries nodal values with the feet found last, by interpolation or projection.
@@ -136,8 +136,8 @@ impl<const D: usize> Carrier<D> {
             }
         }
     }
-    /// Carries the displacement `Y(x) - x`: `Y` of the foot, less the node. Through a periodic side
-    /// it continues without a jump.
+    /// Carries the displacement `Y(x) - x`: `Y` at the foot, minus the node. It is continuous
+    /// through periodic sides.
     fn carry_displacement(&mut self, d: &[SVector<f64, D>], out: &mut [SVector<f64, D>]) -> Result<()> {
         match &mut self.projector {
             Some(p) => carry_displacement_projected(&self.tracer, p, d, &self.feet, out),
@@ -151,12 +151,12 @@ impl<const D: usize> Carrier<D> {
     fn displacement(&self, map: &CharacteristicMap<D>, out: &mut [SVector<f64, D>]) {
         let (mesh, nodes) = (self.tracer.space().mesh(), self.tracer.space().nodes());
         parallel::fill(out, 1, |first, part| {
-            let foot = |n: usize| map.foot(&self.tracer, self.tracer.home(n));
+            let foot = |n: usize| map.foot(&self.tracer, self.tracer.node_location(n));
             let at = |n: usize| mesh.point_at(&foot(n)) - nodes[n];
             part.iter_mut().enumerate().for_each(|(i, v)| *v = at(first + i));
         });
     }
-    /// Level sets that are functions of the place where the particle was at time 0.
+    /// Evaluates level sets of the form `phi0(Y)`, (2.5).
     fn evaluate_mapped(&self, rules: &[Rule<D>], fields: &mut Fields<D>) {
         let nodes = self.tracer.space().nodes();
         for k in 0..rules.len() {
@@ -184,16 +184,16 @@ impl<const D: usize> Carrier<D> {
         self.compose_into(map, initial, &mut out);
         Some(out)
     }
-    /// Value of field number `k` anywhere by the backward map, and a bound of its slope when that of
-    /// the initial one is `slope`.
+    /// Value of field number `k` at any location by the backward map, and a bound of its slope if
+    /// that of the initial field is `slope`.
     pub fn sample(&self, map: &CharacteristicMap<D>, k: usize, slope: f64, at: &Location) -> (f64, f64) {
         let (foot, gradient) = map.foot_and_gradient(&self.tracer, *at);
         let initial = self.initial.get(k).and_then(Option::as_ref);
         let value = initial.map_or(f64::NAN, |f| f.value(self.tracer.space(), &foot));
         (value, slope * gradient.norm())
     }
-    /// Depth of the inside and greatest slope (in the centres of the cells) of composed field number
-    /// `k` at time 0.
+    /// Depth of the inside and largest slope (at the cell centres) of composed field number `k` at
+    /// time 0.
     pub fn initial_depth_and_slope(&self, k: usize) -> Option<[f64; 2]> {
         let nodal = &self.initial.get(k)?.as_ref()?.nodal;
         let space = self.tracer.space();

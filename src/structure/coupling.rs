@@ -7,11 +7,11 @@ use crate::base::{Cause, Error, Result};
 pub enum Coupling {
     /// The force of the old (order 2: extrapolated) interface; stable below the limit (1.54).
     Explicit,
-    /// The same with the interface carried by the old velocity too (remark 1.12): without viscosity
-    /// unstable with any step. To show that.
+    /// The same with the interface also transported by the old velocity (remark 1.12): unstable for
+    /// any step without viscosity. For demonstration.
     FullyExplicit,
-    /// The force of an interface that is predicted by an implicit diffusion: the book's
-    /// semi-implicit scheme (3.62)-(3.64).
+    /// The force of an interface predicted by an implicit diffusion: the book's semi-implicit
+    /// scheme (3.62)-(3.64).
     SemiImplicit,
     /// Linearised in the velocity of the new time level.
     #[default]
@@ -23,11 +23,12 @@ impl Coupling {
     pub fn is_explicit(self) -> bool {
         matches!(self, Coupling::Explicit | Coupling::FullyExplicit)
     }
-    /// Checks that the coupling is possible in steps of order `order` with least density `lightest`.
+    /// Checks that the coupling is possible in steps of order `order` with least density
+    /// `lightest`.
     ///
     /// # Errors
-    /// The fully explicit scheme at order 2; the semi-implicit scheme, which is of order 1 and whose
-    /// predictor divides by the density, at order 2 or without inertia.
+    /// The fully explicit scheme at order 2; the semi-implicit scheme, which is of order 1 and
+    /// whose predictor divides by the density, at order 2 or without inertia.
     pub fn check(self, order: usize, lightest: f64) -> Result<()> {
         if self == Coupling::FullyExplicit && order != 1 {
             return Err(Error::scene("the fully explicit scheme of remark 1.12 is of order 1 in time")

@@ -1,4 +1,4 @@
-//! Named fields: all that changes in time beside velocity and pressure.
+//! Named fields: all quantities that change in time except velocity and pressure.
 
 use crate::base::bytes::{Reader, Writer};
 use crate::mesh::Point;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// A scalar function of position at time 0.
 pub type InitialFunction<const D: usize> = dyn Fn(&Point<D>) -> f64 + Send + Sync;
 
-/// Name of the displacement `Y(x) - x` of the backward characteristics (2.2), one vector a node.
+/// Name of the displacement `Y(x) - x` of the backward characteristics (2.2), one vector per node.
 pub const DISPLACEMENT: &str = "displacement";
 
 /// Index of a field in [`Fields`].
@@ -17,7 +17,7 @@ pub const DISPLACEMENT: &str = "displacement";
 pub struct FieldId(usize);
 
 impl FieldId {
-    /// The number of the field in its list.
+    /// Index of the field in its list.
     pub fn index(self) -> usize {
         self.0
     }
@@ -26,9 +26,9 @@ impl FieldId {
 /// Values of a field.
 #[derive(Debug, PartialEq)]
 pub enum Data<const D: usize> {
-    /// One number a P2 node; empty where composed transport evaluates the field on demand.
+    /// One number per P2 node; empty where composed transport evaluates the field on demand.
     Scalar(Vec<f64>),
-    /// One vector a P2 node.
+    /// One vector per P2 node.
     Vector(Vec<SVector<f64, D>>),
     /// Positions of points that move.
     Points(Vec<Point<D>>),
@@ -93,7 +93,7 @@ impl<const D: usize> Clone for Data<D> {
             Data::Labels(v) => Data::Labels(v.clone()),
         }
     }
-    /// Keeps the storage, so that a warmed-up step allocates nothing.
+    /// Keeps the storage, so that a step allocates nothing after the first ones.
     fn clone_from(&mut self, other: &Self) {
         match (self, other) {
             (Data::Scalar(a), Data::Scalar(b)) | (Data::Numbers(a), Data::Numbers(b)) => {
@@ -178,7 +178,7 @@ impl<const D: usize> Fields<D> {
             _ => &[],
         }
     }
-    /// The same for change.
+    /// The same, mutable.
     pub fn scalar_mut(&mut self, id: FieldId) -> &mut [f64] {
         match self.list.get_mut(id.0).map(|f| &mut f.data) {
             Some(Data::Scalar(v) | Data::Numbers(v)) => v,
@@ -192,7 +192,7 @@ impl<const D: usize> Fields<D> {
             _ => &[],
         }
     }
-    /// The same for change.
+    /// The same, mutable.
     pub fn vector_mut(&mut self, id: FieldId) -> &mut [SVector<f64, D>] {
         match self.list.get_mut(id.0).map(|f| &mut f.data) {
             Some(Data::Vector(v) | Data::Points(v)) => v,
@@ -206,7 +206,8 @@ impl<const D: usize> Fields<D> {
             _ => &[],
         }
     }
-    /// The displacement `Y(x) - x` of the backward characteristics; empty where they are not carried.
+    /// The displacement `Y(x) - x` of the backward characteristics; empty where they are not
+    /// carried.
     pub fn displacement(&self) -> &[SVector<f64, D>] {
         self.find(DISPLACEMENT).map_or(&[], |id| self.vector(id))
     }
@@ -218,7 +219,7 @@ impl<const D: usize> Fields<D> {
         let maps = |f: &Fields<D>| f.map.as_ref().and_then(|m| m.submaps().next().map(<[_]>::len));
         self.len() == other.len() && self.iter().zip(other.iter()).all(same) && maps(self) == maps(other)
     }
-    /// Names and sizes, for messages.
+    /// Names and sizes, for error messages.
     pub fn sizes(&self) -> Vec<(String, usize)> {
         self.iter().map(|f| (f.name.clone(), f.data.len())).collect()
     }
@@ -232,7 +233,7 @@ impl<const D: usize> Fields<D> {
         out.integer(self.map.iter().map(|m| m.submaps().len() as u64).sum());
         self.map.iter().flat_map(CharacteristicMap::submaps).for_each(|s| out.vectors(s));
     }
-    /// Reads what [`write`](Self::write) wrote; `None` if the bytes are damaged.
+    /// Reads the bytes of [`write`](Self::write); `None` if they are damaged.
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Fields<D>> {
         let field = |from: &mut Reader<'_>| Some(Field { name: from.text()?, data: Data::read(from)? });
         let list = from.list(field)?;
@@ -241,46 +242,46 @@ impl<const D: usize> Fields<D> {
     }
 }
 
-/// How a field moves with the flow.
+/// Transport rule of the values of a field.
 #[derive(Clone)]
 pub enum Carry<const D: usize> {
-    /// Constant along the paths of particles; composed transport evaluates it from the function at
-    /// time 0, where that is known between the nodes.
+    /// Constant along particle paths. Composed transport evaluates the function at time 0, if it is
+    /// known between the nodes.
     Convected(Option<Arc<InitialFunction<D>>>),
     /// The displacement `Y(x) - x` of backward characteristics.
     BackwardMap,
-    /// The function of time 0 at the place that the backward characteristics come from, (2.5).
+    /// The function at time 0 composed with the backward characteristics, (2.5).
     OfBackwardMap(Arc<InitialFunction<D>>),
     /// By the structure that declared it ([`Structure::advance`](super::Structure::advance)).
     ByOwner,
 }
 
-/// The rule of a field.
+/// Properties of a field.
 #[derive(Clone)]
 pub struct Rule<const D: usize> {
-    /// How it moves.
+    /// Its transport.
     pub carry: Carry<D>,
     /// True if forces or materials depend on it, so that a step predicts it.
     pub acts: bool,
 }
 
-/// The fields of a simulation while its structures declare them.
+/// The list of fields, while structures declare them.
 pub struct Declaration<'a, const D: usize> {
     /// Number of P2 nodes.
     pub nodes: usize,
-    /// Values from before, such as those brought from another mesh: they replace initial values.
+    /// Earlier values, for example from another mesh: they replace initial values.
     pub kept: &'a Fields<D>,
     fields: Fields<D>,
     rules: Vec<Rule<D>>,
 }
 
 impl<'a, const D: usize> Declaration<'a, D> {
-    /// No fields yet, on `nodes` P2 nodes.
+    /// An empty list, on `nodes` P2 nodes.
     pub fn new(nodes: usize, kept: &'a Fields<D>) -> Declaration<'a, D> {
         Declaration { nodes, kept, fields: Fields::default(), rules: Vec::new() }
     }
-    /// Declares a field with its values at time 0. A name that is declared already is shared: the
-    /// first declaration counts, and `acts` if any of them does.
+    /// Declares a field with its values at time 0. A name that is already declared is shared: the
+    /// first values count, and `acts` if any declaration sets it.
     pub fn add(&mut self, name: &str, rule: Rule<D>, initial: impl FnOnce() -> Data<D>) -> FieldId {
         if let Some(id) = self.fields.find(name) {
             self.rules[id.0].acts |= rule.acts;

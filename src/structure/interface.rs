@@ -1,4 +1,4 @@
-//! Structures that are one closed interface with a force on it: membranes and drops.
+//! Structures that consist of one closed interface with a force: membranes and drops.
 
 use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, Rule};
 use super::place::{Host, Moved, Place};
@@ -10,18 +10,19 @@ use crate::flow::term::MomentumTerm;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// A closed interface, the zero of a level set, that bounds a fluid and may have mass.
+/// A closed interface: the zero of a level set. It encloses a fluid and may have mass.
 #[derive(Clone)]
 pub struct ImmersedInterface<const D: usize> {
     /// Name in results.
     pub name: String,
-    /// Level set at time 0 at the nodes, negative inside; its slope at the interface is the stretch.
+    /// Level set at time 0 at the nodes, negative inside; its slope at the interface is the
+    /// stretch, (3.11).
     pub phi: Vec<f64>,
-    /// The function whose values these are, where it is known between the nodes.
+    /// The function with these nodal values, if it is known between the nodes.
     pub function: Option<Arc<InitialFunction<D>>>,
-    /// Stretch at time 0, the same all over the interface.
+    /// Stretch at time 0, constant over the interface.
     pub stretch: f64,
-    /// Half-width of the band over which force and properties of the fluids are spread, a length.
+    /// Half-width of the band of force and fluid properties, a length.
     pub thickness: f64,
     /// The fluid inside; `None` for that outside.
     pub inside: Option<Fluid>,
@@ -29,15 +30,15 @@ pub struct ImmersedInterface<const D: usize> {
     pub surface_mass: f64,
     /// Coupling of the force with the step.
     pub coupling: Coupling,
-    /// True if the level set is `phi0(Y)`, (2.5), in place of being carried.
+    /// True if the level set is `phi0(Y)`, (2.5), instead of being transported.
     pub mapped: bool,
-    /// Index of the level set among the fields, once it is declared.
+    /// Index of the level set among the fields, once declared.
     pub field: FieldId,
 }
 
 impl<const D: usize> ImmersedInterface<D> {
-    /// An interface without stretch, mass and fluid of its own, coupled implicitly, whose band has
-    /// the half-width `thickness`.
+    /// An interface with stretch 1, no mass, the outer fluid inside, implicit coupling, and a band
+    /// of half-width `thickness`.
     pub fn new(name: impl Into<String>, phi: Vec<f64>, thickness: f64) -> ImmersedInterface<D> {
         ImmersedInterface {
             name: name.into(),
@@ -72,7 +73,7 @@ impl<const D: usize> ImmersedInterface<D> {
     pub fn level_set(&self) -> FieldId {
         self.field
     }
-    /// Name of the field `what` of this interface.
+    /// Name of field `what` of this interface.
     pub fn field_name(&self, what: &str) -> String {
         format!("{}.{what}", self.name)
     }
@@ -86,9 +87,9 @@ impl<const D: usize> ImmersedInterface<D> {
     }
 }
 
-/// The force of an interface: what differs between membranes of different laws.
+/// The force of an interface; implementations differ by constitutive law.
 pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
-    /// Declares fields beside the level set, and builds what depends on the mesh.
+    /// Declares fields in addition to the level set, and builds data that depend on the mesh.
     ///
     /// # Errors
     /// A factor that does not fit into the memory.
@@ -100,14 +101,14 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     ) -> Result<()> {
         Ok(())
     }
-    /// The term prepared last.
+    /// The momentum term of the last [`prepare`](Self::prepare).
     fn term(&self) -> &dyn MomentumTerm<D>;
     /// Precomputes the force.
     ///
     /// # Errors
     /// A level set that is not finite.
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()>;
-    /// Moves the fields that it declared and that are not convected.
+    /// Updates the declared fields that are not convected.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -119,36 +120,36 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     /// # Errors
     /// A level set that is not finite.
     fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64>;
-    /// Energy that its own model takes per time.
+    /// Dissipation rate of the model itself.
     fn dissipation(&self) -> f64 {
         0.0
     }
     /// Largest stable step of the explicit coupling.
     fn step_limit(&self, viscosity: f64, edge: f64) -> f64;
-    /// Refuses a coupling that it cannot have.
+    /// Rejects couplings that are not implemented.
     ///
     /// # Errors
-    /// Such a coupling.
+    /// A coupling that is not implemented.
     fn check_coupling(&self, _coupling: Coupling) -> Result<()> {
         Ok(())
     }
-    /// Distance from the interface up to which it acts.
+    /// Distance from the interface within which the force acts.
     fn reach(&self, of: &ImmersedInterface<D>) -> f64 {
         of.thickness
     }
-    /// Place at rest of the material.
+    /// Position at rest of the material.
     fn rest_map(&self) -> Option<&RestMap<D>> {
         None
     }
-    /// Strain, where it is not that of the place at rest alone.
+    /// Strain, if it does not follow from the position at rest alone.
     fn strain(&self, _slope: &SVector<f64, D>, _gradient: &SMatrix<f64, D, D>) -> Option<SurfaceStrain<D>> {
         None
     }
-    /// True if it needs the backward characteristics.
+    /// True if the force needs the backward characteristics.
     fn resists_shear(&self) -> bool {
         false
     }
-    /// Bytes of what it holds that grows with the mesh.
+    /// Bytes of storage that grows with the mesh.
     fn bytes(&self) -> usize {
         0
     }

@@ -1,4 +1,4 @@
-//! A level set that is carried and acts on nothing.
+//! A passive level set.
 
 use super::Structure;
 use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, Rule};
@@ -9,14 +9,14 @@ use crate::mesh::Point;
 use crate::transport::path;
 use std::sync::Arc;
 
-/// A level set that is carried and acts on nothing, with particles on its interface if wanted.
+/// A passive level set, optionally with markers on its interface.
 #[derive(Clone)]
 pub struct LevelSet<const D: usize> {
     /// Name in results.
     pub name: String,
     /// Values at the nodes at time 0, negative inside.
     pub phi: Vec<f64>,
-    /// The function whose values these are, where it is known between the nodes.
+    /// The function with these nodal values, if it is known between the nodes.
     pub function: Option<Arc<InitialFunction<D>>>,
     /// Particles on the interface at time 0, in the order of a closed polygon; may be none.
     pub markers: Vec<Point<D>>,
@@ -28,11 +28,11 @@ impl<const D: usize> LevelSet<D> {
     pub fn new(name: impl Into<String>, phi: Vec<f64>) -> LevelSet<D> {
         LevelSet { name: name.into(), phi, function: None, markers: Vec::new(), field: FieldId::default() }
     }
-    /// The same with the function whose values these are.
+    /// Sets the function with these nodal values.
     pub fn with_function(self, function: Arc<InitialFunction<D>>) -> LevelSet<D> {
         LevelSet { function: Some(function), ..self }
     }
-    /// The same with particles on the interface.
+    /// Adds markers on the interface.
     pub fn with_markers(self, markers: Vec<Point<D>>) -> LevelSet<D> {
         LevelSet { markers, ..self }
     }

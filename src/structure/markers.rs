@@ -1,4 +1,4 @@
-//! Markers: particles on an interface, the Lagrangian measure of its length.
+//! Markers: particles on an interface, a Lagrangian measure of its length.
 
 use crate::mesh::Point;
 use crate::transport::Tracer;
@@ -10,14 +10,14 @@ pub fn polygon_length<const D: usize>(markers: &[Point<D>]) -> f64 {
     markers.iter().zip(next).map(|(a, b)| (b - a).norm()).sum()
 }
 
-/// Area of the polygon of markers in the plane, positive whatever its sense of rotation.
+/// Area of the polygon of markers in the plane, positive for either orientation.
 pub fn polygon_area<const D: usize>(markers: &[Point<D>]) -> f64 {
     let next = markers.iter().cycle().skip(1);
     0.5 * markers.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs()
 }
 
-/// Moves markers over a step in which the P2 velocity changes linearly from `old` to `new`, by `steps` steps of the classical
-/// Runge-Kutta rule. One that is not in the mesh stays where it is.
+/// Moves markers over a step in which the P2 velocity changes linearly in time from `old` to `new`,
+/// by `steps` steps of the classical Runge-Kutta rule. A marker outside the mesh does not move.
 pub(super) fn follow<const D: usize>(
     markers: &mut [Point<D>],
     tracer: &Tracer<D>,

@@ -1,8 +1,8 @@
-//! Structures immersed in a flow: the interface between laws and the simulation.
+//! Structures immersed in a flow: the interface between constitutive laws and the simulation.
 //!
-//! A [`Structure`] declares its fields, prepares for a step, gives its momentum terms and blocks,
-//! moves what the transport of the flow does not move, and tells energy, dissipation, step limit
-//! and the fluid it holds. The simulation knows no law, and a law knows no simulation.
+//! A [`Structure`] declares its fields, prepares for a step, gives momentum terms and blocks,
+//! updates fields that are not convected, and gives energy, dissipation, step limit and enclosed
+//! fluid. The simulation depends on no law, and a law on no simulation.
 
 mod carrier;
 mod coupling;
@@ -30,7 +30,7 @@ use crate::flow::term::MomentumTerm;
 use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 
-/// Position at rest of the material that is at a point at time 0: `Y` at time 0.
+/// Position at rest of the material at a point at time 0: `Y` at time 0.
 pub type RestMap<const D: usize> = dyn Fn(&Point<D>) -> Point<D> + Send + Sync;
 
 /// `map(x + d(x)) - x` at the nodes `x`, for the displacement `d` back to time 0.
@@ -62,16 +62,40 @@ pub struct Held {
     pub surface_mass: f64,
 }
 
-/// Something that a flow carries and that may act on it: one body or hundreds of one kind.
+/// A structure in a flow: one body, or many of the same kind.
+///
+/// # Examples
+/// ```
+/// use immersa::elastic::{AreaLaw, Membrane};
+/// use immersa::fem::{Element, Space};
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use immersa::sim::{Fluid, Simulation, SimulationSettings};
+/// use immersa::structure::{Immersed, ImmersedInterface};
+/// use std::sync::Arc;
+///
+/// // A flat membrane that is not stretched exerts no force: the fluid stays at rest.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [6, 6], Diagonals::UnionJack)?);
+/// let phi = Space::new(&mesh, Element::P2).interpolate(|x| x[0] - 0.5);
+/// let law = AreaLaw::Linear { modulus: 1.0 };
+/// let interface = ImmersedInterface::new("sheet", phi, 0.3);
+/// let sheet = Immersed::boxed(interface, Membrane::new(law, 0.3));
+/// let settings = SimulationSettings::new(0.1, Fluid { density: 1.0, viscosity: 0.1 }, vec![]);
+/// let mut sim = Simulation::new(&mesh, settings, vec![sheet], |_| Point::<2>::zeros())?;
+/// sim.step()?;
+/// assert_eq!(sim.structures()[0].name(), "sheet");
+/// assert!(sim.largest_speed() < 1e-12);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub trait Structure<const D: usize>: Send + Sync {
     /// Name in results; unique in a simulation.
     fn name(&self) -> &str;
-    /// Declares the fields of this structure, and builds what depends on the mesh. Called once a mesh.
+    /// Declares the fields of this structure, and builds data that depend on the mesh. Called once
+    /// per mesh.
     ///
     /// # Errors
     /// A factor that does not fit into the memory.
     fn begin(&mut self, host: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()>;
-    /// Level set whose zero is the interface, if it has one.
+    /// Level set whose zero is the interface, if there is one.
     fn level_set(&self) -> Option<FieldId> {
         None
     }
@@ -79,7 +103,7 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn slope(&self) -> f64 {
         1.0
     }
-    /// True if it exerts a force or holds a fluid; else it is only carried.
+    /// True if it exerts a force or encloses a fluid; false if it is passive.
     fn acts(&self) -> bool {
         true
     }
@@ -87,7 +111,8 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn coupling(&self) -> Coupling {
         Coupling::Explicit
     }
-    /// Checks that its coupling is possible in steps of order `order` with least density `lightest`.
+    /// Checks that its coupling is possible in steps of order `order` with least density
+    /// `lightest`.
     ///
     /// # Errors
     /// A coupling that is not.
@@ -105,19 +130,19 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn terms<'a>(&'a self, _out: &mut Vec<&'a dyn MomentumTerm<D>>) {}
     /// Appends the blocks of unknowns prepared last.
     fn blocks<'a>(&'a self, _out: &mut Vec<&'a dyn Block<D>>) {}
-    /// Moves the fields of this structure that the transport of the flow does not move, after it
-    /// has moved the others: `by.before` holds all fields at the start of the step.
+    /// Updates the fields of this structure that are not convected, after the transport of the
+    /// others: `by.before` holds all fields at the start of the step.
     ///
     /// # Errors
     /// A level set that is not finite.
     fn advance(&mut self, _by: &mut Moved<'_, D>, _fields: &mut Fields<D>) -> Result<()> {
         Ok(())
     }
-    /// Fluid that it holds and mass of its interface; `None` without either.
+    /// Enclosed fluid and mass of the interface; `None` without either.
     fn held(&self) -> Option<Held> {
         None
     }
-    /// Distance from the interface up to which the force acts.
+    /// Distance from the interface within which the force acts.
     fn reach(&self) -> f64 {
         0.0
     }
@@ -128,21 +153,21 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn energy(&mut self, _at: &Place<'_, D>, _rule: &Basis<D>) -> Result<f64> {
         Ok(0.0)
     }
-    /// Energy that its own model takes per time, beside the viscosity of the flow.
+    /// Dissipation rate of the model itself, in addition to the viscosity of the flow.
     fn dissipation(&self) -> f64 {
         0.0
     }
-    /// Largest stable step of the explicit coupling in a fluid of that viscosity on edges `edge`,
-    /// for what was prepared last; infinite if there is none.
+    /// Largest stable step of the explicit coupling in a fluid of this viscosity on edges of length
+    /// `edge`, (1.54), for the prepared fields; infinite if there is no limit.
     fn step_limit(&self, _viscosity: f64, _edge: f64) -> f64 {
         f64::INFINITY
     }
-    /// Position at rest of the material at time 0; `None` for the same place.
+    /// Position at rest of the material at time 0; `None` for the identity.
     fn rest_map(&self) -> Option<&RestMap<D>> {
         None
     }
-    /// Strain of its interface where the level set has the gradient `slope`, and `Y(x) - x`, `Y` the
-    /// place at rest, the gradient `gradient`.
+    /// Strain of the interface for the gradient `slope` of the level set and the gradient
+    /// `gradient` of the displacement `Y(x) - x` to the position at rest.
     fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
         SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
     }
@@ -150,10 +175,10 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn resists_shear(&self) -> bool {
         false
     }
-    /// Bytes of what it holds that grows with the mesh, fields left aside.
+    /// Bytes of storage that grows with the mesh, without fields.
     fn bytes(&self) -> usize {
         0
     }
-    /// A copy without what depends on the mesh.
+    /// A copy without data that depend on the mesh.
     fn boxed(&self) -> Box<dyn Structure<D>>;
 }

@@ -1,15 +1,15 @@
-//! The surroundings of a structure: before a step, during it, after it.
+//! Arguments of a structure's functions: before, during and after a step.
 
 use super::carrier::Carrier;
 use super::fields::Fields;
 use crate::base::Result;
 use crate::fem::{Basis, Space, Translation, VelocityFunction};
 use crate::flow::Coefficient;
-use crate::transport::Wind;
+use crate::transport::AdvectingVelocity;
 use nalgebra::SVector;
 use std::sync::Arc;
 
-/// What a structure is built on.
+/// The discretisation that a structure is built on.
 pub struct Host<'a, const D: usize> {
     /// P2 space of velocity and level sets.
     pub space: &'a Arc<Space<D>>,
@@ -19,7 +19,7 @@ pub struct Host<'a, const D: usize> {
     pub translations: &'a [Translation<D>],
 }
 
-/// Where structures are when they prepare their forces.
+/// Fields and flow data for which structures prepare their forces.
 pub struct Place<'a, const D: usize> {
     /// P2 space of velocity and level sets.
     pub space: &'a Space<D>,
@@ -27,12 +27,12 @@ pub struct Place<'a, const D: usize> {
     pub basis: &'a Basis<D>,
     /// Density of the fluid at the points of that rule.
     pub density: &'a Coefficient,
-    /// Fields for which forces are wanted.
+    /// Fields at which forces are evaluated.
     pub fields: &'a Fields<D>,
-    /// Fields at the start of the step, and the same carried over the step by the velocity there;
-    /// given if some coupling [is semi-implicit](super::Coupling::SemiImplicit).
+    /// Fields at the start of the step, and the same transported over the step by the velocity
+    /// there; present if some coupling [is semi-implicit](super::Coupling::SemiImplicit).
     pub drift: Option<[&'a Fields<D>; 2]>,
-    /// Length of the step that the force is for; `None` if only its size is wanted.
+    /// Length of the step; `None` if only the size of the force is needed.
     pub step: Option<f64>,
     /// Time.
     pub time: f64,
@@ -41,11 +41,11 @@ pub struct Place<'a, const D: usize> {
 /// The velocity over a step.
 #[derive(Clone, Copy)]
 pub enum Velocity<'a, const D: usize> {
-    /// Nodal values at the start and at the end of the step, and those that fields are carried by.
+    /// Nodal values at the start and the end of the step, and the velocity of the transport.
     Computed {
         /// At the start and at the end.
         ends: [&'a [SVector<f64, D>]; 2],
-        /// The one of the transport.
+        /// The velocity of the transport.
         mean: &'a [SVector<f64, D>],
     },
     /// A function of position and time.
@@ -60,16 +60,18 @@ pub enum Velocity<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Velocity<'a, D> {
-    /// The velocity as the transport takes it, over a step of length `dt`.
-    pub fn advecting(&self, dt: f64) -> Wind<'a, D> {
+    /// The velocity for the transport, over a step of length `dt`.
+    pub fn advecting(&self, dt: f64) -> AdvectingVelocity<'a, D> {
         match *self {
-            Velocity::Computed { mean, .. } => Wind::Nodal(mean),
-            Velocity::Given { velocity, start, courant } => Wind::Given { velocity, arrival: start + dt, courant },
+            Velocity::Computed { mean, .. } => AdvectingVelocity::Nodal(mean),
+            Velocity::Given { velocity, start, courant } => {
+                AdvectingVelocity::Given { velocity, arrival: start + dt, courant }
+            }
         }
     }
 }
 
-/// A step that has moved the convected fields.
+/// A step after the transport of the convected fields.
 pub struct Moved<'a, const D: usize> {
     /// The transport.
     pub carrier: &'a mut Carrier<D>,
@@ -77,7 +79,7 @@ pub struct Moved<'a, const D: usize> {
     pub velocity: Velocity<'a, D>,
     /// All fields at the start of the step.
     pub before: &'a Fields<D>,
-    /// Values of the unknowns of the blocks of this structure, one list a block.
+    /// Values of the unknowns of the blocks of this structure, one list per block.
     pub blocks: &'a [Vec<f64>],
     /// Length of the step.
     pub dt: f64,
@@ -86,7 +88,7 @@ pub struct Moved<'a, const D: usize> {
 }
 
 impl<const D: usize> Moved<'_, D> {
-    /// Carries nodal values of the start over the step, as convected fields are.
+    /// Transports nodal values from the start over the step, as convected fields.
     ///
     /// # Errors
     /// A projection that fails.

@@ -1,20 +1,23 @@
-//! How a surface is deformed, from the backward characteristics `Y`: area and shear, frame by frame of its tangent plane.
+//! Strain of a surface from the backward characteristics `Y`: change of area and shear.
 
 use nalgebra::{ArrayStorage, Matrix2, SMatrix, SVector, Vector3};
 
-/// The deformation of a surface at a point, from the unit normal `n` and `grad Y` (row `i`, column `j` is `d Y_i / d x_j`).
+/// The deformation of a surface at a point, from the unit normal `n` and `grad Y` (row `i`, column
+/// `j` is `d Y_i / d x_j`).
 ///
-/// The surface tensor of the book is (3.38), the paper's (4.3), `A = B - (B n)(B n)/(B n . n)` with `B = (grad Y)^-1 (grad Y)^-T` (3.37). It
-/// maps the tangent plane to itself and is there the inverse of the metric `G = (grad Y)^T (grad Y)`: the Schur complement of a
-/// block is the inverse of that block of the inverse. So `A` is found from derivatives of `Y` along the surface alone, without inverting
-/// `grad Y`, and errors of `Y` across the surface do not enter.
+/// The surface tensor of the book is (3.38), the paper's (4.3), `A = B - (B n)(B n)/(B n . n)` with
+/// `B = (grad Y)^-1 (grad Y)^-T` (3.37). It maps the tangent plane to itself and is there the
+/// inverse of the metric `G = (grad Y)^T (grad Y)`: the Schur complement of a block is the inverse
+/// of that block of the inverse. So `A` follows from tangential derivatives of `Y`, without
+/// inverting `grad Y`, and errors of `Y` across the surface do not enter.
 ///
-/// In the plane, a curve is taken for the cylinder over it, which nothing stretches along its generators.
+/// In the plane, a curve is treated as the cylinder over it, without stretch along its generators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceStrain<const D: usize> {
     /// Unit normal.
     pub normal: SVector<f64, D>,
-    /// Orthonormal basis of the tangent plane; in the plane the second is zero, as it points out of it.
+    /// Orthonormal basis of the tangent plane; in the plane the second is zero, as it points out of
+    /// it.
     pub tangents: [SVector<f64, D>; 2],
     /// `A` in that basis.
     pub a: Matrix2<f64>,
@@ -26,7 +29,7 @@ pub struct SurfaceStrain<const D: usize> {
 
 impl<const D: usize> SurfaceStrain<D> {
     const ZERO: SVector<f64, D> = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
-    /// No surface at all.
+    /// The zero of all components, outside a surface.
     pub(crate) const NOTHING: SurfaceStrain<D> = SurfaceStrain {
         normal: Self::ZERO,
         tangents: [Self::ZERO; 2],
@@ -34,7 +37,8 @@ impl<const D: usize> SurfaceStrain<D> {
         z1: 0.0,
         z2: 0.0,
     };
-    /// The strain where the unit normal is `n`. `stretch` is an area stretch in all directions that comes on top of what `Y` tells.
+    /// The strain for the unit normal `n` and `grad Y`. `stretch` is an isotropic area stretch in
+    /// addition to that of `Y`.
     pub fn new(n: &SVector<f64, D>, grad_y: &SMatrix<f64, D, D>, stretch: f64) -> SurfaceStrain<D> {
         let tangents = tangent_basis(n);
         let rest = tangents.map(|t| grad_y * t);
@@ -43,7 +47,8 @@ impl<const D: usize> SurfaceStrain<D> {
         let determinant = metric.determinant();
         let z1 = 1.0 / determinant.sqrt();
         let a = Matrix2::new(metric.m22, -metric.m12, -metric.m12, metric.m11) / determinant;
-        // Trace over twice the root of the determinant: the same for a 2 x 2 matrix and its inverse.
+        // Trace over twice the root of the determinant: the same for a 2 x 2 matrix and its
+        // inverse.
         SurfaceStrain { normal: *n, tangents, a, z1, z2: 0.5 * metric.trace() * z1 }
     }
     /// The surface tensor `A`, (3.38).
@@ -62,15 +67,15 @@ impl<const D: usize> SurfaceStrain<D> {
     pub(crate) fn shear_direction(&self) -> Matrix2<f64> {
         self.a * (2.0 / self.a.trace()) - Matrix2::identity()
     }
-    /// The tensor of space that a tensor of the tangent plane stands for.
+    /// A tensor of the tangent plane as a tensor in space.
     pub(crate) fn in_space(&self, m: &Matrix2<f64>) -> SMatrix<f64, D, D> {
         let [s, t] = &self.tangents;
         (s * m.m11 + t * m.m21) * s.transpose() + (s * m.m12 + t * m.m22) * t.transpose()
     }
 }
 
-/// Two unit vectors that make an orthonormal frame with `n`, which they follow without a jump but at `n = -e_z` (Duff et al. 2017); in
-/// the plane the tangent and zero.
+/// Two unit vectors that form an orthonormal frame with `n`; continuous except at `n = -e_z` (Duff
+/// et al. 2017). In the plane the tangent and zero.
 fn tangent_basis<const D: usize>(n: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     if D == 2 {
         let t = SVector::<f64, D>::from_fn(|i, _| if i == 0 { -n[1] } else { n[0] });
@@ -84,21 +89,24 @@ fn tangent_basis<const D: usize>(n: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     [first, second].map(|v| SVector::from_fn(|i, _| v[i]))
 }
 
-/// `Z1` by (8.1) of the paper, (3.42) of the book: `J |grad phi| / |grad phi0(Y)|` with `J = 1/det grad Y`.
+/// `Z1` by (8.1) of the paper, (3.42) of the book: `J |grad phi| / |grad phi0(Y)|` with
+/// `J = 1/det grad Y`.
 pub fn area_change_by_level_set(j: f64, slope: f64, slope_at_rest: f64) -> f64 {
     j * slope / slope_at_rest
 }
 
-/// Area and shear of a parametrised surface from its metric `M_ij = d_i Psi . d_j Psi` now and at the start.
+/// Area and shear of a parametrised surface from its metric `M_ij = d_i Psi . d_j Psi` now and at
+/// the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LagrangianInvariants {
     /// The area change, `sqrt(det M/det M(0))`; both definitions agree in it.
     pub area: f64,
-    /// The shear by (3.1) of the paper, (3.43), over its value at the start. It depends on the parametrisation, and at the pole of a sphere
-    /// on the direction from which the pole is reached.
+    /// The shear by (3.1) of the paper, (3.43), over its value at the start. It depends on the
+    /// parametrisation, and at the pole of a sphere on the direction from which the pole is
+    /// reached.
     pub shear: f64,
-    /// The shear by (3.44), of `M M(0)^-1`: the same for all parametrisations, and `Z2` of the Eulerian description. (In print the area of
-    /// (3.44) lacks a square root.)
+    /// The shear by (3.44), of `M M(0)^-1`: the same for all parametrisations, and `Z2` of the
+    /// Eulerian description. (In print the area of (3.44) lacks a square root.)
     pub corrected_shear: f64,
 }
 
@@ -161,7 +169,8 @@ mod tests {
             prop_assert!((s.z1 - z1).abs() < 1e-10 * z1);
         }
 
-        /// (5.5) and (5.6): what a velocity gradient does to `grad Y` in a small time, `grad Y (I - dt grad u)`, and to `n`.
+        /// (5.5) and (5.6): what a velocity gradient does to `grad Y` in a small time,
+        /// `grad Y (I - dt grad u)`, and to `n`.
         #[test]
         fn the_invariants_grow_as_their_equations_say(
             n in prop::array::uniform3(-1.0..1.0f64), f in prop::array::uniform9(-1.0..1.0f64), u in prop::array::uniform9(-1.0..1.0f64)
@@ -195,7 +204,8 @@ mod tests {
         assert!((s.z1 - 1.5).abs() < 1e-14 && (s.z2 - 0.5 * (1.5 + 1.0 / 1.5)).abs() < 1e-14);
     }
 
-    /// Section 3 of the paper: a plane sheared by `u = (0, x, 0)`, in skew coordinates (3.4), and a sphere near its pole (3.6).
+    /// Section 3 of the paper: a plane sheared by `u = (0, x, 0)`, in skew coordinates (3.4), and a
+    /// sphere near its pole (3.6).
     #[test]
     fn the_shear_of_a_parametrisation_depends_on_it_and_the_corrected_one_does_not() {
         let t = 0.8;
@@ -217,7 +227,8 @@ mod tests {
         let (polar, mut naive) = (1e-4, Vec::new());
         for azimuth in [0.0f64, 0.7, 1.5] {
             let at = sphere(polar, azimuth);
-            // The limit at the pole as printed under (3.6), where the metric at the start is degenerate.
+            // The limit at the pole as printed under (3.6), where the metric at the start is
+            // degenerate.
             let limit = azimuth.cos().powi(2) + (azimuth.sin() + t * azimuth.cos()).powi(2);
             assert!((at.shear - limit).abs() < 1e-6, "{} {limit}", at.shear);
             naive.push(at.shear);

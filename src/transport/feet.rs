@@ -1,4 +1,4 @@
-//! Feet of characteristics.
+//! Feet of characteristics: departure points of particles.
 
 use crate::base::parallel;
 use crate::fem::{Basis, OnCell, Space, Translation, VelocityFunction};
@@ -6,15 +6,15 @@ use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
 use std::sync::{Arc, OnceLock};
 
-/// Periodic sides that one displacement passes at most.
-const MOST_DOORS: usize = 64;
+/// Largest number of periodic sides that one displacement crosses.
+const MOST_CROSSINGS: usize = 64;
 
-/// The feet of many characteristics, in the order of the points that they arrive at.
+/// Feet of a list of characteristics, in the order of their arrival points.
 #[derive(Clone, Debug, Default)]
 pub struct Feet(Vec<Location>);
 
 impl Feet {
-    /// Feet that were found elsewhere.
+    /// Feet given by their locations.
     pub fn new(feet: Vec<Location>) -> Feet {
         Feet(feet)
     }
@@ -22,7 +22,7 @@ impl Feet {
     pub fn len(&self) -> usize {
         self.0.len()
     }
-    /// Whether there is none.
+    /// True if there are no feet.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -33,13 +33,13 @@ impl Feet {
     }
 }
 
-/// The velocity that carries.
-pub enum Wind<'a, const D: usize> {
-    /// A P2 function, one vector a node, that is frozen over the step: followed by steps of the midpoint rule, as many as keep
-    /// the Courant number of one below 1, a hundred at most.
+/// The velocity of a transport equation.
+pub enum AdvectingVelocity<'a, const D: usize> {
+    /// A P2 function (one vector per node), constant over the step. Integrated with the midpoint
+    /// rule, in as many substeps as keep the Courant number of each below 1, at most 100.
     Nodal(&'a [SVector<f64, D>]),
-    /// A function of position and time: followed by steps of the classical Runge-Kutta rule of order 4, as many as keep
-    /// the Courant number of one below 2, a hundred at most.
+    /// A function of position and time. Integrated with the classical Runge-Kutta rule of order 4,
+    /// in as many substeps as keep the Courant number of each below 2, at most 100.
     Given {
         /// The velocity.
         velocity: &'a VelocityFunction<D>,
@@ -52,23 +52,26 @@ pub enum Wind<'a, const D: usize> {
 
 /// Traces characteristics back in time.
 ///
-/// A characteristic that would leave the domain ends on its
-/// boundary, with the value of the old time there; through a periodic side it goes on at the other one.
+/// A characteristic that leaves the domain ends on the boundary, with the value of the old time
+/// there; through a periodic side it continues at the other one.
 ///
-/// Limits: what comes in through an inflow is of first order in time when it changes; on a curved wall that moves along
-/// itself the feet of wall vertices leave the polygon at once, so that a field carried to the nodes stays as it is there.
+/// Limits: values at an inflow that change in time are of first order in time. On a curved wall
+/// that moves along itself the feet of wall vertices lie outside the polygon, so that a field
+/// carried to the nodes does not change there.
 #[derive(Clone, Debug)]
 pub struct Tracer<const D: usize> {
     space: Arc<Space<D>>,
-    /// A cell of every node, and the barycentric coordinates of the node in it; `cell` is [`NONE`] for unused nodes.
-    home: Vec<Location>,
-    /// For every slot (cell, opposite vertex) on a periodic side: where it leads. Sorted by slot.
-    doors: Vec<(u32, u32, SVector<f64, D>)>,
-    /// The different shifts of the doors.
+    /// A cell of every node with the barycentric coordinates of the node; `cell` is [`NONE`] for
+    /// nodes of no cell.
+    node_locations: Vec<Location>,
+    /// For every facet (cell, opposite vertex) on a periodic side: the cell on the other side and
+    /// the translation. Sorted by facet.
+    periodic_links: Vec<(u32, u32, SVector<f64, D>)>,
+    /// The different translations.
     shifts: Vec<SVector<f64, D>>,
-    /// The shortest of the longest edges of the cells.
+    /// The shortest diameter of a cell.
     finest: f64,
-    /// Finds cells where the straight way is barred; made when it is first needed.
+    /// Finds cells where a straight walk is not possible; built at first use.
     locator: OnceLock<Locator<D>>,
 }
 
@@ -76,41 +79,42 @@ impl<const D: usize> Tracer<D> {
     /// A tracer for velocities of `space`.
     pub fn new(space: &Arc<Space<D>>, translations: &[Translation<D>]) -> Tracer<D> {
         let mesh = space.mesh();
-        let mut home = vec![Location { cell: NONE, barycentric: [0.0; 4] }; space.len()];
+        let mut node_locations = vec![Location { cell: NONE, barycentric: [0.0; 4] }; space.len()];
         for c in 0..mesh.cell_count() {
             for (a, &n) in space.cell_nodes(c).iter().enumerate() {
-                if home[n as usize].cell == NONE {
-                    home[n as usize] = Location { cell: c as u32, barycentric: space.element().node(a, D) };
+                if node_locations[n as usize].cell == NONE {
+                    node_locations[n as usize] = Location { cell: c as u32, barycentric: space.element().node(a, D) };
                 }
             }
         }
-        let mut doors: Vec<_> = translations
+        let mut periodic_links: Vec<_> = translations
             .iter()
             .map(|t| {
                 let (mine, theirs) = (mesh.facets()[t.facet as usize], mesh.facets()[t.partner as usize]);
                 (mine.cell * (D as u32 + 1) + mine.opposite, theirs.cell, t.shift)
             })
             .collect();
-        doors.sort_by_key(|d| d.0);
-        doors.dedup_by_key(|d| d.0);
+        periodic_links.sort_by_key(|d| d.0);
+        periodic_links.dedup_by_key(|d| d.0);
         let mut shifts: Vec<SVector<f64, D>> = Vec::new();
-        for (_, _, shift) in &doors {
+        for (_, _, shift) in &periodic_links {
             if shifts.iter().all(|s| (s - shift).norm() > 1e-6 * shift.norm()) {
                 shifts.push(*shift);
             }
         }
         let finest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min);
-        Tracer { space: Arc::clone(space), home, doors, shifts, finest, locator: OnceLock::new() }
+        Tracer { space: Arc::clone(space), node_locations, periodic_links, shifts, finest, locator: OnceLock::new() }
     }
     /// The space of the velocities.
     pub fn space(&self) -> &Arc<Space<D>> {
         &self.space
     }
-    /// A cell of node `n` and the place of the node in it; of a node that no cell uses any place.
-    pub fn home(&self, n: usize) -> Location {
-        match self.home[n] {
+    /// A cell of node `n` and its barycentric coordinates there; any location for a node of no
+    /// cell.
+    pub fn node_location(&self, n: usize) -> Location {
+        match self.node_locations[n] {
             Location { cell: NONE, .. } => Location { cell: 0, barycentric: [1.0, 0.0, 0.0, 0.0] },
-            home => home,
+            location => location,
         }
     }
     /// Largest `|u| dt / h` over the nodes of all cells, with `h` the longest edge of the cell.
@@ -123,79 +127,83 @@ impl<const D: usize> Tracer<D> {
             })
             .fold(0.0, f64::max)
     }
-    /// Feet, a time `dt` earlier, of the characteristics through the quadrature points of `basis`: point `q` of cell `c` is number `c * points + q`.
+    /// Feet at `t - dt` of the characteristics through the quadrature points of `basis` at `t`:
+    /// point `q` of cell `c` has number `c * points + q`.
     pub fn from_quadrature(&self, u: &[SVector<f64, D>], dt: f64, basis: &Basis<D>, feet: &mut Feet) {
-        self.feet_of_quadrature(&Wind::Nodal(u), dt, basis, feet);
+        self.feet_of_quadrature(&AdvectingVelocity::Nodal(u), dt, basis, feet);
     }
-    /// Feet, a time `dt` earlier, of the characteristics through the nodes of the space.
+    /// Feet at `t - dt` of the characteristics through the nodes of the space at `t`.
     pub fn from_nodes(&self, u: &[SVector<f64, D>], dt: f64, feet: &mut Feet) {
-        self.feet_of_nodes(&Wind::Nodal(u), dt, feet);
+        self.feet_of_nodes(&AdvectingVelocity::Nodal(u), dt, feet);
     }
     /// [`from_quadrature`](Self::from_quadrature) with any velocity.
-    pub fn feet_of_quadrature(&self, wind: &Wind<'_, D>, dt: f64, basis: &Basis<D>, feet: &mut Feet) {
+    pub fn feet_of_quadrature(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, basis: &Basis<D>, feet: &mut Feet) {
         let points = basis.rule().len();
         let count = self.space.mesh().cell_count() * points;
         feet.0.resize(count, Location { cell: NONE, barycentric: [0.0; 4] });
-        let steps = self.steps(wind, dt);
+        let steps = self.steps(advecting, dt);
         parallel::fill(&mut feet.0, points, |first, part| {
             for (i, feet) in part.chunks_exact_mut(points).enumerate() {
                 let c = first + i;
                 let start = |q: usize| Location { cell: c as u32, barycentric: basis.rule().points[q] };
-                match wind {
-                    Wind::Nodal(u) if steps == 1 => {
+                match advecting {
+                    AdvectingVelocity::Nodal(u) if steps == 1 => {
                         let own = self.space.on_cell(u, c);
                         for (q, foot) in feet.iter_mut().enumerate() {
                             *foot = self.foot_of_short_step(u, dt, &own, own.combined(basis.values(q)), start(q));
                         }
                     }
-                    _ => feet.iter_mut().enumerate().for_each(|(q, foot)| *foot = self.foot(wind, dt, steps, start(q))),
+                    _ => feet
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|(q, foot)| *foot = self.foot(advecting, dt, steps, start(q))),
                 }
             }
         });
     }
     /// [`from_nodes`](Self::from_nodes) with any velocity.
-    pub fn feet_of_nodes(&self, wind: &Wind<'_, D>, dt: f64, feet: &mut Feet) {
+    pub fn feet_of_nodes(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, feet: &mut Feet) {
         feet.0.resize(self.space.len(), Location { cell: NONE, barycentric: [0.0; 4] });
-        let steps = self.steps(wind, dt);
+        let steps = self.steps(advecting, dt);
         parallel::fill(&mut feet.0, 1, |first, part| {
             for (i, foot) in part.iter_mut().enumerate() {
                 let n = first + i;
-                *foot = match (self.home[n], wind) {
-                    // A point that no cell uses carries nothing; any location will do.
-                    (Location { cell: NONE, .. }, _) => self.home(n),
-                    (start, Wind::Nodal(u)) if steps == 1 => {
+                *foot = match (self.node_locations[n], advecting) {
+                    // A point of no cell carries nothing; any location will do.
+                    (Location { cell: NONE, .. }, _) => self.node_location(n),
+                    (start, AdvectingVelocity::Nodal(u)) if steps == 1 => {
                         let own = self.space.on_cell(u, start.cell as usize);
                         self.foot_of_short_step(u, dt, &own, u[n], start)
                     }
-                    (start, _) => self.foot(wind, dt, steps, start),
+                    (start, _) => self.foot(advecting, dt, steps, start),
                 };
             }
         });
     }
-    /// Steps of the rule in one time step. The cap keeps a blown-up velocity from taking for ever.
-    fn steps(&self, wind: &Wind<'_, D>, dt: f64) -> usize {
-        let courant = match wind {
-            // A bound that is cheap, and in most steps enough.
-            Wind::Nodal(u) => {
+    /// Number of substeps, at most 100, so that a diverging velocity does not stop the program.
+    fn steps(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64) -> usize {
+        let courant = match advecting {
+            // An inexpensive bound, sufficient in most steps.
+            AdvectingVelocity::Nodal(u) => {
                 let fastest = u.iter().map(|v| v.norm_squared()).fold(0.0, f64::max).sqrt();
                 if fastest * dt <= self.finest { 1.0 } else { self.courant(u, dt) }
             }
-            Wind::Given { courant, .. } => 0.5 * courant,
+            AdvectingVelocity::Given { courant, .. } => 0.5 * courant,
         };
         (courant.ceil() as usize).clamp(1, 100)
     }
-    fn foot(&self, wind: &Wind<'_, D>, dt: f64, steps: usize, start: Location) -> Location {
-        match wind {
-            Wind::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
-            Wind::Given { velocity, arrival, .. } => {
+    fn foot(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, steps: usize, start: Location) -> Location {
+        match advecting {
+            AdvectingVelocity::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
+            AdvectingVelocity::Given { velocity, arrival, .. } => {
                 let from = self.space.mesh().point_at(&start);
                 let x = path(velocity, from, *arrival, -dt, steps);
                 self.displaced(start, x - from)
             }
         }
     }
-    /// One step of the midpoint rule from `start`, where the velocity is `w`; `own` is the velocity on that cell, which the
-    /// characteristic seldom leaves.
+    /// One midpoint step from `start`, where the velocity is `w`; `own` is the velocity on that
+    /// cell, which the characteristic rarely leaves.
     #[inline]
     fn foot_of_short_step(
         &self,
@@ -230,11 +238,12 @@ impl<const D: usize> Tracer<D> {
         }
         here
     }
-    /// Where a straight step ends that may be long: a target in the domain is found even if the way to it is not (around
-    /// an obstacle); one outside is replaced by the point where the way leaves the domain.
+    /// End of a straight step of any length. A target in the domain is found even if the segment
+    /// leaves the domain (around an obstacle); a target outside is replaced by the point where the
+    /// segment leaves the domain.
     pub fn displaced(&self, from: Location, step: SVector<f64, D>) -> Location {
         let (end, inside) = self.travel(from, step);
-        if inside || !self.doors.is_empty() {
+        if inside || !self.periodic_links.is_empty() {
             return end;
         }
         let target = self.space.mesh().point_at(&from) + step;
@@ -245,7 +254,7 @@ impl<const D: usize> Tracer<D> {
         let mesh = self.space.mesh();
         self.locator.get_or_init(|| Locator::new(mesh)).locate(mesh, x)
     }
-    /// The nearest of the images that periodic sides make of a displacement that is shorter than half a period.
+    /// The shortest periodic image of a displacement that is shorter than half a period.
     pub fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
         // One pair of sides after the other; a corner needs one of each.
         for _ in 0..D {
@@ -258,24 +267,25 @@ impl<const D: usize> Tracer<D> {
     fn velocity(&self, u: &[SVector<f64, D>], at: &Location) -> SVector<f64, D> {
         self.space.value(u, at.cell as usize, &at.barycentric)
     }
-    /// Moves by `step`, through periodic sides.
+    /// Moves by `step`, through periodic sides. Returns the end, and false if the step leaves the
+    /// domain.
     fn travel(&self, from: Location, step: SVector<f64, D>) -> (Location, bool) {
         let mesh = self.space.mesh();
         let (mut cell, mut x) = (from.cell, mesh.point_at(&from));
         let mut target: Point<D> = x + step;
-        // More doors than a particle can cross in a step, or in the time of a submap.
-        for _ in 0..MOST_DOORS {
+        // More periodic sides than a particle can cross in a step, or in the time of a submap.
+        for _ in 0..MOST_CROSSINGS {
             let (end, inside) = mesh.walk(cell, &x, &target);
-            if inside || self.doors.is_empty() {
+            if inside || self.periodic_links.is_empty() {
                 return (end, inside);
             }
-            let slots =
+            let facets =
                 (0..=D as u32).filter(|&k| end.barycentric[k as usize] <= 1e-9).map(|k| end.cell * (D as u32 + 1) + k);
-            let door = slots
-                .filter_map(|s| self.doors.binary_search_by_key(&s, |d| d.0).ok())
-                .map(|i| &self.doors[i])
+            let link = facets
+                .filter_map(|s| self.periodic_links.binary_search_by_key(&s, |d| d.0).ok())
+                .map(|i| &self.periodic_links[i])
                 .find(|d| d.2.dot(&(target - x)) < 0.0);
-            let Some(&(_, partner, shift)) = door else { return (end, false) };
+            let Some(&(_, partner, shift)) = link else { return (end, false) };
             x = mesh.point_at(&end) + shift;
             target += shift;
             cell = partner;
@@ -284,7 +294,8 @@ impl<const D: usize> Tracer<D> {
     }
 }
 
-/// Where a particle that is at `x` at time `t` is a time `dt` later (earlier if negative), by `steps` steps of the classical Runge-Kutta rule.
+/// Position at `t + dt` of the particle at `x` at time `t` (`dt` may be negative), by `steps` steps
+/// of the classical Runge-Kutta rule of order 4.
 pub fn path<const D: usize>(
     velocity: &VelocityFunction<D>,
     mut x: Point<D>,
@@ -310,7 +321,8 @@ mod tests {
     use crate::fem::{Element, Rule};
     use crate::mesh::{Diagonals, rectangle};
 
-    /// Solid rotation: the exact foot is a rotation; the midpoint rule is of third order in one step.
+    /// Solid rotation: the exact foot is a rotation; the midpoint rule is of third order in one
+    /// step.
     #[test]
     fn feet_of_a_rotation_converge_with_order_three() {
         let mesh = Arc::new(rectangle([-1.0, -1.0], [1.0, 1.0], [8, 8], Diagonals::Right).unwrap());

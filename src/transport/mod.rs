@@ -1,31 +1,33 @@
-//! Transport along characteristics: where a particle was, and fields carried from there.
+//! Transport along characteristics (semi-Lagrangian).
 //!
-//! `d_t f + u . grad f = 0` is solved by `f(x, t + dt) = f(X(x), t)`, where `X(x)` is the foot at time `t` of the
-//! characteristic that arrives at `x` at `t + dt` (book, section 2.1.1; FreeFEM's `convect`).
+//! `d_t f + u . grad f = 0` is solved by `f(x, t + dt) = f(X(x), t)`, where `X(x)` is the foot at
+//! time `t` of the characteristic that arrives at `x` at `t + dt` (book, section 2.1.1; FreeFEM's
+//! `convect`).
 
 mod feet;
 mod map;
 
-pub use feet::{Feet, Tracer, Wind, path};
+pub use feet::{AdvectingVelocity, Feet, Tracer, path};
 pub use map::CharacteristicMap;
 
 use crate::base::Result;
 use crate::fem::{At, Projector, Space};
 use nalgebra::SVector;
 
-/// How a scalar field is brought back onto its space after it has been followed along the characteristics.
+/// Method that maps a transported scalar field back to its space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Values at the feet of the nodes: the book's `convect`. Each step costs one interpolation.
     Nodal,
-    /// L2 projection of the values at the feet of the quadrature points (Lagrange-Galerkin; Douglas and Russell 1982).
+    /// L2 projection of the values at the feet of the quadrature points (Lagrange-Galerkin; Douglas
+    /// and Russell 1982).
     Projected,
-    /// The initial function at the foot of the whole way back to time 0, by a chain of short P2 maps
-    /// ([`CharacteristicMap`]): the field itself is never interpolated.
+    /// The initial function at the backward map, a chain of P2 submaps ([`CharacteristicMap`]): the
+    /// field itself is never interpolated.
     Composed,
 }
 
-/// Values of `f` at the feet of the nodes.
+/// `f o X` at the nodes; `feet` belong to the nodes.
 pub fn carry_nodal<const D: usize>(space: &Space<D>, f: &[f64], feet: &Feet, out: &mut [f64]) {
     crate::base::parallel::fill(out, 1, |first, part| {
         for (i, v) in part.iter_mut().enumerate() {
@@ -53,8 +55,8 @@ pub fn carry_projected<const D: usize>(
     )
 }
 
-/// The displacement `Y(x) - x` of backward characteristics one step later: at each node that from the foot, and the way there. `feet` belong
-/// to the nodes.
+/// The displacement `Y(x) - x` of the backward characteristics one step later: its value at the
+/// foot plus the step back to it. `feet` belong to the nodes.
 pub fn carry_displacement_nodal<const D: usize>(
     tracer: &Tracer<D>,
     d: &[SVector<f64, D>],

@@ -5,7 +5,7 @@ use crate::tools::point;
 use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::studies::stability::largest_stable_step;
 use std::sync::Arc;
@@ -67,10 +67,10 @@ pub fn flat(n: usize, viscosity: f64, membrane: &Membrane<2>, dt: f64, coupling:
             .coupled(coupling),
         membrane.clone(),
     );
-    let settings = Settings {
+    let settings = SimulationSettings {
         order: 1,
         grad_div: 1.0,
-        ..Settings::new(
+        ..SimulationSettings::new(
             dt,
             Fluid { density: 1.0, viscosity },
             vec![

@@ -5,7 +5,7 @@ use immersa::elastic::{AreaLaw, Band, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Contour, Ellipse, Measures, signed_distance};
 use immersa::mesh::{Diagonals, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, Transport};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings, Transport};
 use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::transport::Method;
 use nalgebra::SVector;
@@ -76,11 +76,11 @@ impl Case {
                 Immersed::boxed(interface, force)
             }
         };
-        let settings = Settings {
+        let settings = SimulationSettings {
             order: self.order,
             grad_div: self.grad_div,
             transport: Transport { method: self.transport, ..Transport::default() },
-            ..Settings::new(self.dt, Fluid { density: 1.0, viscosity: self.viscosity }, vec![])
+            ..SimulationSettings::new(self.dt, Fluid { density: 1.0, viscosity: self.viscosity }, vec![])
         };
         Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
     }
@@ -134,5 +134,5 @@ pub fn largest_rise(sim: &mut Simulation<2>, end: f64) -> f64 {
 
 /// Energy that came from nowhere, over the initial energy.
 pub fn balance(sim: &Simulation<2>) -> f64 {
-    sim.state().budget.residual(&sim.state().energies)
+    sim.state().balance.residual(&sim.state().energies)
 }

@@ -63,7 +63,7 @@ fn a_drop_beyond_the_explicit_limit() {
     assert!(balance(&lost) > 1.0);
     for (dt, chords, created) in [(2e-2, 8e-3, 5e-4), (1e-2, 2.3e-3, 9e-4), (5e-3, 6e-4, 7e-4)] {
         let mut sim = Case { dt, coupling: SEMI, ..DROP }.simulation();
-        let rise = largest_rise(&mut sim, 0.5) / sim.state().budget.initial;
+        let rise = largest_rise(&mut sim, 0.5) / sim.state().balance.initial;
         let [a, b] = half_chords(&sim);
         let error = (a - exact[0]).abs().max((b - exact[1]).abs());
         let residual = balance(&sim);

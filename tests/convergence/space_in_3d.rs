@@ -5,16 +5,16 @@ use crate::space_order::pressure_error;
 use crate::tools::{Study, size};
 use immersa::fem::{Condition, vector_errors};
 use immersa::mesh::{Mesh, box_mesh};
-use immersa::sim::{Fluid, Settings, Simulation};
+use immersa::sim::{Fluid, Simulation, SimulationSettings};
 use nalgebra::SVector;
 use std::sync::Arc;
 
 /// Errors after `steps` steps of BDF2, the exact velocity given at the walls: of the velocity, its gradient, the pressure.
 fn errors(exact: EthierSteinman, mesh: Mesh<3>, grad_div: f64, dt: f64, steps: usize) -> [f64; 3] {
     let mesh = Arc::new(mesh);
-    let settings = Settings {
+    let settings = SimulationSettings {
         grad_div,
-        ..Settings::new(
+        ..SimulationSettings::new(
             dt,
             Fluid { density: 1.0, viscosity: exact.viscosity },
             vec![("walls".into(), Condition::Velocity(Arc::new(move |x, t| exact.velocity(x, t))))],

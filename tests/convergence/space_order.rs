@@ -5,7 +5,7 @@ use crate::tools::{Study, size, with_walls};
 use immersa::fem::{Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors};
 use immersa::flow::{Coefficient, FlowSolver, Step};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, disc, gmsh, rectangle, refine};
-use immersa::sim::{Fluid, Settings, Simulation};
+use immersa::sim::{Fluid, Simulation, SimulationSettings};
 use nalgebra::{SMatrix, SVector};
 use std::path::Path;
 use std::sync::Arc;
@@ -162,11 +162,11 @@ pub fn taylor_green_run(exact: TaylorGreen, n: usize, dt: f64, steps: usize, ord
         ("left".into(), Condition::Periodic("right".into())),
         ("bottom".into(), Condition::Periodic("top".into())),
     ];
-    let settings = Settings {
+    let settings = SimulationSettings {
         order,
         grad_div: 1.0,
         gravity: V::zeros(),
-        ..Settings::new(dt, Fluid { density: 1.0, viscosity: exact.viscosity }, conditions)
+        ..SimulationSettings::new(dt, Fluid { density: 1.0, viscosity: exact.viscosity }, conditions)
     };
     let mut sim = Simulation::new(&mesh, settings, vec![], |x| exact.velocity(x, 0.0)).unwrap();
     for _ in 0..steps {

@@ -5,7 +5,7 @@ use immersa::fem::Element;
 use immersa::fem::{Basis, Projector, Rule, Space, VelocityFunction};
 use immersa::levelset::{Circle, Shape, signed_distance};
 use immersa::mesh::{Location, Locator, Point, box_mesh};
-use immersa::transport::{CharacteristicMap, Feet, Method, Tracer, Wind, carry_nodal, carry_projected};
+use immersa::transport::{AdvectingVelocity, CharacteristicMap, Feet, Method, Tracer, carry_nodal, carry_projected};
 use nalgebra::SVector;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -50,7 +50,8 @@ impl Case {
         let mut map = CharacteristicMap::identity(self.space.len());
         let dt = self.end / self.steps as f64;
         for k in 1..=self.steps {
-            let wind = Wind::Given { velocity: &self.velocity, arrival: k as f64 * dt, courant: self.courant };
+            let wind =
+                AdvectingVelocity::Given { velocity: &self.velocity, arrival: k as f64 * dt, courant: self.courant };
             if let Some(projector) = &mut projector {
                 self.tracer.feet_of_quadrature(&wind, dt, projector.basis(), &mut feet);
                 carry_projected(projector, &phi, &feet, &mut moved).unwrap();

@@ -4,7 +4,7 @@ use crate::tools::point;
 use immersa::fem::{Basis, Element, Projector, Rule, Space, VelocityFunction};
 use immersa::levelset::{Circle, Contour, Interface, Sample, Shape, signed_distance};
 use immersa::mesh::{Diagonals, Location, Locator, Point, rectangle};
-use immersa::transport::{CharacteristicMap, Feet, Tracer, Wind, carry_nodal, carry_projected};
+use immersa::transport::{AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_nodal, carry_projected};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -125,10 +125,10 @@ impl Case {
     fn disc(&self) -> Circle<2> {
         Circle::new(CENTRE.into(), RADIUS).unwrap()
     }
-    fn winds<'a>(&self, velocity: &'a VelocityFunction<2>) -> impl Iterator<Item = Wind<'a, 2>> {
+    fn winds<'a>(&self, velocity: &'a VelocityFunction<2>) -> impl Iterator<Item = AdvectingVelocity<'a, 2>> {
         let dt = self.dt();
         let courant = self.n as f64 * dt;
-        (1..=self.steps).map(move |k| Wind::Given { velocity, arrival: k as f64 * dt, courant })
+        (1..=self.steps).map(move |k| AdvectingVelocity::Given { velocity, arrival: k as f64 * dt, courant })
     }
     fn errors(&self, phi: &[f64]) -> Errors {
         let contour = Contour::new(&self.space, phi).unwrap();

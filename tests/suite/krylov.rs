@@ -3,7 +3,7 @@
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Element, Space};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -25,11 +25,11 @@ fn squeezed<const D: usize>(mesh: Mesh<D>, coupling: Coupling, tolerance: f64, d
             .filled(Fluid { density: 1.0, viscosity: 0.1 }),
         Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.15),
     );
-    let settings = Settings {
+    let settings = SimulationSettings {
         grad_div: 1.0,
         solve_tolerance: tolerance,
         quadrature: 4,
-        ..Settings::new(dt, Fluid { density: 1.0, viscosity: 0.01 }, vec![])
+        ..SimulationSettings::new(dt, Fluid { density: 1.0, viscosity: 0.01 }, vec![])
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }

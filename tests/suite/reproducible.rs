@@ -4,7 +4,7 @@ use immersa::elastic::{AreaLaw, Force, Membrane, SharpMembrane};
 use immersa::fem::{Element, Space};
 use immersa::levelset::{Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Point, rectangle};
-use immersa::sim::{Coupling, Fluid, Settings, Simulation, State, Transport};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings, State, Transport};
 use immersa::structure::{Immersed, ImmersedInterface};
 use immersa::transport::Method;
 use nalgebra::SVector;
@@ -25,12 +25,12 @@ fn simulation((transport, coupling, order, force): (Method, Coupling, usize, For
         Force::Sharp => Immersed::boxed(interface, SharpMembrane::new(LAW, 0.1)),
         Force::Smeared => Immersed::boxed(interface, Membrane::new(LAW, 0.2)),
     };
-    let settings = Settings {
+    let settings = SimulationSettings {
         order,
         grad_div: 1.0,
         gravity: SVector::<f64, 2>::new(0.0, -1.0),
         transport: Transport { method: transport, ..Transport::default() },
-        ..Settings::new(5e-3, Fluid { density: 1.0, viscosity: 0.05 }, vec![])
+        ..SimulationSettings::new(5e-3, Fluid { density: 1.0, viscosity: 0.05 }, vec![])
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
@@ -64,7 +64,7 @@ fn one_thread_and_several_give_the_same_bits() {
         };
         let one = run(1);
         // A drop of another viscosity: the matrix changes in each step, and an older factor must be among the bits.
-        assert!(State::<2>::from_bytes(&one, 0).unwrap().factored.is_some_and(|f| f.ledger.solves >= 1.0));
+        assert!(State::<2>::from_bytes(&one, 0).unwrap().factored.is_some_and(|f| f.solve_cost.solves >= 1.0));
         assert!(run(2) == one && run(3) == one, "{case:?}");
     }
 }

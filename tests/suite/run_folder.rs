@@ -5,7 +5,7 @@ use immersa::levelset::{Contour, Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Locator, Point, rectangle};
 use immersa::output::{FieldData, Series, Table, write_pvd, write_vtu};
 use immersa::scene::Scene;
-use immersa::sim::{Fluid, Settings, Simulation};
+use immersa::sim::{Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::fs;
@@ -63,8 +63,10 @@ fn simulation(cells: usize) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
     let space = immersa::fem::Space::new(&mesh, immersa::fem::Element::P2);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), AXES.into(), 0.0).unwrap();
-    let settings =
-        Settings { grad_div: 5.0, ..Settings::new(STEP, Fluid { density: 1.0, viscosity: 0.01 }, Vec::new()) };
+    let settings = SimulationSettings {
+        grad_div: 5.0,
+        ..SimulationSettings::new(STEP, Fluid { density: 1.0, viscosity: 0.01 }, Vec::new())
+    };
     let structure = Immersed::boxed(
         ImmersedInterface::new(
             "membrane",
@@ -116,7 +118,7 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
     let p = sim.flow().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
     let mut row = vec![m.area, m.perimeter, m.centroid[0], m.centroid[1], m.axis_1, m.axis_2, m.angle];
     row.extend([m.extent_x, m.extent_y, chord(1.0, 0.0), chord(0.0, 1.0)]);
-    row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.budget.residual(&e), state.budget.work]);
+    row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.balance.residual(&e), state.balance.work]);
     row.extend([sim.largest_speed(), e.divergence, sim.courant(), STEP / limit, u[0], u[1], p]);
     row
 }
@@ -194,8 +196,8 @@ fn summary(sim: &Simulation<2>, first_area: f64, largest_rise: f64) -> String {
         "warnings": ["the mesh has no region names"],
         "plan": "Navier-Stokes, P2-P1, BDF2, convection by characteristics.\nOne membrane, linear law.\n\nLeft out: backward characteristics (no shear), curvature, redistancing.",
         "balance": {
-            "energy": sim.state().budget.residual(&sim.state().energies),
-            "largest_rise": largest_rise / sim.state().budget.initial,
+            "energy": sim.state().balance.residual(&sim.state().energies),
+            "largest_rise": largest_rise / sim.state().balance.initial,
             "area": { "membrane": now[0] / first_area - 1.0 },
         },
         "final": last,

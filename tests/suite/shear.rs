@@ -6,7 +6,7 @@ use immersa::fem::{Condition, Element, Space};
 use immersa::levelset::{Circle, signed_distance};
 use immersa::mesh::{Point, box_mesh};
 use immersa::scene::Scene;
-use immersa::sim::{Coupling, Fluid, Settings, Simulation};
+use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
 use nalgebra::SVector;
 use std::f64::consts::PI;
@@ -232,9 +232,13 @@ fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt:
             None => shear,
         },
     );
-    let settings = Settings {
+    let settings = SimulationSettings {
         grad_div: 5.0,
-        ..Settings::new(dt, Fluid { density: 1.0, viscosity: 0.05 }, vec![("walls".into(), Condition::NoSlip)])
+        ..SimulationSettings::new(
+            dt,
+            Fluid { density: 1.0, viscosity: 0.05 },
+            vec![("walls".into(), Condition::NoSlip)],
+        )
     };
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }

@@ -5,7 +5,7 @@ use immersa::elastic::{AreaLaw, Membrane};
 use immersa::fem::{Condition, Conditions, Element, Rule, Space};
 use immersa::flow::term::MomentumTerm;
 use immersa::flow::{Coefficient, FlowSolver, FlowState, History, Step};
-use immersa::linalg::{Solving, Way};
+use immersa::linalg::{SolverKind, SolverOptions};
 use immersa::mesh::{Point, box_mesh};
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ fn closed(cells: usize) -> Case {
     }
 }
 
-fn solver(case: &Case, solving: Solving) -> FlowSolver<3> {
+fn solver(case: &Case, solving: SolverOptions) -> FlowSolver<3> {
     let mesh = Arc::new(box_mesh([0.0; 3], [1.0; 3], [case.cells; 3]).unwrap());
     let [velocity, pressure] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
     let rule = Arc::new(Rule::simplex(3, 4));
@@ -45,8 +45,8 @@ fn solver(case: &Case, solving: Solving) -> FlowSolver<3> {
     solver
 }
 
-fn by(way: Way) -> Solving {
-    Solving { way: Some(way), memory: None }
+fn by(kind: SolverKind) -> SolverOptions {
+    SolverOptions { kind: Some(kind), memory: None }
 }
 
 fn swirl(x: &Point<3>) -> V {
@@ -83,13 +83,16 @@ fn errors(direct: &FlowState<3>, other: &FlowState<3>) -> [f64; 2] {
 }
 
 fn all_ways_agree(name: &str, case: &Case) {
-    let direct = step(&mut solver(case, by(Way::Direct)), case, &[]);
+    let direct = step(&mut solver(case, by(SolverKind::Direct)), case, &[]);
     assert_eq!(direct.1, 0);
-    for (way, most) in [(Way::Single, 4), (Way::Schur, 120)] {
-        let (state, iterations, residual) = step(&mut solver(case, by(way)), case, &[]);
+    for (kind, most) in [(SolverKind::Single, 4), (SolverKind::Schur, 120)] {
+        let (state, iterations, residual) = step(&mut solver(case, by(kind)), case, &[]);
         let [u, p] = errors(&direct.0, &state);
-        assert!(iterations > 0 && iterations <= most && residual <= 1e-10, "{name}, {way}: {iterations}, {residual:e}");
-        assert!(u < 1e-7 && p < 1e-5, "{name}, {way}: velocity {u:e}, pressure {p:e}, {iterations} iterations");
+        assert!(
+            iterations > 0 && iterations <= most && residual <= 1e-10,
+            "{name}, {kind}: {iterations}, {residual:e}"
+        );
+        assert!(u < 1e-7 && p < 1e-5, "{name}, {kind}: velocity {u:e}, pressure {p:e}, {iterations} iterations");
     }
 }
 
@@ -123,7 +126,7 @@ fn every_way_of_solving_takes_every_boundary_condition() {
 #[test]
 fn every_way_of_solving_takes_fluids_that_differ() {
     let case = closed(4);
-    let blank = solver(&case, Solving::default());
+    let blank = solver(&case, SolverOptions::default());
     let (points, cells) = (blank.velocity().rule().len(), blank.velocity().space().mesh().cell_count());
     let ball = |inside: f64, outside: f64| {
         let value = |k: usize| {
@@ -140,8 +143,8 @@ fn every_way_of_solving_takes_fluids_that_differ() {
 #[test]
 fn old_factors_of_every_kind_serve_a_matrix_that_changes() {
     let case = closed(5);
-    let run = |way: Way, tolerance: f64| {
-        let mut solver = solver(&case, by(way));
+    let run = |kind: SolverKind, tolerance: f64| {
+        let mut solver = solver(&case, by(kind));
         solver.iterate(tolerance);
         let space = Arc::clone(solver.velocity().space());
         let mut membrane = Membrane::new(AreaLaw::Linear { modulus: 2.0 }, 0.25);
@@ -156,49 +159,54 @@ fn old_factors_of_every_kind_serve_a_matrix_that_changes() {
             let mut state = FlowState { u: u.clone(), p: vec![0.0; solver.pressure().space().len()] };
             let report = solver.step(&step, &mut state).unwrap();
             (factored, iterations) = (factored + usize::from(report.refactored), iterations + report.solve.iterations);
-            assert!(report.solve.residual <= 1e-10, "{way}: {report:?}");
+            assert!(report.solve.residual <= 1e-10, "{kind}: {report:?}");
             last = Some(state);
         }
         (last.unwrap(), factored, iterations)
     };
-    let (direct, ..) = run(Way::Direct, 0.0);
-    for way in [Way::Direct, Way::Single, Way::Schur] {
-        let (state, factored, iterations) = run(way, 1e-10);
+    let (direct, ..) = run(SolverKind::Direct, 0.0);
+    for kind in [SolverKind::Direct, SolverKind::Single, SolverKind::Schur] {
+        let (state, factored, iterations) = run(kind, 1e-10);
         let [u, _] = errors(&direct, &state);
-        assert!(u < 1e-7 && iterations > 0, "{way}: {u:e}");
+        assert!(u < 1e-7 && iterations > 0, "{kind}: {u:e}");
         // Scalar factors of so small a mesh cost less than the iterations that they save.
-        assert!(factored < 6 || way == Way::Schur, "{way}: factored {factored} times, {iterations} iterations");
+        assert!(
+            factored < 6 || kind == SolverKind::Schur,
+            "{kind}: factored {factored} times, {iterations} iterations"
+        );
     }
 }
 
 #[test]
 fn the_way_of_solving_is_the_first_that_fits() {
     let case = closed(6);
-    let size = |solving: Solving| {
+    let size = |solving: SolverOptions| {
         let mut solver = solver(&case, solving);
         solver.analyse(case.inertia).map(|()| solver.solver_size().unwrap())
     };
-    let bytes = [Way::Direct, Way::Single, Way::Schur].map(|way| size(by(way)).unwrap().1.bytes);
+    let bytes = [SolverKind::Direct, SolverKind::Single, SolverKind::Schur].map(|kind| size(by(kind)).unwrap().1.bytes);
     assert!(bytes[0] > bytes[1] && bytes[1] > bytes[2], "{bytes:?}");
-    for (limit, way) in [(bytes[0], Way::Direct), (bytes[0] - 1, Way::Single), (bytes[1] - 1, Way::Schur)] {
-        assert_eq!(size(Solving { way: None, memory: Some(limit) }).unwrap().0, way);
+    for (limit, kind) in
+        [(bytes[0], SolverKind::Direct), (bytes[0] - 1, SolverKind::Single), (bytes[1] - 1, SolverKind::Schur)]
+    {
+        assert_eq!(size(SolverOptions { kind: None, memory: Some(limit) }).unwrap().0, kind);
     }
-    let refused = size(Solving { way: None, memory: Some(bytes[2] - 1) }).unwrap_err().to_string();
+    let refused = size(SolverOptions { kind: None, memory: Some(bytes[2] - 1) }).unwrap_err().to_string();
     for part in ["by direct", "by single", "by schur", "may be taken", "unknowns by schur"] {
         assert!(refused.contains(part), "{part}: {refused}");
     }
-    let refused = size(Solving { way: Some(Way::Direct), memory: Some(bytes[2]) }).unwrap_err();
+    let refused = size(SolverOptions { kind: Some(SolverKind::Direct), memory: Some(bytes[2]) }).unwrap_err();
     assert_eq!(refused.cause(), Some(Cause::SolverMemory), "{refused}");
 }
 
 #[test]
 fn every_way_of_solving_gives_the_same_bits_with_one_thread_and_with_two() {
     let case = closed(4);
-    for way in [Way::Direct, Way::Single, Way::Schur] {
+    for kind in [SolverKind::Direct, SolverKind::Single, SolverKind::Schur] {
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| step(&mut solver(&case, by(way)), &case, &[]).0)
+            pool.install(|| step(&mut solver(&case, by(kind)), &case, &[]).0)
         };
-        assert!(run(1) == run(2), "{way}");
+        assert!(run(1) == run(2), "{kind}");
     }
 }

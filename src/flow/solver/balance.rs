@@ -8,7 +8,7 @@ use crate::flow::step::{FlowState, Step};
 use nalgebra::SVector;
 
 impl<const D: usize> FlowSolver<D> {
-    /// Power that the walls put into the flow through prescribed velocities: the sum over nodes of reaction times velocity,
+    /// Power of prescribed boundary velocities: the sum over nodes of reaction times velocity,
     /// after [`step`](Self::step) with the same data.
     pub fn wall_power(&mut self, step: &Step<'_, D>, state: &FlowState<D>) -> f64 {
         if self.numbering.is_homogeneous() {
@@ -23,15 +23,16 @@ impl<const D: usize> FlowSolver<D> {
         power
     }
 
-    /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` whose support lies in `cells`: at nodes on
-    /// a wall, the force of the wall on the fluid. Valid after [`step`](Self::step) with the same data.
+    /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` supported in
+    /// `cells`. At nodes on a wall it is the force of the wall on the fluid. Valid after
+    /// [`step`](Self::step) with the same data.
     pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
         let mut r = self.work.load.clone();
         self.find_reaction(step, state, cells, &mut r, &mut Vec::new());
         r
     }
 
-    /// [`reaction`](Self::reaction) in place of what `r` holds.
+    /// [`reaction`](Self::reaction), written to `r`.
     fn find_reaction(
         &self,
         step: &Step<'_, D>,
@@ -64,8 +65,9 @@ impl<const D: usize> FlowSolver<D> {
         self.add_block_forces(step.blocks, r);
     }
 
-    /// Kinetic energy `rho |u|^2 / 2`, viscous dissipation rate `2 mu |D(u)|^2`, grad-div rate `gamma (div u)^2` and `|div u|^2`,
-    /// each integrated. With one viscosity the gradients are taken at the points of a rule of degree 2, which is exact.
+    /// Integrals of kinetic energy `rho |u|^2 / 2`, viscous dissipation `2 mu |D(u)|^2`, grad-div
+    /// dissipation `gamma (div u)^2` and `|div u|^2`. With constant viscosity the gradients are
+    /// integrated with a rule of degree 2, which is exact.
     pub fn energies(&self, state: &FlowState<D>) -> [f64; 4] {
         let values = &self.velocity;
         let gradients = if self.viscosity.is_constant() { &self.gradients } else { values };

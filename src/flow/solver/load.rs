@@ -9,7 +9,8 @@ use crate::mesh::Mesh;
 use nalgebra::SVector;
 
 impl<const D: usize> FlowSolver<D> {
-    /// Right-hand side before boundary values are brought in: one vector a node, into `work.load`.
+    /// Assembles the right-hand side without boundary values, one vector per node, into
+    /// `work.load`.
     pub(super) fn assemble_load(&mut self, step: &Step<'_, D>) {
         self.work.load.fill(SVector::zeros());
         self.assemble_inertia(step);
@@ -43,7 +44,8 @@ impl<const D: usize> FlowSolver<D> {
         self.phases.end(Phase::Force);
     }
 
-    /// `rho sum weight u o X / dt`, each earlier velocity gathered once a cell: most feet lie in the cell of their points.
+    /// `rho sum weight u o X / dt`. Each earlier velocity is gathered once per cell: most feet lie
+    /// in the cell of their point.
     fn assemble_inertia(&mut self, step: &Step<'_, D>) {
         let (velocity, density, work) = (&self.velocity, &self.density, &mut self.work);
         let (space, points) = (velocity.space(), velocity.rule().len());
@@ -65,8 +67,8 @@ impl<const D: usize> FlowSolver<D> {
         });
     }
 
-    /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`, less the mean of `div g` when the
-    /// boundary is closed, so that what the interpolation of `g` lets through is spread evenly.
+    /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`.
+    /// With a closed boundary the mean of `div g`, an interpolation error, is subtracted.
     pub(super) fn bring_in_boundary_values(&mut self, step: &Step<'_, D>, work: &mut Work<D>) -> Result<()> {
         let space = self.velocity.space();
         self.numbering.lift(space, step.time, &mut work.lift);
@@ -102,7 +104,8 @@ impl<const D: usize> FlowSolver<D> {
             let mesh = space.mesh();
             let through: f64 = work.continuity[..self.numbering.pressure_points()].iter().sum();
             let [scale, along] = boundary_flow(mesh, space, g);
-            // A wall that moves along itself may have a normal velocity of rounding, such as sin(pi).
+            // A wall that moves along itself may have a normal velocity of rounding, such as
+            // sin(pi).
             if through.abs() > 1e-3 * scale && scale > 1e-12 * along {
                 return Err(Error::scene(
                     "the prescribed velocities let more fluid in than out, and no boundary is open",
@@ -119,7 +122,7 @@ impl<const D: usize> FlowSolver<D> {
     }
 }
 
-/// Implicit terms on cells: part of the form of every cell.
+/// Implicit terms on cells, part of the form of every cell.
 pub(super) fn cell_terms<'a, const D: usize>(step: &Step<'a, D>) -> impl Iterator<Item = &'a dyn MomentumTerm<D>> {
     let on_cells = |t: &&dyn MomentumTerm<D>| matches!(t.support(), Support::Cells(_));
     step.terms.iter().copied().filter(|t| t.is_implicit()).filter(on_cells)
@@ -140,7 +143,8 @@ fn plus<const D: usize>(a: VectorForm<D>, b: VectorForm<D>) -> VectorForm<D> {
     (a.0 + b.0, a.1 + b.1)
 }
 
-/// Integrals of `|g . n|` and `|g|` over the boundary, by the mean over the nodes of each facet: scales to judge the net flux with.
+/// Integrals of `|g . n|` and `|g|` over the boundary, by the mean over the nodes of each facet:
+/// scales for the net flux.
 fn boundary_flow<const D: usize>(mesh: &Mesh<D>, space: &Space<D>, g: &[SVector<f64, D>]) -> [f64; 2] {
     let mut flow = [0.0; 2];
     for f in mesh.facets() {

@@ -1,13 +1,13 @@
-//! The matrix of a step, and what a preconditioner needs beside it.
+//! The matrix of a step and the operators of its preconditioner.
 
 use super::FlowSolver;
 use crate::base::{Error, Phase, Result};
 use crate::fem::{At, Cells, VectorForm, add_point_matrix, assemble_flow_matrix, assemble_scalar_matrix};
 use crate::flow::term::{MomentumTerm, Support};
-use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Ledger, Multipliers, Saddle, SymmetricMatrix};
+use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Multipliers, Saddle, SolveCost, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
 
-/// Diagonal entry that makes the solution of an equation for a pressure zero.
+/// Diagonal entry that fixes a pressure at zero.
 const FIXED: f64 = 1e30;
 
 impl<const D: usize> FlowSolver<D> {
@@ -26,7 +26,8 @@ impl<const D: usize> FlowSolver<D> {
         }
     }
 
-    /// Assembles the part of the matrix that stays, for `weight / dt`, and analyses it without factoring.
+    /// Assembles the constant part of the matrix for `weight / dt`, and analyses it without
+    /// factoring.
     pub fn analyse(&mut self, weight: f64) -> Result<()> {
         self.phases.begin();
         self.assemble_base(weight)?;
@@ -36,7 +37,7 @@ impl<const D: usize> FlowSolver<D> {
             let multipliers =
                 Multipliers { first: self.numbering.first_pressure(), first_late: self.numbering.first_constant() };
             let saddle = || self.saddle(weight);
-            let factor = LaggedFactor::choose(base, multipliers, self.solving, self.tolerance, saddle)?;
+            let factor = LaggedFactor::choose(base, multipliers, self.options, self.tolerance, saddle)?;
             self.factor = Some(factor);
             self.factor_is_base = false;
         }
@@ -44,8 +45,8 @@ impl<const D: usize> FlowSolver<D> {
         Ok(())
     }
 
-    /// What the Schur route is told: the components of the velocity, and the operators on the pressure without values. There is no
-    /// second operator in a flow without inertia.
+    /// Input of the Schur solver: components of the velocity, and operators on the pressure without
+    /// values. A Stokes flow has no second operator.
     fn saddle(&self, weight: f64) -> Result<Saddle> {
         let (space, unknowns) = (self.pressure.space(), self.numbering.pressure_unknowns());
         let count = self.numbering.order() - self.numbering.first_pressure();
@@ -56,8 +57,8 @@ impl<const D: usize> FlowSolver<D> {
         Ok(Saddle { components: self.numbering.components(), operators })
     }
 
-    /// Fills the operators on the pressure, where the way of solving has any: the mass matrix over `2 mu + gamma`, and the Laplacian over `rho weight/dt`,
-    /// zero at open boundaries.
+    /// Fills the operators on the pressure, if the solver has any: the mass matrix over
+    /// `2 mu + gamma`, and the Laplacian over `rho weight/dt`, zero at open boundaries.
     fn fill_operators(&mut self, weight: f64) -> Result<()> {
         let Some(factor) = &mut self.factor else { return Ok(()) };
         if factor.operators_mut().is_empty() {
@@ -109,7 +110,7 @@ impl<const D: usize> FlowSolver<D> {
         Ok(())
     }
 
-    /// Makes the matrix fit the step. Returns what that means for the factor.
+    /// Updates the matrix for the step. Returns the change since the factorisation.
     pub(super) fn prepare(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>]) -> Result<Change> {
         let implicit = terms.iter().any(|t| t.is_implicit());
         self.analyse(weight)?;
@@ -143,20 +144,22 @@ impl<const D: usize> FlowSolver<D> {
         if self.factor_is_base {
             return Ok(Change::None);
         }
-        // The formula begins with another coefficient than it goes on with: a factor of the first step would serve badly ever after.
+        // The first step has another coefficient than the following ones: its factor would be a bad
+        // preconditioner for them.
         let lasting = !self.expects_changes && (constant || self.factored_weight != weight);
         Ok(if lasting { Change::Lasting } else { Change::Passing })
     }
 
-    /// Makes the factor that a run had when it was interrupted: of `weight / dt`, the materials that were set last and `terms`.
+    /// Computes the factor of an interrupted run again: with `weight / dt`, the current materials
+    /// and `terms`.
     ///
     /// # Errors
     /// A factorisation that fails.
-    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], ledger: Ledger) -> Result<()> {
+    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], solve_cost: SolveCost) -> Result<()> {
         self.prepare(weight, terms)?;
         let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
         self.factored_weight = weight;
         self.factored_plain = terms.iter().all(|t| !t.is_implicit());
-        factor.restore(&self.matrix, ledger)
+        factor.restore(&self.matrix, solve_cost)
     }
 }

@@ -9,10 +9,11 @@ use crate::linalg::{Factor, LaggedReport, Multipliers, Ordering, SymmetricMatrix
 use cpu_time::ProcessTime;
 use nalgebra::SVector;
 
-/// Matrix and factor of the system with blocks; its pattern follows the cells that blocks couple in.
+/// Matrix and factor of the system with blocks; its pattern follows the cells that blocks couple
+/// in.
 pub(super) struct BlockSystem {
     matrix: SymmetricMatrix,
-    /// Its pattern depends on the values of the matrix, which come first.
+    /// Its pattern depends on the values of the matrix, which are assembled first.
     factor: Option<Factor>,
     /// Unknowns of the blocks by cell, from which the pattern was built.
     groups: Vec<(u32, Vec<u32>)>,
@@ -164,7 +165,7 @@ impl<const D: usize> FlowSolver<D> {
         let late = self.numbering.first_constant().min(self.numbering.order());
         let multipliers = Multipliers { first: self.numbering.first_pressure(), first_late: late };
         let ordering = Ordering::saddle_point(matrix, multipliers)?;
-        match self.solving.memory {
+        match self.options.memory {
             Some(limit) => Factor::analyse_within(matrix, ordering, Some(limit)),
             None => Factor::analyse(matrix, ordering),
         }
@@ -180,13 +181,13 @@ impl<const D: usize> FlowSolver<D> {
         }
     }
 
-    /// Values of the unknowns of blocks in the last step, one list a block, in the order of
+    /// Values of the unknowns of blocks in the last step, one list per block, in the order of
     /// [`Step::blocks`].
     pub fn block_values(&self) -> &[Vec<f64>] {
         &self.block_values
     }
 
-    /// Adds `b(l, v)` of the last step to `out`, one vector a node.
+    /// Adds `b(l, v)` of the last step to `out`, one vector per node.
     pub(super) fn add_block_forces(&self, blocks: &[&dyn Block<D>], out: &mut [SVector<f64, D>]) {
         let space: &Space<D> = self.velocity.space();
         for (block, values) in blocks.iter().zip(&self.block_values) {

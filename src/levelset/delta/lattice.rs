@@ -1,4 +1,4 @@
-//! The lattice of the P2 nodes: the mesh of half the edge whose vertices they are.
+//! The lattice of the P2 nodes: the mesh of half the edge length with these vertices.
 
 use crate::fem::{EDGES, Element, Space};
 use crate::levelset::contour::{CORNERS, LATTICE};
@@ -29,7 +29,8 @@ impl<const D: usize> Part<D> {
         }
         Some(Part { nodes, volume: space.mesh().map(c).volume / (1 << D) as f64, gradients })
     }
-    /// The weight of the edge between its vertices `i` and `j` in the linear finite-element Laplacian: less the entry of the stiffness matrix.
+    /// Weight of the edge between its vertices `i` and `j` in the linear finite-element Laplacian:
+    /// minus the entry of the stiffness matrix.
     pub fn weight(&self, i: usize, j: usize) -> f64 {
         -self.volume * self.gradients[i].dot(&self.gradients[j])
     }
@@ -41,8 +42,9 @@ impl<const D: usize> Part<D> {
 
 /// The simplices of the lattice in cell `c` of a P2 space, all of the same volume.
 ///
-/// The octahedron in a tetrahedron is cut along the diagonal between the middles of its edges 02 and 13, its vertices sorted by their numbers
-/// (Bey 1995): the cells of a box then have the seven-point Laplacian on their lattice, those of squares the five-point one.
+/// The octahedron in a tetrahedron is divided along the diagonal between the midpoints of its edges
+/// 02 and 13, with vertices sorted by their numbers (Bey 1995): the cells of a box then have the
+/// seven-point Laplacian on their lattice, those of squares the five-point one.
 pub(super) fn parts<const D: usize>(space: &Space<D>, c: usize) -> impl Iterator<Item = Part<D>> {
     let mut all = [[0; 4]; 8];
     if D == 2 {
@@ -64,7 +66,7 @@ pub(super) fn parts<const D: usize>(space: &Space<D>, c: usize) -> impl Iterator
     all.into_iter().take(1 << D).filter_map(move |nodes| Part::new(space, c, nodes))
 }
 
-/// Barycentric coordinates of the point at `t` of the way between two local P2 nodes.
+/// Barycentric coordinates of the point at parameter `t` between two local P2 nodes.
 pub(super) fn between(d: usize, a: usize, b: usize, t: f64) -> [f64; 4] {
     let (la, lb) = (Element::P2.node(a, d), Element::P2.node(b, d));
     std::array::from_fn(|k| la[k] + t * (lb[k] - la[k]))

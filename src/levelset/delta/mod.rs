@@ -1,4 +1,5 @@
-//! Delta functions: ways to integrate over the interface of a level set, and over what it encloses (section 1.5 of the book).
+//! Discrete delta functions: integrals over the interface of a level set, and over the set that it
+//! encloses (section 1.5 of the book).
 
 mod lattice;
 mod smeared;
@@ -12,26 +13,30 @@ use super::sign::cut_cells;
 use crate::base::Result;
 use crate::fem::{At, Space};
 
-/// A way to make points and weights of a level set, the discrete delta function: `int_{phi = 0} f ~ sum weight f(point)`.
+/// A discrete delta function, points and weights from a level set:
+/// `int_{phi = 0} f ~ sum weight f(point)`.
 ///
-/// All work on triangles and tetrahedra and take any `phi` with a gradient at the interface, distance or not.
+/// Each is defined on triangles and tetrahedra for any `phi` with a gradient at the interface,
+/// distance or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Delta {
-    /// Spread over a band, by quadrature: (1.24), renormalised or carried.
+    /// Smeared over a band, by quadrature: (1.24), renormalised or carried.
     Smeared(Smeared),
-    /// Smereka's first delta at the nodes (J. Comput. Phys. 211 (2006) 77-90): the Laplacian of a function whose normal derivative jumps by 1.
+    /// Smereka's first delta at the nodes (J. Comput. Phys. 211 (2006) 77-90): the Laplacian of a
+    /// function whose normal derivative jumps by 1.
     Smereka1,
-    /// Smereka's second: the jump of the second derivatives, from the curvature, counts too.
+    /// Smereka's second: includes the jump of the second derivatives, from the curvature.
     Smereka2,
-    /// Towers' (section 1.5.4) at the nodes: `(Lap I - H Lap phi)/|grad phi|` with `I = max(phi, 0)`, `H = grad I . grad phi/|grad phi|^2`.
+    /// Towers' (section 1.5.4) at the nodes: `(Lap I - H Lap phi)/|grad phi|` with
+    /// `I = max(phi, 0)`, `H = grad I . grad phi/|grad phi|^2`.
     Towers,
     /// The zero set of the P2 function itself, by curved segments or triangles.
     Cut,
 }
 
 impl Delta {
-    /// Points and weights of the level set `phi`, a function of the P2 `space`, numbered by `at.q`. Points at nodes name one of the cells of the
-    /// node; there is one a node.
+    /// Points and weights for the level set `phi`, a function of the P2 `space`, numbered by
+    /// `at.q`. Points at nodes have one of the cells of the node; there is one per node.
     ///
     /// # Errors
     /// A space that is not P2, a value of `phi` that is not finite.
@@ -58,11 +63,12 @@ impl Delta {
     pub fn measure<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<f64> {
         self.integrate(space, phi, |_| 1.0)
     }
-    /// Whether there is a Heaviside function that belongs to this delta; Smereka's have none.
+    /// True if the delta function has a Heaviside function; Smereka's have none.
     pub fn has_inside(&self) -> bool {
         !matches!(self, Delta::Smereka1 | Delta::Smereka2)
     }
-    /// Area or volume of the set `phi < 0` by the Heaviside function that belongs to this delta; none where there is none.
+    /// Area or volume of the set `phi < 0` by the Heaviside function of this delta function; `None`
+    /// if it has none.
     ///
     /// # Errors
     /// Those of [`Delta::points`].
@@ -76,7 +82,8 @@ impl Delta {
     }
 }
 
-/// The points at the nodes with these weights: those that are not zero, in the order of the nodes, each in the first of its `cells`.
+/// Points at the nodes with these nonzero weights, in the order of the nodes, each in the first of
+/// its `cells`.
 fn at_nodes<const D: usize>(space: &Space<D>, cells: impl Iterator<Item = usize>, weights: &[f64]) -> Vec<At<D>> {
     let mut points = Vec::new();
     let mut seen = vec![false; weights.len()];

@@ -1,4 +1,4 @@
-//! The delta function that is spread over a band.
+//! The delta function smeared over a band.
 
 use super::cut_cells;
 use crate::base::{Result, parallel};
@@ -6,23 +6,24 @@ use crate::fem::{At, Element, Rule, Space};
 use crate::levelset::{Bounds, Kernel, Norm};
 use crate::mesh::{Location, Point};
 
-/// A delta function spread over a band, `zeta(phi/(s eps)) |grad phi|/(s eps)` (1.24), with the Heaviside function `int zeta`.
+/// A delta function smeared over a band, `zeta(phi/(s eps)) |grad phi|/(s eps)` (1.24), with the
+/// Heaviside function `int zeta`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smeared {
     /// The cut-off function `zeta`.
     pub kernel: Kernel,
-    /// The slope `s` that the band is measured with.
+    /// The slope `s` of the band.
     pub width: Width,
     /// Half-width `eps` of the band, a length > 0.
     pub thickness: f64,
-    /// Degree to which the quadrature in a cell is exact.
+    /// Degree of exactness of the quadrature in a cell.
     pub degree: usize,
 }
 
 /// The slope `s` of a smeared delta function: it has the half-width `eps s/|grad phi|` in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Width {
-    /// A constant: the slope of the level set at the start, so that the band moves with the fluid.
+    /// A constant: the slope of the level set at time 0, so that the band moves with the fluid.
     Carried(f64),
     /// A norm of the gradient at the point, the renormalisation of section 1.5.2.
     Renormalised(Norm),
@@ -36,7 +37,7 @@ impl Smeared {
             Width::Renormalised(norm) => norm.of(g),
         }
     }
-    /// Whether the band may have a point in a cell.
+    /// True if the band may have a point in a cell.
     fn meets<const D: usize>(&self, space: &Space<D>, phi: &[f64], c: usize) -> bool {
         let bounds = Bounds::of_cell(space, phi, c);
         let slope = match self.width {

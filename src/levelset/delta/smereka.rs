@@ -8,20 +8,25 @@ use crate::levelset::quadratic::Quadratic;
 use crate::levelset::{normal_gradient, vertices_near};
 use nalgebra::{SMatrix, SVector};
 
-/// The points of the first delta function or, with `second`, the second: nodes on both sides of the interface.
+/// The points of the first delta function or, with `second`, the second: nodes on both sides of the
+/// interface.
 ///
-/// Let `u` be continuous with `[d_n u] = 1` over the interface and harmonic elsewhere, so that `Lap u` is the delta function. The jump of its
-/// gradient is `n`. Tangential derivatives of this give the jump of its Hessian but for the normal part, and `[Lap u] = 0` gives that:
-/// `[D^2 u] = grad_S n - H n n^T`; in the plane `H (t t^T - n n^T)`. The linear finite-element Laplacian of the lattice at node `i` is
-/// `sum_j w_ij (u_j - u_i)`. Where the edge to `j` crosses the interface, `d` before `j`, the smooth function that it would take on the side of `i`
-/// differs from `u_j` by the jump expanded to there; what the Laplacian of it leaves is
+/// Let `u` be continuous with `[d_n u] = 1` across the interface and harmonic elsewhere, so that
+/// `Lap u` is the delta function. The jump of its gradient is `n`. Tangential derivatives of this
+/// give the jump of its Hessian except for the normal part, which follows from `[Lap u] = 0`:
+/// `[D^2 u] = grad_S n - H n n^T`; in the plane `H (t t^T - n n^T)`. The linear finite-element
+/// Laplacian of the lattice at node `i` is `sum_j w_ij (u_j - u_i)`. If the edge to `j` crosses the
+/// interface at distance `d` from `j`, the smooth extension from the side of `i` differs from `u_j`
+/// by the Taylor expansion of the jump; its contribution to the Laplacian is
 ///
 /// `w_ij (d |n.e| + s d^2/2 e.[D^2 u] e)`,
 ///
-/// with `e` along the edge and `s = 1` for `i` inside, -1 outside. Node `i` has the sum of these as its weight; the first delta has the first
-/// term alone. On a square lattice this is the original. Straight interfaces are measured exactly on any mesh, up to the walls.
+/// with `e` along the edge and `s = 1` for `i` inside, -1 outside. The weight of node `i` is the
+/// sum of these; the first delta function has the first term only. On a square lattice this is the
+/// original. Straight interfaces are measured exactly on any mesh, up to the walls.
 ///
-/// The crossing is that of the P2 function on the edge; `n` and `grad_S n` are recovered ([`Recovered`]).
+/// The crossing is that of the P2 function on the edge; `n` and `grad_S n` are recovered
+/// ([`Recovered`]).
 pub(super) fn points<const D: usize>(space: &Space<D>, phi: &[f64], second: bool) -> Result<Vec<At<D>>> {
     let cells = cut_cells(space, phi)?;
     let vertices = vertices_near(space, phi, 0.0);
@@ -43,7 +48,8 @@ pub(super) fn points<const D: usize>(space: &Space<D>, phi: &[f64], second: bool
     Ok(at_nodes(space, cells.into_iter(), &weights))
 }
 
-/// What the edge between the vertices `i` and `j` of a part of cell `c` gives to them; none where it does not cross the interface.
+/// Contributions of the edge between the vertices `i` and `j` of a part of cell `c` to both; `None`
+/// if it does not cross the interface.
 fn shares<const D: usize>(
     space: &Space<D>,
     part: &Part<D>,

@@ -52,7 +52,8 @@ fn every_delta_measures_circles_and_spheres_on_crooked_meshes_whatever_the_slope
     let space = solid(12);
     let phi = space.interpolate(|x| 2.0 * ((x - Point::<3>::new(1.03, 0.98, 1.01)).norm() - r));
     for (delta, tolerance) in all(0.15) {
-        // A band about a sphere adds about .4 (eps/r)^2 to its volume, more than twice that with the l1 norm.
+        // A band about a sphere adds about .4 (eps/r)^2 to its volume, more than twice that with
+        // the l1 norm.
         let wide = if matches!(delta, Delta::Smeared(_)) { 0.08 } else { 2.0 * tolerance };
         let area = delta.measure(&space, &phi).unwrap() / (4.0 * PI * r * r);
         assert!((area - 1.0).abs() < wide, "{delta:?}: {area}");
@@ -63,7 +64,8 @@ fn every_delta_measures_circles_and_spheres_on_crooked_meshes_whatever_the_slope
 
 #[test]
 fn smereka_measures_straight_interfaces_exactly_on_any_mesh() {
-    // A closed curve of straight parts is not to be had; a stripe ends on the walls at right angles, where nothing is lost.
+    // A closed curve of straight parts is not to be had; a stripe ends on the walls at right
+    // angles, where nothing is lost.
     let (space, solid) = (plane(7), solid(4));
     let phi = space.interpolate(|x| 3.0 * (x[0] - 0.93));
     let in_space = solid.interpolate(|x| 0.5 * (1.07 - x[2]));
@@ -76,7 +78,8 @@ fn smereka_measures_straight_interfaces_exactly_on_any_mesh() {
 
 #[test]
 fn on_a_square_lattice_the_first_delta_of_smereka_is_his() {
-    // d |d_x phi|/(h^2 |grad phi|) and so along y, at the four neighbours; here times the area h^2 of a node.
+    // d |d_x phi|/(h^2 |grad phi|) and so along y, at the four neighbours; here times the area h^2
+    // of a node.
     let n = 12;
     let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [n, n], Diagonals::Right).unwrap());
     let space = Space::new(&mesh, Element::P2);

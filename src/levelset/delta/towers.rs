@@ -6,10 +6,10 @@ use crate::base::Result;
 use crate::fem::{At, Space};
 use nalgebra::SVector;
 
-/// What is known of `phi` and `I = max(phi, 0)` at a node near the interface.
+/// Data of `phi` and `I = max(phi, 0)` at a node near the interface.
 #[derive(Clone, Copy)]
 struct Node<const D: usize> {
-    /// Sums over the cells of the lattice at the node of their shares of the volume.
+    /// Lumped mass: sum over the lattice cells at the node of their fractions of the volume.
     mass: f64,
     /// Gradients of `phi` and `I` times the mass.
     gradients: [SVector<f64, D>; 2],
@@ -18,7 +18,8 @@ struct Node<const D: usize> {
 }
 
 impl<const D: usize> Node<D> {
-    /// The Heaviside function `grad I . grad phi/|grad phi|^2`; that of the sign where `phi` has no slope.
+    /// The Heaviside function `grad I . grad phi/|grad phi|^2`; the sign of `phi` where its
+    /// gradient vanishes.
     fn heaviside(&self, phi: f64) -> f64 {
         let [g, i] = self.gradients;
         let square = g.norm_squared();
@@ -33,13 +34,15 @@ impl<const D: usize> Node<D> {
     }
 }
 
-/// The points: nodes of the cells of the lattice that the interface crosses, and none else, since elsewhere `I` is `phi` or 0.
+/// The points: nodes of the lattice cells that the interface crosses; elsewhere `I` is `phi` or 0.
 ///
-/// `Lap I = |grad phi|^2 delta(phi) + H Lap phi` holds for `delta` of the *values* of `phi`, and the book's formula is that; the delta function of the
-/// interface (1.23) is `|grad phi| delta(phi)`, so that one factor `|grad phi|` less stands in the denominator here.
+/// `Lap I = |grad phi|^2 delta(phi) + H Lap phi` holds for `delta` of the *values* of `phi`, as in
+/// the book's formula. The delta function of the interface (1.23) is `|grad phi| delta(phi)`, so
+/// the denominator here has one factor `|grad phi|` less.
 ///
-/// The Laplacian is that of linear finite elements with a lumped mass, the gradient the mean over the cells of the lattice at a node. At
-/// nodes of the boundary the Laplacian lacks the flux through it, so that an interface should not end there.
+/// The Laplacian is that of linear finite elements with a lumped mass, the gradient the mean over
+/// the lattice cells at a node. At nodes of the boundary the Laplacian lacks the boundary flux, so
+/// an interface should not end there.
 pub(super) fn points<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Vec<At<D>>> {
     let (cells, nodes) = nodes(space, phi)?;
     let weights: Vec<f64> = nodes.iter().map(|n| n.as_ref().map_or(0.0, Node::delta)).collect();
@@ -64,7 +67,7 @@ pub(super) fn inside<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<f6
     Ok(sum)
 }
 
-/// The cells that the interface crosses, and what is known at their nodes.
+/// The cells that the interface crosses, and the data at their nodes.
 fn nodes<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<(Vec<usize>, Vec<Option<Node<D>>>)> {
     let cells = cut_cells(space, phi)?;
     let empty = Node { mass: 0.0, gradients: [SVector::zeros(); 2], laplacians: [0.0; 2] };

@@ -8,19 +8,21 @@ use crate::fem::{Space, Translation, image_shifts};
 use crate::mesh::{NONE, Point};
 use nalgebra::{SMatrix, SVector};
 
-/// Steps of Newton's method at most; it starts near by and converges quadratically.
+/// Largest number of steps of Newton's method; it starts nearby and converges quadratically.
 const MOST_STEPS: usize = 12;
-/// Cells in which a foot is looked for.
+/// Largest number of cells in the search for a foot.
 const MOST_CELLS: usize = 4;
-/// How far outside of its cell, in barycentric coordinates, a foot may lie: the function goes on beyond a face with an error of the size of
-/// the jump of its gradient, times this.
+/// Largest distance of a foot from its cell, in barycentric coordinates: the extension of the
+/// function beyond a face has an error of the size of the jump of its gradient, times this.
 const OUTSIDE: f64 = 0.02;
 
 /// The zero set of a P2 function, to which the distance can be computed.
 ///
-/// The nearest of the straight pieces of the cut interface, found by a tree, tells the cell; there Newton's method solves
-/// `y - x + l grad phi(y) = 0`, `phi(y) = 0` for the foot `y`. A foot outside of the cell is looked for in the neighbour; where there is none
-/// in either, as at a corner or beyond a periodic side, the nearest point of the pieces, lifted onto the zero set along the gradient, takes its place.
+/// The nearest of the straight pieces of the cut interface, found by a tree, gives the cell; there
+/// Newton's method solves `y - x + l grad phi(y) = 0`, `phi(y) = 0` for the foot `y`. If the foot
+/// lies outside of the cell, the neighbour is searched; if neither has one, as at a corner or
+/// beyond a periodic side, the nearest point of the pieces, moved onto the zero set along the
+/// gradient, replaces it.
 pub(super) struct Surface<'a, const D: usize> {
     pub space: &'a Space<D>,
     phi: &'a [f64],
@@ -30,7 +32,7 @@ pub(super) struct Surface<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Surface<'a, D> {
-    /// The zero set of `phi`, whose pieces are given, with its images by periodic sides.
+    /// The zero set of `phi` with the given pieces, and its periodic images.
     pub(super) fn new(
         space: &'a Space<D>,
         phi: &'a [f64],
@@ -45,7 +47,7 @@ impl<'a, const D: usize> Surface<'a, D> {
         let tree = Tree::new(shifts.iter().flat_map(image).collect());
         Surface { space, phi, cells: pieces.cells, shifts, tree }
     }
-    /// The cells that the interface passes, in their order, each at least once.
+    /// The cells that the interface crosses, in their order, each at least once.
     pub(super) fn cells(&self) -> &[u32] {
         &self.cells
     }
@@ -67,7 +69,7 @@ impl<'a, const D: usize> Surface<'a, D> {
         let near = self.lifted(cell, x - difference);
         let farthest = (x - near).norm();
         let foot = self.foot(cell, &x, near).map_or(f64::INFINITY, |y| (x - y).norm());
-        // The lifted point lies on the zero set: a foot that is farther away is not the nearest.
+        // The point lies on the zero set: a foot that is farther away is not the nearest.
         foot.min(farthest)
     }
     /// The point moved along the gradient onto the zero set of the function of `cell`.
@@ -77,10 +79,10 @@ impl<'a, const D: usize> Surface<'a, D> {
         let Some(along) = self.space.gradient(self.phi, cell, &l).try_normalize(0.0) else { return y };
         let step = along * mesh.diameter(cell);
         let s = Quadratic::on_line(self.space, self.phi, cell, &l, &step).roots()[0];
-        // The pieces lie within a small fraction of a cell; a root farther away is another branch.
+        // The pieces deviate by a small fraction of a cell; a root farther away is another branch.
         if s.abs() < 0.1 { y + step * s } else { y }
     }
-    /// The foot of `x`, found from `start` in `cell` or one near by.
+    /// The foot of `x`, found from `start` in `cell` or a cell nearby.
     fn foot(&self, mut cell: usize, x: &Point<D>, start: Point<D>) -> Option<Point<D>> {
         let mesh = self.space.mesh();
         let mut y = start;
@@ -101,7 +103,8 @@ impl<'a, const D: usize> Surface<'a, D> {
         }
         None
     }
-    /// The point `y` of the zero set of the function of `cell` whose gradient points to `x`, by Newton's method from `start`.
+    /// The point `y` of the zero set of the function of `cell` whose gradient points to `x`, by
+    /// Newton's method from `start`.
     fn newton(&self, cell: usize, x: &Point<D>, start: Point<D>) -> Option<Point<D>> {
         let (mesh, space) = (self.space.mesh(), self.space);
         let map = mesh.map(cell);

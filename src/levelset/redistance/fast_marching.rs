@@ -8,11 +8,12 @@ use nalgebra::{Matrix3, Vector3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Distances at the nodes: exact in the cells that the interface passes, then from node to node in the order of the distance, each the
-/// least that a linear function on a small simplex with known values gives (Kimmel and Sethian 1998; Barth and Sethian 1998).
+/// Distances at the nodes: exact in the cells that the interface crosses, then from node to node in
+/// the order of the distance, each the least value of a linear function on a lattice simplex with
+/// known values (Kimmel and Sethian 1998; Barth and Sethian 1998).
 ///
-/// Of first order. Limits: in a small simplex with an obtuse angle the least value may come from a node outside of it, and is
-/// found along an edge only.
+/// First order. Limits: in a lattice simplex with an obtuse angle the least value may come from a
+/// node outside of it, and is found along an edge only.
 pub(super) fn distances<const D: usize>(surface: &Surface<'_, D>, unknowns: &(Vec<u32>, usize)) -> Vec<f64> {
     let space = surface.space;
     let (numbers, count) = (&unknowns.0, unknowns.1);
@@ -40,7 +41,7 @@ pub(super) fn distances<const D: usize>(surface: &Surface<'_, D>, unknowns: &(Ve
         accepted[u] = true;
         front.spread(u, &accepted);
     }
-    // A point that no cell uses has no distance.
+    // A point of no cell has no distance.
     numbers.iter().map(|&u| if u == NONE { 0.0 } else { front.value[u as usize] }).collect()
 }
 
@@ -49,7 +50,8 @@ struct Front<'a, const D: usize> {
     numbers: &'a [u32],
     lattice: &'a Lattice,
     value: Vec<f64>,
-    /// Bits of distances, which are not negative and hence in the order of the numbers, with their unknowns.
+    /// Distances as bits (which have the order of the numbers, since these are not negative), with
+    /// their unknowns.
     heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
@@ -57,7 +59,7 @@ impl<const D: usize> Front<'_, D> {
     fn unknown(&self, node: u32) -> usize {
         self.numbers[node as usize] as usize
     }
-    /// Tries the small simplices about an unknown that was accepted.
+    /// Updates the lattice simplices of an accepted unknown.
     fn spread(&mut self, from: usize, accepted: &[bool]) {
         for &k in self.lattice.about(from) {
             let simplex = self.lattice.simplices[k as usize];
@@ -74,7 +76,8 @@ impl<const D: usize> Front<'_, D> {
             }
         }
     }
-    /// The least distance of corner `i` that comes through a face, an edge or a corner of the simplex whose nodes are accepted.
+    /// The least distance of corner `i` that comes through a face, an edge or a corner of the
+    /// simplex whose nodes are accepted.
     fn through(&self, simplex: &Small, i: usize, accepted: &[bool]) -> f64 {
         let x = self.space.nodes()[simplex[i] as usize];
         let (mut ways, mut values) = ([Vector3::zeros(); 3], Vector3::zeros());
@@ -89,11 +92,12 @@ impl<const D: usize> Front<'_, D> {
     }
 }
 
-/// When a plane front arrives that passed the corners in `subset` (bits) at `values`; `ways` lead from them to where it arrives. Infinite where
-/// it would not come from between them.
+/// Arrival time of a plane front that passed the corners in `subset` (bits) at `values`; `ways` are
+/// the vectors from them to the arrival point. Infinite if the front does not come from between
+/// them.
 fn arrival(ways: &[Vector3<f64>; 3], values: &Vector3<f64>, subset: usize) -> f64 {
     let chosen = |k: usize| subset >> k & 1 == 1;
-    // Rows and columns of corners that do not count are those of the unit matrix.
+    // Rows and columns of unused corners are those of the unit matrix.
     let gram = Matrix3::from_fn(|i, j| match (chosen(i) && chosen(j), i == j) {
         (true, _) => ways[i].dot(&ways[j]),
         (false, true) => 1.0,

@@ -1,4 +1,4 @@
-//! The Hamilton-Jacobi equation of redistancing, by its characteristics.
+//! The Hamilton-Jacobi equation of redistancing, solved along its characteristics.
 
 use crate::base::parallel;
 use crate::fem::Space;
@@ -6,19 +6,24 @@ use crate::mesh::{Location, NONE};
 use crate::transport::Tracer;
 use nalgebra::SVector;
 
-/// Slopes below this one, as on the medial axis, where the gradient at a node is a mean of opposite ones, carry less far.
+/// Least slope for full steps; below it, as on the medial axis, where the gradient at a node is a
+/// mean of opposite ones, steps are shorter.
 const FLAT: f64 = 0.5;
 
-/// Makes `phi / slope` a distance by pseudo-time steps of (1.35), `d_tau phi + s (|grad phi| - 1) = 0`.
+/// Makes `phi / slope` a distance by pseudo-time steps of (1.35),
+/// `d_tau phi + s (|grad phi| - 1) = 0`.
 ///
-/// With `n = grad phi/|grad phi|` that is transport with a source, `d_tau phi + s n . grad phi = s` (the book's (1.36), in print garbled and with the
-/// other sign on the right), hence along characteristics `phi(x) <- phi(x - s n dtau) + s dtau`. Here `s = phi_0/sqrt(phi_0^2 + max(|grad phi_0|, 1)^2 dtau^2)` smooths the sign
-/// of the function at the start, so that no characteristic crosses the interface; `dtau` is the distance of two nodes about the node, and the gradient at
-/// a node the mean of those of its cells by their volumes. Within the reach of
-/// the characteristics, counted in layers of cells about those `cut` by the interface, the steps start from `phi_0/|grad phi_0|` (1.38) where that is less: the kink
-/// that they would make in a steep function displaces the interface by a cell.
+/// With `n = grad phi/|grad phi|` this is transport with a source, `d_tau phi + s n . grad phi = s`
+/// (the book's (1.36), with corrections of the printed form and of the sign of the right-hand
+/// side), hence along characteristics `phi(x) <- phi(x - s n dtau) + s dtau`. Here
+/// `s = phi_0/sqrt(phi_0^2 + max(|grad phi_0|, 1)^2 dtau^2)` smooths the sign of the initial
+/// function, so that no characteristic crosses the interface; `dtau` is the distance of two nodes
+/// near the node, and the gradient at a node the volume-weighted mean over its cells. Within the
+/// range of the characteristics, counted in layers of cells around those `cut` by the interface,
+/// the steps start from `phi_0/|grad phi_0|` (1.38) where that is less: the kink that the steps
+/// would produce in a steep function displaces the interface by a cell.
 ///
-/// Limits: what comes from a wall instead of the interface keeps the value of the wall.
+/// Limits: values that come from a wall instead of the interface keep the value at the wall.
 pub(super) fn straighten<const D: usize>(
     tracer: &Tracer<D>,
     unknowns: &(Vec<u32>, usize),
@@ -33,7 +38,7 @@ pub(super) fn straighten<const D: usize>(
     let gradients = Gradients::new(space, unknowns);
     let g = gradients.of(space, phi);
     // Lengths with the signs of s.
-    // Where the mean of the gradients is flat, as in a thin filament, |phi| is still no more than the distance.
+    // Where the mean gradient is flat, as in a thin filament, |phi| is still at most the distance.
     let scale = |n: usize, v: f64| v.hypot(g[n].norm().max(1.0) * spacing[n]);
     let length = |(n, v): (usize, &f64)| v / scale(n, *v) * spacing[n];
     let steps: Vec<f64> = phi.iter().enumerate().map(length).collect();
@@ -47,9 +52,9 @@ pub(super) fn straighten<const D: usize>(
             for (i, v) in part.iter_mut().enumerate() {
                 let n = first + i;
                 let normal = g[n] / g[n].norm().max(FLAT);
-                let home = tracer.home(n);
+                let home = tracer.node_location(n);
                 let foot = tracer.displaced(home, -normal * steps[n]);
-                // On the boundary the way may be cut short.
+                // The boundary may shorten the step.
                 let way = tracer.unwrapped(space.mesh().point_at(&foot) - space.mesh().point_at(&home)).norm();
                 *v = limited(space, phi, &foot) + way.copysign(steps[n]);
             }
@@ -59,7 +64,8 @@ pub(super) fn straighten<const D: usize>(
     phi.iter_mut().for_each(|v| *v *= slope);
 }
 
-/// Whether each node belongs to a cell of `cut`, or to one of that many layers of cells about them.
+/// For each node: true if it belongs to a cell of `cut`, or to one of that many layers of cells
+/// around them.
 fn near<const D: usize>(space: &Space<D>, cut: &[u32], layers: usize) -> Vec<bool> {
     let mut near = vec![false; space.len()];
     cut.iter().flat_map(|&c| space.cell_nodes(c as usize)).for_each(|&n| near[n as usize] = true);
@@ -73,7 +79,8 @@ fn near<const D: usize>(space: &Space<D>, cut: &[u32], layers: usize) -> Vec<boo
     near
 }
 
-/// The value at a point, but not beyond those at the nodes of its cell: what a quadratic function adds at kinks would grow.
+/// The value at a point, limited to the range of the nodes of its cell, because overshoots of the
+/// quadratic function at kinks would grow.
 fn limited<const D: usize>(space: &Space<D>, phi: &[f64], at: &Location) -> f64 {
     let nodes = space.cell_nodes(at.cell as usize).iter().map(|&n| phi[n as usize]);
     let (low, high) = nodes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));

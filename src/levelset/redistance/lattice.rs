@@ -4,7 +4,8 @@ use super::super::contour::{CORNERS, LATTICE};
 use crate::fem::Space;
 use crate::mesh::Point;
 
-/// The octahedron between the tetrahedra at the corners: the ends of a diagonal, and the four other nodes around it.
+/// The octahedron between the corner tetrahedra: the ends of a diagonal, and the four other nodes
+/// around it.
 const DIAGONALS: [([usize; 2], [usize; 4]); 3] =
     [([4, 9], [6, 7, 8, 5]), ([6, 8], [7, 4, 5, 9]), ([7, 5], [4, 6, 9, 8])];
 
@@ -14,14 +15,15 @@ pub(super) type Small = [u32; 4];
 /// The small simplices of a space, and those about each unknown.
 pub(super) struct Lattice {
     pub simplices: Vec<Small>,
-    /// Where the list of each unknown begins in `about`.
+    /// Start of the list of each unknown in `about`.
     first: Vec<u32>,
     about: Vec<u32>,
 }
 
 impl Lattice {
-    /// Every triangle is cut into four, every tetrahedron into eight, those inside about the shortest diagonal. `unknowns` are one number a
-    /// node, the same for nodes that periodic sides identify, and their count.
+    /// Divides every triangle into four, every tetrahedron into eight, the inner ones about the
+    /// shortest diagonal. `unknowns` are one number per node, equal for nodes that periodic sides
+    /// identify, and their count.
     pub(super) fn new<const D: usize>(space: &Space<D>, unknowns: &(Vec<u32>, usize)) -> Lattice {
         let mut simplices = Vec::with_capacity(space.mesh().cell_count() << D);
         for c in 0..space.mesh().cell_count() {

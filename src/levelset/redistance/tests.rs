@@ -31,7 +31,8 @@ fn a_function_of_one_sign_is_left_alone_and_one_that_is_not_finite_is_an_error()
     }
 }
 
-/// A straight interface is a distance of the space: all methods reproduce it, whatever the slope before and after.
+/// A straight interface has a distance function in the space: all methods reproduce it, for any
+/// slope before and after.
 #[test]
 fn a_straight_interface_gets_its_slope() {
     let space = plane(10);
@@ -40,7 +41,7 @@ fn a_straight_interface_gets_its_slope() {
     for (method, bound) in ALL.into_iter().zip([1e-12, 1e-12, 1e-14]) {
         let mut phi = space.interpolate(|x| exact(x) * 3.0);
         apply(&space, method, false, 1.5, &mut phi);
-        // Within the reach of ten characteristics, and where none that matters begins at a wall.
+        // Within the range of ten characteristics, away from characteristics that start at a wall.
         let near = |x: &Point<2>| {
             let d = exact(x) / 1.5;
             d.abs() < 0.2 && (x - along * d).iter().all(|c| (0.25..0.75).contains(c))
@@ -51,7 +52,8 @@ fn a_straight_interface_gets_its_slope() {
     }
 }
 
-/// The exact distance to a quadratic zero set: that of the circle itself, to rounding, at all nodes; no sign changes.
+/// The exact distance to a quadratic zero set: that of the circle itself, to rounding, at all
+/// nodes; no sign changes.
 #[test]
 fn the_distance_to_a_quadratic_zero_set_is_exact() {
     let space = plane(13);
@@ -65,7 +67,8 @@ fn the_distance_to_a_quadratic_zero_set_is_exact() {
     }
 }
 
-/// Through periodic sides everything is as if the mesh were shifted: a disc in the corner has the distances of one in the middle.
+/// Through periodic sides everything is as if the mesh were shifted: a disc in the corner has the
+/// distances of one in the middle.
 #[test]
 fn distances_go_through_periodic_sides() {
     let n = 16;
@@ -96,15 +99,17 @@ fn distances_go_through_periodic_sides() {
         for (x, v) in space.nodes().iter().zip(&corner) {
             let moved = x.map(|v| (v + 0.5) % 1.0);
             let Some(k) = space.nodes().iter().position(|y| (y - moved).norm() < 1e-9) else { continue };
-            // Near the medial axis the limiter acts, and a foot on an edge belongs to either of two cells, by rounding, whose values limit it.
+            // Near the medial axis the limiter acts, and a foot on an edge belongs to either of two
+            // cells, by rounding, whose values limit it.
             if matches!(method, Redistance::HamiltonJacobi { .. }) && v.abs() > 0.05 {
                 continue;
             }
             worst = worst.max((v - middle[k]).abs());
             compared += 1;
         }
-        // A foot beyond a side is not followed into the cell on the other one: the nearest point of the cut takes its place. For want of an
-        // estimate the bound is a measured one, 1/30 of the distance of two nodes.
+        // A foot beyond a periodic side is not followed into the cell on the other side: the
+        // nearest point of the cut replaces it. The bound is measured: 1/30 of the spacing of the
+        // nodes.
         let bound = if matches!(method, Redistance::HamiltonJacobi { .. }) { 1e-9 } else { 1e-3 };
         assert!(compared > space.len() / 10 && worst < bound, "{method:?}: {compared} nodes, {worst:e}");
     }

@@ -1,4 +1,4 @@
-//! What an interface encloses, kept by a constant.
+//! Correction of the enclosed area or volume by a constant.
 
 use super::super::interface::extents;
 use crate::base::Result;
@@ -6,11 +6,12 @@ use crate::fem::Space;
 
 /// Relative error of the enclosed area or volume at which the search stops.
 const TOLERANCE: f64 = 1e-13;
-/// Cuts at most.
+/// Largest number of cuts.
 const MOST_CUTS: usize = 20;
 
-/// Adds to `phi` the constant `c` with which its cut interface encloses `wanted`: by the secant method, which begins with
-/// `d(volume)/dc = -area/slope`, the derivative where `|grad phi| = slope`. An interface that has vanished is left so.
+/// Adds to `phi` the constant `c` for which its cut interface encloses `wanted`, by the secant
+/// method, which starts with `d(volume)/dc = -area/slope`, the derivative where
+/// `|grad phi| = slope`. An empty interface does not change.
 ///
 /// # Errors
 /// Those of the cut.

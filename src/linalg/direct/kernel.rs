@@ -1,4 +1,4 @@
-//! What faer does for a factor: its pattern, its blocks, its numbers.
+//! The calls of faer for a factor: pattern, blocks, values.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
@@ -36,7 +36,7 @@ pub(super) fn symbolic_factor(matrix: &SymmetricMatrix, ordering: &Ordering) -> 
     })
 }
 
-/// The blocks of the factor, without faer.
+/// The blocks of the factor, independent of faer.
 pub(super) fn supernodes(symbolic: &SymbolicCholesky<usize>) -> Result<Supernodes> {
     let SymbolicCholeskyRaw::Supernodal(blocks) = symbolic.raw() else {
         return Err(Error::internal("a factor has no supernodes"));

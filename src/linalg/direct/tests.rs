@@ -34,7 +34,8 @@ fn the_laplacian_is_solved_to_rounding() {
 
 #[test]
 fn the_solution_is_the_discrete_eigenfunction() {
-    // The five-point Laplacian of sin(pi i h) sin(pi j h), h = 1 / (n + 1), is 8 sin^2(pi h / 2) times itself.
+    // The five-point Laplacian of sin(pi i h) sin(pi j h), h = 1 / (n + 1), is 8 sin^2(pi h / 2)
+    // times itself.
     let n = 25;
     let h = std::f64::consts::PI / (n as f64 + 1.0);
     let mode: Vec<f64> = (0..n * n).map(|k| ((k % n + 1) as f64 * h).sin() * ((k / n + 1) as f64 * h).sin()).collect();

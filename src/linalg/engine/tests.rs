@@ -4,7 +4,8 @@ use super::*;
 
 const CELLS: usize = 12;
 
-/// Stokes flow of viscosity 1 in the plane: the inverse of the Schur complement is near that of the mass matrix of the pressure.
+/// Stokes flow of viscosity 1 in the plane: the inverse of the Schur complement is near that of the
+/// mass matrix of the pressure.
 fn case() -> (SymmetricMatrix, usize, Saddle) {
     let (matrix, first) = stokes(CELLS, 0.0, 1.0, 0.0);
     let multipliers = matrix.order() - first;
@@ -14,35 +15,35 @@ fn case() -> (SymmetricMatrix, usize, Saddle) {
     (matrix, first, Saddle { components, operators: vec![mass] })
 }
 
-fn solver(way: Way) -> (SymmetricMatrix, LaggedFactor) {
+fn solver(kind: SolverKind) -> (SymmetricMatrix, LaggedFactor) {
     let (matrix, first, saddle) = case();
-    let solving = Solving { way: Some(way), memory: None };
-    let solver = LaggedFactor::choose(&matrix, first, solving, 0.0, || Ok(saddle)).unwrap();
+    let options = SolverOptions { kind: Some(kind), memory: None };
+    let solver = LaggedFactor::choose(&matrix, first, options, 0.0, || Ok(saddle)).unwrap();
     (matrix, solver)
 }
 
 #[test]
 fn iterations_with_every_factor_reach_the_residual_that_they_report() {
     let mut exact: Option<Vec<f64>> = None;
-    for (way, most) in [(Way::Direct, 0), (Way::Single, 3), (Way::Schur, 160)] {
-        let (matrix, mut solver) = solver(way);
+    for (kind, most) in [(SolverKind::Direct, 0), (SolverKind::Single, 3), (SolverKind::Schur, 160)] {
+        let (matrix, mut solver) = solver(kind);
         let rhs = scattered(matrix.order());
         let mut x = vec![0.0; rhs.len()];
         let report = solver.solve(&matrix, Change::Lasting, &rhs, &mut x).unwrap();
-        assert!(report.refactored && report.solve.residual <= 1e-10, "{way}: {report:?}");
-        assert!(report.solve.iterations <= most, "{way}: {report:?}");
+        assert!(report.refactored && report.solve.residual <= 1e-10, "{kind}: {report:?}");
+        assert!(report.solve.iterations <= most, "{kind}: {report:?}");
         let mut r = vec![0.0; rhs.len()];
         matrix.multiply(&x, &mut r);
         let square = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
         r.iter_mut().zip(&rhs).for_each(|(r, b)| *r -= b);
         let relative = (square(&r) / square(&rhs)).sqrt();
-        assert!((relative - report.solve.residual).abs() <= 1e-14 + 1e-3 * relative, "{way}: {relative:e}");
+        assert!((relative - report.solve.residual).abs() <= 1e-14 + 1e-3 * relative, "{kind}: {relative:e}");
         let exact = exact.get_or_insert_with(|| x.clone());
         let largest = exact.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        assert!(x.iter().zip(&*exact).all(|(x, e)| (x - e).abs() < 1e-6 * largest), "{way}");
+        assert!(x.iter().zip(&*exact).all(|(x, e)| (x - e).abs() < 1e-6 * largest), "{kind}");
         // The same system again, from its solution: nothing is left to do.
         let again = solver.solve(&matrix, Change::None, &rhs, &mut x).unwrap();
-        assert!(!again.refactored && again.solve.iterations == 0, "{way}: {again:?}");
+        assert!(!again.refactored && again.solve.iterations == 0, "{kind}: {again:?}");
     }
 }
 
@@ -53,8 +54,8 @@ fn an_iteration_that_does_not_converge_is_an_error() {
     for (k, v) in saddle.operators[0].values_mut().iter_mut().enumerate() {
         *v = if k % 2 == 0 { 1e-8 } else { 1e8 };
     }
-    let solving = Solving { way: Some(Way::Schur), memory: None };
-    let mut solver = LaggedFactor::choose(&matrix, first, solving, 1e-10, || Ok(saddle)).unwrap();
+    let options = SolverOptions { kind: Some(SolverKind::Schur), memory: None };
+    let mut solver = LaggedFactor::choose(&matrix, first, options, 1e-10, || Ok(saddle)).unwrap();
     let rhs = scattered(matrix.order());
     let error = solver.solve(&matrix, Change::Lasting, &rhs, &mut vec![0.0; rhs.len()]).unwrap_err().to_string();
     for part in ["did not converge", "iterations", "relative residual", "remedy"] {
@@ -81,12 +82,12 @@ fn a_factor_in_single_precision_does_not_depend_on_the_units() {
 fn less_memory_takes_the_next_way_and_none_is_refused() {
     let (matrix, first, saddle) = case();
     let choose = |memory: usize| {
-        let solving = Solving { way: None, memory: Some(memory) };
-        LaggedFactor::choose(&matrix, first, solving, 0.0, || Ok(saddle.clone()))
+        let options = SolverOptions { kind: None, memory: Some(memory) };
+        LaggedFactor::choose(&matrix, first, options, 0.0, || Ok(saddle.clone()))
     };
     let large = choose(usize::MAX).unwrap();
-    assert_eq!(large.way(), Way::Direct);
-    assert_eq!(choose(large.size().bytes - 1).unwrap().way(), Way::Single);
+    assert_eq!(large.kind(), SolverKind::Direct);
+    assert_eq!(choose(large.size().bytes - 1).unwrap().kind(), SolverKind::Single);
     let error = choose(1000).err().unwrap().to_string();
     assert!(error.contains("1.0 kB may be taken") && error.contains("by schur"), "{error}");
 }

@@ -4,7 +4,7 @@ use super::metric::Metric;
 use super::tensor::Tensor;
 use crate::mesh::{Location, Mesh, Point};
 
-/// The metric at a point, with where that point lies in the background.
+/// The metric at a point, and the location of the point in the background mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     pub tensor: Tensor,
@@ -29,7 +29,7 @@ impl<'a> Background<'a> {
         self.sample(Location { cell: c as u32, barycentric })
     }
 
-    /// The metric at `x`, found by a walk from a place nearby.
+    /// The metric at `x`, found by a walk from a near location.
     pub fn at(&self, from: &Sample, x: &Point<2>) -> Sample {
         let start = self.mesh.point_at(&from.at);
         self.sample(self.mesh.walk(from.at.cell, &start, x).0)

@@ -1,13 +1,14 @@
-//! Edges that are too short are removed, one end drawn into the other.
+//! Removal of short edges by edge collapse.
 
-use super::triangulation::{Kind, Side, Triangulation};
+use super::triangulation::{Freedom, Side, Triangulation};
 use super::{LONG, SHORT};
 use crate::mesh::NONE;
 
-/// Triangles that a collapse makes may be of this quality, or of the worst before it if that is less.
+/// Least quality of triangles after a collapse, or the worst before it if that is less.
 const FLOOR: f64 = 0.3;
 
-/// Removes edges shorter than [`SHORT`], the shortest first, where no edge becomes too long and no triangle bad; returns how many.
+/// Removes edges shorter than [`SHORT`], the shortest first, if no edge becomes too long and no
+/// triangle bad; returns their number.
 pub(super) fn collapse_short(t: &mut Triangulation) -> usize {
     let mut short: Vec<(f64, [u32; 2])> = t
         .sides()
@@ -31,10 +32,10 @@ pub(super) fn collapse_short(t: &mut Triangulation) -> usize {
     count
 }
 
-/// The worst quality that drawing `v` into `w` leaves around, 0 if it must not be done.
+/// Worst quality around `v` after moving it to `w`; 0 if the collapse is not allowed.
 fn worst_after(t: &Triangulation, v: u32, w: u32, star: &mut Vec<Side>) -> f64 {
     let kind = t.vertices[v as usize].kind;
-    if kind == Kind::Fixed {
+    if kind == Freedom::Fixed {
         return 0.0;
     }
     t.star(v, star);
@@ -45,7 +46,7 @@ fn worst_after(t: &Triangulation, v: u32, w: u32, star: &mut Vec<Side>) -> f64 {
         before = before.min(t.quality(old));
         if old.contains(&w) {
             let along = t.side_of(corner.triangle, v, w).is_some_and(|s| t.is_kept(s));
-            adjacent |= kind == Kind::Free || along;
+            adjacent |= kind == Freedom::Free || along;
             continue;
         }
         let mut new = old;
@@ -59,7 +60,8 @@ fn worst_after(t: &Triangulation, v: u32, w: u32, star: &mut Vec<Side>) -> f64 {
     if adjacent && after.is_finite() && after >= FLOOR.min(before) { after } else { 0.0 }
 }
 
-/// Draws `v` into `w`: the triangles with both disappear, in the others of `v` it becomes `w`.
+/// Moves `v` to `w`: the triangles with both disappear; in the other triangles of `v` it is
+/// replaced by `w`.
 fn collapse(t: &mut Triangulation, v: u32, w: u32, star: &mut Vec<Side>) {
     t.star(v, star);
     for corner in star.iter() {

@@ -1,4 +1,4 @@
-//! Metrics near a boundary whose edges must stay.
+//! Metrics near a boundary with fixed edges.
 
 use super::metric::{Metric, point_neighbours};
 use super::tensor::Tensor;
@@ -6,11 +6,13 @@ use super::{LONG, measure};
 use crate::mesh::Mesh;
 use std::collections::VecDeque;
 
-/// Sizes come back to what is wanted by this factor a metric unit of length away from the boundary.
+/// Factor per metric unit of length by which sizes return to the requested ones away from the
+/// boundary.
 const RETURN: f64 = 1.5;
 
-/// Makes the metric coarser near boundary edges that are longer than it wants, which would only leave flat triangles there: all sizes
-/// at such an edge are multiplied by what is missing, and inside by factors that fall to 1 as a [graded](Metric::graded) size grows.
+/// Coarsens the metric near boundary edges that are longer than it requests, to avoid flat
+/// triangles: all sizes at such an edge are multiplied by the missing factor, and inside by factors
+/// that fall to 1 as a [graded](Metric::graded) size grows.
 pub(super) fn relieve(metric: &mut Metric, mesh: &Mesh<2>) {
     let tensors: Vec<Tensor> = metric.tensors.iter().map(Tensor::of).collect();
     let mut factors = vec![1.0f64; tensors.len()];

@@ -4,13 +4,13 @@ use super::tensor::Tensor;
 use crate::mesh::Point;
 use robust::{Coord, orient2d};
 
-/// A triangle whose area is below this part of the square of its longest side counts as flat.
+/// Area over the square of the longest side below which a triangle is flat.
 const FLAT: f64 = 1e-10;
-/// Lengths that differ by less than this, relative to their sum, are averaged: the logarithm would lose its digits.
+/// Relative difference below which lengths are averaged: the logarithm would lose accuracy.
 const ALIKE: f64 = 1e-3;
 
-/// Length of the edge from `a` to `b` when the size along it changes geometrically: with the lengths `l_a`, `l_b` in the metrics of its
-/// ends, `(l_a - l_b)/ln(l_a/l_b)`.
+/// Length of the edge from `a` to `b` when the size along it changes geometrically: with the
+/// lengths `l_a`, `l_b` in the metrics of its ends, `(l_a - l_b)/ln(l_a/l_b)`.
 #[inline]
 pub(super) fn length(a: &Point<2>, m: &Tensor, b: &Point<2>, n: &Tensor) -> f64 {
     let e = b - a;
@@ -18,15 +18,16 @@ pub(super) fn length(a: &Point<2>, m: &Tensor, b: &Point<2>, n: &Tensor) -> f64 
     if (p - q).abs() <= ALIKE * (p + q) { 0.5 * (p + q) } else { (p - q) / (p / q).ln() }
 }
 
-/// The part of that edge, from `a`, that has half its length.
+/// Parameter of the point, from `a`, that halves this length.
 pub(super) fn middle(a: &Point<2>, m: &Tensor, b: &Point<2>, n: &Tensor) -> f64 {
     let e = b - a;
     let r = 0.5 * (n.square(&e) / m.square(&e)).ln();
     if r.abs() < 1e-6 { 0.5 } else { (0.5 * (1.0 + r.exp())).ln() / r }
 }
 
-/// Quality of a triangle in the mean of the metrics of its vertices, `4 sqrt 3 area / (sum of squared sides)`: 1 if it is equilateral
-/// in the metric, 0 if it is flat or turned over.
+/// Quality of a triangle in the mean of the metrics of its vertices,
+/// `4 sqrt 3 area / (sum of squared sides)`: 1 if it is equilateral in the metric, 0 if it is flat
+/// or inverted.
 #[inline]
 pub(super) fn quality(points: [&Point<2>; 3], metrics: [&Tensor; 3]) -> f64 {
     let area = 0.5 * doubled_area(points);

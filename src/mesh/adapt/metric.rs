@@ -1,4 +1,4 @@
-//! Metrics: what size and shape of triangles is wanted where.
+//! Metrics: requested size and shape of triangles.
 
 use super::measure;
 use super::tensor::Tensor;
@@ -7,32 +7,38 @@ use crate::mesh::{Facet, Mesh};
 use nalgebra::SMatrix;
 use std::collections::VecDeque;
 
-/// Triangles a unit of area in the metric: `4/sqrt 3` if all were equilateral with unit edges; 8 % more is what was measured.
+/// Triangles per unit of area in the metric: `4/sqrt 3` if all were equilateral with unit edges; 8
+/// % more was measured.
 const TRIANGLES_PER_AREA: f64 = 2.5;
-/// Smallest eigenvalue that a metric from Hessians has, over the greatest of all: an edge 1e6 times as long.
+/// Smallest eigenvalue of a metric from Hessians, relative to the largest of all: an edge 1e6 times
+/// as long.
 const FLAT: f64 = 1e-12;
 
-/// A metric: one symmetric positive tensor `M` at every point of a mesh. The length of an edge `e` is the integral of
-/// `sqrt(e^T M e)` along it, and the edges of a mesh that fits the metric have length 1: an isotropic size `h` is `M = I/h^2`.
+/// A metric: one symmetric positive tensor `M` at every point of a mesh. The length of an edge `e`
+/// is the integral of `sqrt(e^T M e)` along it. The edges of a mesh that fits the metric have
+/// length 1: an isotropic size `h` is `M = I/h^2`.
 ///
-/// Between the points the logarithm of `M` is linear on every triangle (Arsigny and others 2006), so that it stays positive.
+/// Between the points the logarithm of `M` is linear on every triangle (Arsigny and others 2006),
+/// so that it stays positive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
-    /// One tensor a point of the mesh; units of 1/length^2.
+    /// One tensor per point of the mesh, in 1/length^2.
     pub tensors: Vec<SMatrix<f64, 2, 2>>,
 }
 
 impl Metric {
-    /// The same size in all directions: `I/h^2` with one `h` a point.
+    /// An isotropic metric, `I/h^2` with one `h` per point.
     pub fn isotropic(sizes: &[f64]) -> Metric {
         Metric { tensors: sizes.iter().map(|h| SMatrix::identity() / (h * h)).collect() }
     }
 
-    /// The metric in which linear interpolation of a function with these Hessians has the error `error` at most:
-    /// `M = (2/9) |H| / error`, `|H|` with the moduli of the eigenvalues (Frey and Alauzet 2005). For quadratic interpolation it
-    /// is no bound, but puts triangles where the function bends, in its directions.
+    /// The metric in which linear interpolation of a function with these Hessians has at most the
+    /// error `error`: `M = (2/9) |H| / error`, `|H|` with the moduli of the eigenvalues (Frey and
+    /// Alauzet 2005). For quadratic interpolation it is not a bound, but places triangles according
+    /// to the curvature of the function.
     ///
-    /// Where the function does not bend the size is `1e6` times the smallest of all; see [`bounded`](Self::bounded).
+    /// If the Hessian vanishes, the size is `1e6` times the smallest of all; see
+    /// [`bounded`](Self::bounded).
     pub fn from_hessians(hessians: &[SMatrix<f64, 2, 2>], error: f64) -> Metric {
         let scaled: Vec<Tensor> = hessians.iter().map(|h| Tensor::of(h) * (2.0 / (9.0 * error))).collect();
         let greatest = scaled.iter().flat_map(Tensor::eigenvalues).fold(0.0, |m: f64, l| m.max(l.abs()));
@@ -54,12 +60,13 @@ impl Metric {
         self.map(|l| l.map(|l| l.max(low).min(high)))
     }
 
-    /// The largest size at most `ratio` (at least 1) times the smallest at every point; the smallest stays.
+    /// The largest size at most `ratio` (at least 1) times the smallest at every point; the
+    /// smallest stays.
     pub fn limited_anisotropy(&self, ratio: f64) -> Metric {
         self.map(|[a, b]| [a, b.max(a / (ratio * ratio))])
     }
 
-    /// The coarsest metric that is nowhere coarser than this one or the other, by simultaneous reduction.
+    /// The coarsest metric that is at least as fine as both, by simultaneous reduction.
     ///
     /// # Errors
     /// Internal, if the two belong to different meshes.
@@ -75,10 +82,12 @@ impl Metric {
         Ok(Metric::of(pairs.map(|(a, b)| Tensor::of(a).intersection(&Tensor::of(b)))))
     }
 
-    /// The metric with sizes that grow slowly: along an edge of metric length `l` (at its finer end) all sizes grow at most by the factor
-    /// `1 + l ln ratio`, so that neighbouring edges differ by about `ratio` (Alauzet 2010, growth in the metric).
+    /// The metric with graded sizes: along an edge of metric length `l` (at its finer end) sizes
+    /// grow at most by the factor `1 + l ln ratio`, so that neighbouring edges differ by about
+    /// `ratio` (Alauzet 2010, growth in the metric).
     ///
-    /// Directions are kept, since a tensor is intersected with what its neighbours allow until nothing changes.
+    /// Directions are kept: each tensor is intersected with the bounds of its neighbours until
+    /// nothing changes.
     ///
     /// # Errors
     /// As [`check`](Self::check), or a ratio that is not above 1.
@@ -91,7 +100,8 @@ impl Metric {
         let mut tensors: Vec<Tensor> = self.tensors.iter().map(Tensor::of).collect();
         let mut queued = vec![true; tensors.len()];
         let mut queue: VecDeque<u32> = fine_first(&tensors).into();
-        // Every visit makes a neighbour finer by a finite factor; the bound only guards against rounding.
+        // Every visit makes a neighbour finer by a finite factor; the bound only guards against
+        // rounding.
         let mut visits = 1000 * tensors.len();
         while let Some(p) = queue.pop_front() {
             let p = p as usize;
@@ -117,9 +127,10 @@ impl Metric {
         Ok(Metric::of(tensors.into_iter()))
     }
 
-    /// The metric times the factor `s` with which a mesh that fits it has about `vertices` vertices. By Euler's formula it has
-    /// `t/2 + b/2 + 1` with `t` triangles and `b` sides on the boundary, `t = 2.5` times the [`complexity`](Self::complexity), which
-    /// grows like `s`, and `b` the length of the boundary, which grows like `sqrt s`.
+    /// The metric times the factor `s` with which a mesh that fits it has about `vertices`
+    /// vertices. By Euler's formula it has `t/2 + b/2 + 1` with `t` triangles and `b` sides on the
+    /// boundary, `t = 2.5` times the [`complexity`](Self::complexity), which grows like `s`, and
+    /// `b` the length of the boundary, which grows like `sqrt s`.
     ///
     /// # Errors
     /// As [`check`](Self::check).
@@ -157,15 +168,16 @@ impl Metric {
         Ok((0..mesh.cell_count()).map(of_cell).sum())
     }
 
-    /// About how many vertices a mesh that fits the metric has.
+    /// Expected number of vertices of a mesh that fits the metric.
     pub(super) fn expected_vertices(&self, mesh: &Mesh<2>) -> Result<f64> {
         Ok(0.5 * (TRIANGLES_PER_AREA * self.complexity(mesh)? + self.perimeter(mesh)) + 1.0)
     }
 
-    /// Whether there is one symmetric positive tensor for every point.
+    /// Checks that there is one symmetric positive tensor for every point.
     ///
     /// # Errors
-    /// Internal if the number of tensors is not that of the points; computation if a tensor is not finite or not positive.
+    /// Internal if the number of tensors is not that of the points; computation if a tensor is not
+    /// finite or not positive.
     pub fn check(&self, mesh: &Mesh<2>) -> Result<()> {
         if self.tensors.len() != mesh.points().len() {
             return Err(Error::internal("a metric needs one tensor a point of the mesh").value(format!(
@@ -188,14 +200,15 @@ impl Metric {
     }
 }
 
-/// The points in the order of their smallest sizes: gradation spreads from the fine ones.
+/// The points in the order of their smallest sizes: gradation starts from the finest.
 fn fine_first(tensors: &[Tensor]) -> Vec<u32> {
     let mut order: Vec<(f64, u32)> = tensors.iter().zip(0..).map(|(t, p)| (-t.eigenvalues()[0], p)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     order.into_iter().map(|(_, p)| p).collect()
 }
 
-/// The points at the other ends of the edges of every point, those of inner edges twice: those of `p` are `others[starts[p]..starts[p + 1]]`.
+/// The points at the other ends of the edges of every point, those of inner edges twice: those of
+/// `p` are `others[starts[p]..starts[p + 1]]`.
 pub(super) fn point_neighbours(mesh: &Mesh<2>) -> (Vec<u32>, Vec<u32>) {
     let mut pairs = Vec::with_capacity(6 * mesh.cell_count());
     for c in 0..mesh.cell_count() {

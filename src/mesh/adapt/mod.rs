@@ -1,4 +1,5 @@
-//! Meshes adapted to a metric, in 2-D, by local operations: edges are cut, removed and swapped, vertices moved.
+//! Adaptation of triangular meshes to a metric by local operations: edges are split, collapsed and
+//! swapped, vertices moved.
 
 mod background;
 mod collapse;
@@ -19,26 +20,26 @@ use crate::base::{Error, Result};
 use background::Background;
 use triangulation::Triangulation;
 
-/// Edges longer than this in the metric are cut.
+/// Metric length above which edges are split.
 const LONG: f64 = std::f64::consts::SQRT_2;
-/// Edges shorter than this in the metric are removed.
+/// Metric length below which edges are collapsed.
 const SHORT: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Sweeps end when fewer than one vertex in so many is added or removed.
+/// Sweeps end when fewer than one vertex in this number is added or removed.
 const SETTLED: usize = 2000;
 
-/// How a mesh is adapted.
+/// Options of an adaptation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptOptions {
-    /// Most sweeps of cutting, removing, swapping and moving.
+    /// Largest number of sweeps.
     pub sweeps: usize,
     /// Smallest size; 0 for a millionth of the extent of the domain.
     pub h_min: f64,
     /// Largest size; infinite for the extent of the domain.
     pub h_max: f64,
-    /// Whether the points and edges of the boundary stay as they are: needed where sides are periodic. Sizes near edges that are then
-    /// too long are made larger.
+    /// True to keep the points and edges of the boundary, as required on periodic sides. Sizes near
+    /// edges that are then too long are increased.
     pub keep_boundary: bool,
-    /// Most vertices that the mesh may get.
+    /// Largest number of vertices of the new mesh.
     pub most_vertices: usize,
 }
 
@@ -48,18 +49,19 @@ impl Default for AdaptOptions {
     }
 }
 
-/// How well a mesh fits its metric.
+/// Agreement of a mesh with its metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptReport {
     /// Vertices.
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
-    /// Sweeps that were made.
+    /// Number of sweeps.
     pub sweeps: usize,
-    /// Share of the edges whose length in the metric lies in `[1/sqrt 2, sqrt 2]`.
+    /// Fraction of the edges whose length in the metric lies in `[1/sqrt 2, sqrt 2]`.
     pub unit_edges: f64,
-    /// Smallest quality in the metric, `4 sqrt 3 area / (sum of squared sides)`: 1 for an equilateral triangle.
+    /// Smallest quality in the metric, `4 sqrt 3 area / (sum of squared sides)`: 1 for an
+    /// equilateral triangle.
     pub worst_quality: f64,
     /// Mean quality in the metric.
     pub mean_quality: f64,
@@ -70,22 +72,25 @@ pub struct AdaptReport {
 pub struct Adapted {
     /// The mesh.
     pub mesh: Mesh<2>,
-    /// How well it fits.
+    /// Agreement with the metric.
     pub report: AdaptReport,
 }
 
-/// A mesh of the same domain that fits `metric`, which is given at the points of `mesh` and interpolated on it.
+/// A mesh of the same domain that fits `metric`, which is given at the points of `mesh` and
+/// interpolated on it.
 ///
-/// Edges longer than `sqrt 2` in the metric are cut, those shorter than `1/sqrt 2` are removed, edges are swapped and vertices moved
-/// where the quality of triangles in the metric gains by it (see Frey and George, *Mesh Generation*, chapters 18 and 21), until
-/// little changes. Every operation leaves a conforming mesh of positive triangles (by exact predicates).
+/// Edges longer than `sqrt 2` in the metric are split, those shorter than `1/sqrt 2` are collapsed,
+/// edges are swapped and vertices moved if the quality of triangles in the metric increases (see
+/// Frey and George, *Mesh Generation*, chapters 18 and 21), until little changes. Every operation
+/// gives a conforming mesh of positive triangles (by exact predicates).
 ///
-/// Boundaries and regions keep their names and their places: corners of the boundary and of the lines between regions stay, and
-/// vertices on straight parts move along them only. The result does not depend on the number of threads.
+/// Boundaries and regions keep their names and positions: corners of the boundary and of the lines
+/// between regions are fixed, and vertices on straight parts move along them only. The result does
+/// not depend on the number of threads.
 ///
 /// # Errors
-/// A metric that does not belong to the mesh or is not positive; bounds of sizes that are not in order; a metric that asks for more than
-/// `most_vertices` vertices.
+/// A metric that does not belong to the mesh or is not positive; bounds of sizes that are not in
+/// order; a metric that requires more than `most_vertices` vertices.
 pub fn adapt(mesh: &Mesh<2>, metric: &Metric, options: &AdaptOptions) -> Result<Adapted> {
     metric.check(mesh)?;
     let (h_min, h_max) = bounds(mesh, options)?;
@@ -98,7 +103,7 @@ pub fn adapt(mesh: &Mesh<2>, metric: &Metric, options: &AdaptOptions) -> Result<
         return Err(too_many(expected, options));
     }
     let mut t = Triangulation::new(Background::new(mesh, &metric), options.keep_boundary);
-    smooth::wake_poor(&mut t);
+    smooth::mark_poor(&mut t);
     let mut sweeps = 0;
     while sweeps < options.sweeps {
         sweeps += 1;
@@ -120,7 +125,7 @@ pub fn adapt(mesh: &Mesh<2>, metric: &Metric, options: &AdaptOptions) -> Result<
     Ok(Adapted { mesh: t.mesh()?, report: report(&t, sweeps) })
 }
 
-/// How well a mesh fits a metric that is given at its points, no sweeps.
+/// Agreement of a mesh with a metric given at its points, without sweeps.
 ///
 /// # Errors
 /// A metric that does not belong to the mesh or is not positive.

@@ -1,4 +1,4 @@
-//! Names of facets or cells as one small number each: the set of names that it has.
+//! Named sets of facets or cells, encoded as one small number each: the set of its names.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,8 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// The sets of `count` items from the lists of members, and the number of the set of every item.
+    /// The sets of `count` items from the lists of members, and the number of the set of every
+    /// item.
     pub fn new(members: &BTreeMap<String, Vec<u32>>, count: usize) -> (Parts, Vec<u32>) {
         let mut of_item = vec![Vec::new(); count];
         for (name, items) in (0..).zip(members.values()) {

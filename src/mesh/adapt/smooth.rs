@@ -1,32 +1,33 @@
-//! Vertices are moved to where their edges have unit length.
+//! Smoothing: vertices move towards positions where their edges have unit length.
 
-use super::triangulation::{Kind, Side, Triangulation};
+use super::triangulation::{Freedom, Side, Triangulation};
 use crate::mesh::Point;
 
-/// Parts of the way to the wanted place that are tried.
+/// Fractions of the move that are tried.
 const STEPS: [f64; 3] = [1.0, 0.5, 0.25];
-/// A move must better the [mean quality](mean_quality) around by this factor.
+/// Least factor by which a move must improve the [mean quality](mean_quality).
 const GAIN: f64 = 1.002;
-/// Vertices of triangles below this are tried to move though nothing has changed around them.
+/// Quality below which the vertices of a triangle are tried again even if nothing has changed
+/// around them.
 const POOR: f64 = 0.7;
 
-/// Marks the vertices of poor triangles as worth moving.
-pub(super) fn wake_poor(t: &mut Triangulation) {
+/// Marks the vertices of poor triangles for a move.
+pub(super) fn mark_poor(t: &mut Triangulation) {
     let poor: Vec<[u32; 3]> =
         t.alive().map(|c| t.triangles[c as usize].vertices).filter(|v| t.quality(*v) < POOR).collect();
-    poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].restless = true);
+    poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].pending = true);
 }
 
-/// Moves once every vertex around which something has changed, where that makes the triangles around better.
+/// Moves each marked vertex once, if the surrounding triangles improve.
 pub(super) fn smooth_all(t: &mut Triangulation) {
     let mut star = Vec::new();
     for v in 0..t.vertices.len() as u32 {
-        if std::mem::take(&mut t.vertices[v as usize].restless) && smooth(t, v, &mut star) {
+        if std::mem::take(&mut t.vertices[v as usize].pending) && smooth(t, v, &mut star) {
             for side in &star {
                 t.triangles[side.triangle as usize]
                     .vertices
                     .into_iter()
-                    .for_each(|v| t.vertices[v as usize].restless = true);
+                    .for_each(|v| t.vertices[v as usize].pending = true);
             }
         }
     }
@@ -34,12 +35,13 @@ pub(super) fn smooth_all(t: &mut Triangulation) {
 
 fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {
     let old = t.vertices[v as usize];
-    if old.kind == Kind::Fixed || old.triangle == crate::mesh::NONE {
+    if old.kind == Freedom::Fixed || old.triangle == crate::mesh::NONE {
         return false;
     }
     t.star(v, star);
     let before = mean_quality(t, star);
-    let Some(wanted) = (if old.kind == Kind::Free { balance(t, v, star) } else { balance_on_line(t, v, star) }) else {
+    let Some(wanted) = (if old.kind == Freedom::Free { balance(t, v, star) } else { balance_on_line(t, v, star) })
+    else {
         return false;
     };
     for step in STEPS {
@@ -55,19 +57,20 @@ fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {
     false
 }
 
-/// The mean of the qualities `q` around a vertex, as `n / sum q^-3`: bad triangles count most, and it is 0 if one is flat or turned over.
+/// Mean of the qualities `q` around a vertex, `n / sum q^-3`: dominated by bad triangles, 0 if one
+/// is flat or inverted.
 fn mean_quality(t: &Triangulation, star: &[Side]) -> f64 {
     let badness = |s: &Side| t.quality(t.triangles[s.triangle as usize].vertices).powi(-3);
     star.len() as f64 / star.iter().map(badness).sum::<f64>()
 }
 
-/// The mean of the places from which each edge of `v` would have unit length.
+/// Mean of the positions at which each edge of `v` has unit length.
 fn balance(t: &Triangulation, v: u32, star: &[Side]) -> Option<Point<2>> {
     let places = star.iter().map(|s| unit_place(t, v, t.ends(*s)[0]));
     Some(places.fold(Point::<2>::zeros(), |s, p| s + p) / star.len() as f64)
 }
 
-/// The point on the way from `other` to `v` at unit length.
+/// The point at unit length from `other` in the direction of `v`.
 fn unit_place(t: &Triangulation, v: u32, other: u32) -> Point<2> {
     let (p, q) = (t.vertices[v as usize].point, t.vertices[other as usize].point);
     q + (p - q) / t.length(v, other)

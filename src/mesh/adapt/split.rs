@@ -1,12 +1,13 @@
-//! Edges that are too long are cut.
+//! Splitting of long edges.
 
-use super::triangulation::{Kind, Side, Triangle, Triangulation, Vertex};
+use super::triangulation::{Freedom, Side, Triangle, Triangulation, Vertex};
 use super::{LONG, measure};
 
-/// A cut must not make a triangle of less than this quality, unless from one that was worse.
+/// Least quality of triangles after a split, unless the split triangle was worse.
 const FLOOR: f64 = 0.1;
 
-/// Cuts edges longer than [`LONG`] once each, the longest first, until there are `most` vertices; returns how many.
+/// Splits edges longer than [`LONG`] once each, the longest first, until there are `most` vertices;
+/// returns their number.
 pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     let mut long: Vec<(f64, Side, [u32; 2])> = t
         .sides()
@@ -18,7 +19,8 @@ pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
     let mut count = 0;
     for (_, side, [a, b]) in long {
-        // The edge is still there, though a cut beside it may have moved it to another place in its triangle or to a new one.
+        // The edge still exists, but an earlier split may have moved it within its triangle or to a
+        // new one.
         let at = t.side_of(side.triangle, a, b);
         if t.vertex_count() < most
             && let Some(side) = at
@@ -29,15 +31,15 @@ pub(super) fn split_long(t: &mut Triangulation, most: usize) -> usize {
     count
 }
 
-/// Cuts a side in the middle of its length in the metric, unless a bad triangle would come of it.
+/// Splits a side at the middle of its metric length, unless this gives a bad triangle.
 fn split(t: &mut Triangulation, side: Side) -> bool {
     let [a, b] = t.ends(side);
     let (from, to) = (t.vertices[a as usize], t.vertices[b as usize]);
     let part = measure::middle(&from.point, &from.metric.tensor, &to.point, &to.metric.tensor);
     let point = from.point + (to.point - from.point) * part.clamp(0.1, 0.9);
     let metric = t.background.at(&from.metric, &point);
-    let kind = if t.is_kept(side) { Kind::Line } else { Kind::Free };
-    let m = t.add_vertex(Vertex { point, metric, kind, triangle: side.triangle, restless: true });
+    let kind = if t.is_kept(side) { Freedom::Line } else { Freedom::Free };
+    let m = t.add_vertex(Vertex { point, metric, kind, triangle: side.triangle, pending: true });
     let twin = t.twin(side);
     let fits = |s: Side| {
         let c = t.triangles[s.triangle as usize].vertices[s.opposite];
@@ -62,7 +64,8 @@ fn split(t: &mut Triangulation, side: Side) -> bool {
     true
 }
 
-/// Cuts the triangle `(c, a, b)` of a side `(a, b)` into `(c, a, m)` and `(c, m, b)`; returns their sides opposite to `c`.
+/// Cuts the triangle `(c, a, b)` of a side `(a, b)` into `(c, a, m)` and `(c, m, b)`; returns their
+/// sides opposite to `c`.
 fn halve(t: &mut Triangulation, side: Side, m: u32) -> [Side; 2] {
     let old = t.triangles[side.triangle as usize];
     let (c, a, b) = (side.opposite, (side.opposite + 1) % 3, (side.opposite + 2) % 3);

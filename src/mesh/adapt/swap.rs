@@ -1,15 +1,15 @@
-//! Edges are swapped where that makes better triangles.
+//! Edge swaps that improve triangles.
 
 use super::triangulation::{Side, Triangle, Triangulation};
 use crate::mesh::NONE;
 
-/// A swap must better the worse of the two triangles by this factor.
+/// Least factor by which a swap must improve the worse of the two triangles.
 const GAIN: f64 = 1.001;
 
-/// Swaps edges until none is worth it; returns how many were swapped.
+/// Swaps edges until no swap is worthwhile; returns their number.
 pub(super) fn swap_all(t: &mut Triangulation) -> usize {
     let mut waiting: Vec<Side> = t.sides().collect();
-    // Quality only grows, so this ends; the bound guards against rounding.
+    // Quality only increases, so this ends; the bound is a safeguard against rounding.
     let most = 50 * t.triangles.len();
     let mut count = 0;
     while let Some(side) = waiting.pop() {
@@ -24,7 +24,8 @@ pub(super) fn swap_all(t: &mut Triangulation) -> usize {
     count
 }
 
-/// Replaces the side `(a, b)` of the triangles `(c, a, b)` and `(d, b, a)` by `(c, d)` if the worse triangle becomes better.
+/// Replaces the side `(a, b)` of the triangles `(c, a, b)` and `(d, b, a)` by `(c, d)` if the worse
+/// triangle becomes better.
 fn swap(t: &mut Triangulation, side: Side) -> bool {
     if t.triangles[side.triangle as usize].vertices[0] == NONE || t.is_kept(side) {
         return false;

@@ -70,8 +70,9 @@ impl Tensor {
     pub fn exp(&self) -> Tensor {
         self.map(|[a, b]| [a.exp(), b.exp()])
     }
-    /// The smallest tensor (largest unit ellipse) above both of two positive ones, by simultaneous reduction: with `M = L L^T`
-    /// and `L^-1 N L^-T = Q diag(mu) Q^T` it is `L Q diag(max(1, mu)) Q^T L^T`.
+    /// The smallest tensor (largest unit ellipse) above both of two positive ones, by simultaneous
+    /// reduction: with `M = L L^T` and `L^-1 N L^-T = Q diag(mu) Q^T` it is
+    /// `L Q diag(max(1, mu)) Q^T L^T`.
     pub fn intersection(&self, other: &Tensor) -> Tensor {
         let a = self.xx.sqrt();
         let b = self.xy / a;

@@ -30,7 +30,8 @@ fn adapted_to(mut mesh: Mesh<2>, times: usize, metric: impl Fn(&Point<2>) -> SMa
     Adapted { mesh, report: report.unwrap() }
 }
 
-/// Area of every region and, of every boundary, its length and the integral of its normal times a linear function.
+/// Area of every region and, of every boundary, its length and the integral of its normal times a
+/// linear function.
 fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
     let mut all = BTreeMap::new();
     for (name, cells) in mesh.regions() {
@@ -58,8 +59,9 @@ fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
     all
 }
 
-/// What every adapted mesh must be: conforming, positive, of the same domain with the same parts. `Mesh::new` has refused sides of more
-/// than two triangles and overlaps; a hanging vertex would make boundary inside and change its length.
+/// Checks the properties of every adapted mesh: conforming, positive, of the same domain with the
+/// same parts. `Mesh::new` rejects sides of more than two triangles and overlaps; a hanging vertex
+/// would give inner boundaries and change their length.
 fn assert_same_domain(old: &Mesh<2>, new: &Mesh<2>) {
     assert!(new.reoriented().is_empty());
     assert!((new.volume() - old.volume()).abs() < 1e-12 * old.volume(), "{} {}", new.volume(), old.volume());
@@ -115,7 +117,8 @@ fn a_mesh_that_fits_is_hardly_changed() {
     assert!(second.report.sweeps <= 2 && same as f64 > 0.95 * first.mesh.points().len() as f64);
 }
 
-/// A square with a named disc of cells inside, another name for its lower half, and oblique sides (turned by one radian).
+/// A square with a named disc of cells inside, another name for its lower half, and oblique sides
+/// (turned by one radian).
 fn parts(n: usize) -> Mesh<2> {
     let straight = rectangle([0.0; 2], [1.0; 2], [n, n], Diagonals::UnionJack).unwrap();
     let turned = straight.points().iter().map(|p| nalgebra::Rotation2::new(1.0) * p).collect();
@@ -149,7 +152,8 @@ fn frozen_boundaries_keep_their_points_and_edges() {
     };
     assert_eq!(edges(&mesh), edges(&new.mesh));
     assert!(new.report.worst_quality > 0.5 && new.report.vertices > 130, "{:?}", new.report);
-    // Edges of a sixth of what there is cannot be had: the sizes inside follow those on the boundary.
+    // Edges of a sixth of the boundary's cannot be reached: the sizes inside follow those on the
+    // boundary.
     let new = adapt(&mesh, &isotropic(&mesh, |_| 0.02), &options).unwrap();
     assert_same_domain(&mesh, &new.mesh);
     assert_eq!(edges(&mesh), edges(&new.mesh));

@@ -1,4 +1,5 @@
-//! A triangulation that can be changed locally: triangles with their neighbours, and what must be kept of boundaries and regions.
+//! A triangulation with local changes: triangles with their neighbours, and the fixed parts of
+//! boundaries and regions.
 
 use super::background::{Background, Sample};
 use super::measure;
@@ -6,12 +7,12 @@ use super::parts::Parts;
 use crate::base::Result;
 use crate::mesh::{Mesh, NONE, Point};
 
-/// Two sides of a polygon that turn by less than this (sine of the angle) are one straight line.
+/// Sine of the angle below which two sides of a polygon form a straight line.
 const STRAIGHT: f64 = 1e-10;
 
-/// How a vertex may move.
+/// Freedom of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum Freedom {
     /// Anywhere.
     Free,
     /// Along the straight part of a boundary or interface that it lies on.
@@ -24,23 +25,23 @@ pub(super) enum Kind {
 pub(super) struct Vertex {
     pub point: Point<2>,
     pub metric: Sample,
-    pub kind: Kind,
-    /// A triangle that has it.
+    pub kind: Freedom,
+    /// A triangle that contains it.
     pub triangle: u32,
-    /// Whether something around it has changed since it was last tried to move it.
-    pub restless: bool,
+    /// True if something around it has changed since its last trial move.
+    pub pending: bool,
 }
 
 /// A positively oriented triangle; side `k` lies opposite to vertex `k`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Triangle {
-    /// Numbers of its vertices; the first is [`NONE`] when the triangle was removed.
+    /// Its vertices; the first is [`NONE`] if the triangle was removed.
     pub vertices: [u32; 3],
     /// The triangles across its sides, [`NONE`] on the boundary.
     pub neighbours: [u32; 3],
-    /// Which set of boundaries each side belongs to, 0 inside.
+    /// Set of boundaries of each side, 0 inside.
     pub sides: [u32; 3],
-    /// Which set of regions it belongs to.
+    /// Set of regions.
     pub region: u32,
 }
 
@@ -55,11 +56,11 @@ pub(super) struct Triangulation<'a> {
     pub background: Background<'a>,
     pub vertices: Vec<Vertex>,
     pub triangles: Vec<Triangle>,
-    /// Triangles that were removed and whose numbers can be used again.
+    /// Removed triangles whose numbers can be reused.
     free: Vec<u32>,
-    /// The same of vertices.
+    /// Removed vertices whose numbers can be reused.
     free_vertices: Vec<u32>,
-    /// Whether sides on the boundary must stay as they are.
+    /// True if sides on the boundary are fixed.
     pub frozen_boundary: bool,
     boundaries: Parts,
     regions: Parts,
@@ -84,7 +85,7 @@ impl<'a> Triangulation<'a> {
         // Points of no cell keep the dummy until their numbers are used for others.
         let dummy = background.at_vertex(0, 0);
         let vertex =
-            |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Kind::Free, triangle: NONE, restless: false };
+            |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Freedom::Free, triangle: NONE, pending: false };
         let mut vertices: Vec<Vertex> = mesh.points().iter().map(vertex).collect();
         for (c, triangle) in triangles.iter().enumerate() {
             for (k, &v) in triangle.vertices.iter().enumerate() {
@@ -110,9 +111,10 @@ impl<'a> Triangulation<'a> {
         new
     }
 
-    /// Finds which vertices may move where, from the sides that must be kept.
+    /// Determines the freedom of every vertex from the fixed sides.
     fn find_kinds(&mut self) {
-        // Number of kept sides at a vertex, and the first two: other end, boundaries, regions on both sides.
+        // Number of kept sides at a vertex, and the first two: other end, boundaries, regions on
+        // both sides.
         let mut kept = vec![(0, [(0, [0; 3]); 2]); self.vertices.len()];
         for side in self.sides().filter(|s| self.is_kept(*s)) {
             let triangle = &self.triangles[side.triangle as usize];
@@ -133,12 +135,12 @@ impl<'a> Triangulation<'a> {
         for (v, (count, [first, second])) in kept.into_iter().enumerate() {
             let to = |other: u32| self.vertices[other as usize].point - self.vertices[v].point;
             self.vertices[v].kind = match count {
-                0 => Kind::Free,
-                2 if first.1 == second.1 && is_straight(&to(first.0), &to(second.0)) => Kind::Line,
-                _ => Kind::Fixed,
+                0 => Freedom::Free,
+                2 if first.1 == second.1 && is_straight(&to(first.0), &to(second.0)) => Freedom::Line,
+                _ => Freedom::Fixed,
             };
         }
-        frozen.into_iter().for_each(|v| self.vertices[v as usize].kind = Kind::Fixed);
+        frozen.into_iter().for_each(|v| self.vertices[v as usize].kind = Freedom::Fixed);
     }
 
     /// Every side once, from the triangle with the smaller number.
@@ -166,7 +168,7 @@ impl<'a> Triangulation<'a> {
         self.triangles[side.triangle as usize].neighbours[side.opposite] == NONE
     }
 
-    /// Whether a side lies on the boundary or between two regions.
+    /// True if a side lies on the boundary or between two regions.
     pub fn is_kept(&self, side: Side) -> bool {
         let triangle = &self.triangles[side.triangle as usize];
         let other = triangle.neighbours[side.opposite];
@@ -189,7 +191,7 @@ impl<'a> Triangulation<'a> {
         has_both.then_some(Side { triangle, opposite })
     }
 
-    /// Lets two sides be neighbours, or makes `side` part of the boundary.
+    /// Makes two sides neighbours, or `side` part of the boundary.
     pub fn link(&mut self, side: Side, twin: Option<Side>) {
         self.triangles[side.triangle as usize].neighbours[side.opposite] = twin.map_or(NONE, |t| t.triangle);
         if let Some(twin) = twin {
@@ -197,12 +199,12 @@ impl<'a> Triangulation<'a> {
         }
     }
 
-    /// Puts a triangle in the place of number `t` and makes it the one that its vertices know.
+    /// Stores a triangle as number `t` and registers it with its vertices.
     pub fn put(&mut self, t: u32, triangle: Triangle) {
         self.triangles[t as usize] = triangle;
         for v in triangle.vertices {
             let vertex = &mut self.vertices[v as usize];
-            (vertex.triangle, vertex.restless) = (t, true);
+            (vertex.triangle, vertex.pending) = (t, true);
         }
     }
 
@@ -240,8 +242,8 @@ impl<'a> Triangulation<'a> {
         self.vertices.len() - self.free_vertices.len()
     }
 
-    /// The triangles around a vertex, counter-clockwise, each with the place of the vertex in it. On the boundary the first and
-    /// the last have the sides on it.
+    /// The triangles around a vertex, counter-clockwise, each with the place of the vertex in it.
+    /// On the boundary the first and the last have the sides on it.
     pub fn star(&self, v: u32, out: &mut Vec<Side>) {
         out.clear();
         let start = self.vertices[v as usize].triangle;
@@ -281,7 +283,7 @@ impl<'a> Triangulation<'a> {
         measure::length(&a.point, &a.metric.tensor, &b.point, &b.metric.tensor)
     }
 
-    /// Quality of a triangle in the metric; 0 if it is flat or turned over.
+    /// Quality of a triangle in the metric; 0 if it is flat or inverted.
     #[inline]
     pub fn quality(&self, v: [u32; 3]) -> f64 {
         let [a, b, c] = v.map(|v| &self.vertices[v as usize]);

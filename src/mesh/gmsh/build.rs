@@ -1,22 +1,22 @@
-//! From the content of a file to a mesh.
+//! Conversion of the content of a file to a mesh.
 
 use super::MshData;
 use crate::base::{Error, Result, Warning};
 use crate::mesh::{Mesh, NONE, Point, facet_key};
 use std::collections::{BTreeMap, HashMap};
 
-/// A surface that leaves its plane by less than this part of its size is flat.
+/// Largest deviation of a surface from its plane, relative to its size.
 const FLAT: f64 = 1e-10;
 
 impl MshData {
-    /// The mesh, with remarks about what was left out.
+    /// The mesh, with warnings about ignored content.
     ///
-    /// Points that are no vertex of a cell are left out, the others and the cells keep their order. Groups without a
-    /// name get their number as name; groups of the same name are put together.
+    /// Points of no cell are dropped; the others and the cells keep their order. Groups without a
+    /// name are named by their number; groups of the same name are merged.
     ///
     /// # Errors
-    /// A dimension other than `D`, a two-dimensional mesh that is not in a plane `z = const`, or a mesh that
-    /// [`Mesh::new`] refuses.
+    /// A dimension other than `D`, a two-dimensional mesh that is not in a plane `z = const`, or a
+    /// mesh that [`Mesh::new`] refuses.
     pub fn mesh<const D: usize>(&self) -> Result<(Mesh<D>, Vec<Warning>)> {
         let dimension = self.dimension()?;
         if dimension != D {
@@ -42,7 +42,7 @@ impl MshData {
         Ok((mesh, warnings))
     }
 
-    /// The number in the mesh of every point (`NONE`: left out), and the points that are kept.
+    /// Number in the mesh of every point (`NONE`: dropped), and the kept points.
     fn vertices_in_use(&self, dimension: usize) -> (Vec<u32>, Vec<u32>) {
         let mut new = vec![NONE; self.points.len()];
         for &v in self.simplices[dimension].iter().flat_map(|v| &v[..=dimension]) {
@@ -69,7 +69,7 @@ impl MshData {
             .remedy("draw the geometry in the x-y plane; or, for a 3-D mesh, mesh the volume (gmsh -3) and give it a physical group"))
     }
 
-    /// Points and parts of elements that are not used.
+    /// Warnings about unused points and parts of elements.
     fn leftovers(&self, new: &[u32]) -> Vec<Warning> {
         let mut warnings = Vec::new();
         if !self.midpoints.is_empty() {
@@ -99,7 +99,7 @@ impl MshData {
         warnings
     }
 
-    /// The name of a group, or else its number.
+    /// The name of a group, or its number.
     fn name(&self, dimension: usize, number: i64) -> String {
         let name = self.names.get(&(dimension, number)).filter(|name| !name.is_empty());
         name.cloned().unwrap_or_else(|| number.to_string())
@@ -169,7 +169,7 @@ impl MshData {
         warnings
     }
 
-    /// Names without elements, and groups of a dimension that has no meaning here.
+    /// Names without elements, and groups of a dimension without meaning here.
     fn unused_groups(&self, dimension: usize) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for (&(d, number), name) in &self.names {

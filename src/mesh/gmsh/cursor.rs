@@ -1,8 +1,9 @@
-//! A place in the bytes of a file, from which words and numbers are read; every failure says where.
+//! A position in the bytes of a file, from which words and numbers are read; every error names the
+//! position.
 
 use crate::base::{Error, Result};
 
-/// What to do about a file that ends early or does not fit its own counts.
+/// Remedy for a file that ends early or contradicts its own counts.
 pub(super) const WRITE_AGAIN: &str =
     "the file is incomplete or was changed: write it again (gmsh -format msh41 -save_all FILE.geo -2, or -3)";
 
@@ -30,7 +31,7 @@ impl<'a> Cursor<'a> {
         Error::input(what).at(place)
     }
 
-    /// The file ended while `what` was to be read.
+    /// The error for a file that ends while `what` is read.
     fn truncated(&self, what: &str) -> Error {
         self.error(self.bytes.len(), format!("the file ends where {what} should follow"))
             .value(format!("{} bytes in all", self.bytes.len()))
@@ -43,7 +44,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Where the next number starts.
+    /// Start of the next number.
     pub(super) fn start(&mut self) -> usize {
         if !self.binary {
             self.skip_space();
@@ -55,7 +56,7 @@ impl<'a> Cursor<'a> {
         self.at >= self.bytes.len()
     }
 
-    /// The rest of the line as text, without its end; bytes that are no text become replacement characters.
+    /// The rest of the line as text, without its end; invalid bytes become replacement characters.
     pub(super) fn line(&mut self) -> String {
         let rest = &self.bytes[self.at.min(self.bytes.len())..];
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -77,7 +78,7 @@ impl<'a> Cursor<'a> {
         Ok((at, word))
     }
 
-    /// Something else stands where `what` should.
+    /// The error for other content than `what`.
     pub(super) fn unexpected(&self, at: usize, what: &str) -> Error {
         let rest = &self.bytes[at.min(self.bytes.len())..];
         let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len()).min(40);
@@ -125,15 +126,15 @@ impl<'a> Cursor<'a> {
             .remedy("correct the geometry or the program that wrote the file"))
     }
 
-    /// A count of things of `words` numbers, which take `bytes` bytes if binary; an error if the file cannot hold them,
-    /// so that it is safe to reserve memory for them.
+    /// A count of items of `words` numbers, of `bytes` bytes each if binary; an error if the file
+    /// cannot hold them, so that memory can be reserved for them.
     pub(super) fn count(&mut self, what: &str, words: usize, bytes: usize) -> Result<usize> {
         let at = self.start();
         let n = self.size(what)?;
         self.fits(at, n, what, if self.binary { bytes } else { 2 * words })
     }
 
-    /// A count that stands on a line of its own even if the file is binary (version 2).
+    /// A count on a line of its own, also in a binary file (version 2).
     pub(super) fn count_line(&mut self, what: &str, words: usize, bytes: usize) -> Result<usize> {
         self.skip_space();
         let at = self.at;
@@ -151,7 +152,7 @@ impl<'a> Cursor<'a> {
         Err(self.error(at, format!("{what} does not fit the size of the file")).value(n).remedy(WRITE_AGAIN))
     }
 
-    /// Goes behind the line `$End...` of a section that was read to its end.
+    /// Moves past the line `$End...` of a section that was read to its end.
     pub(super) fn end_section(&mut self, section: &str) -> Result<()> {
         self.skip_space();
         let at = self.at;
@@ -162,7 +163,7 @@ impl<'a> Cursor<'a> {
         if self.line() == expected { Ok(()) } else { Err(self.unexpected(at, &expected)) }
     }
 
-    /// Goes behind the line `$End...` of a section that is not read.
+    /// Moves past the line `$End...` of a section that is not read.
     pub(super) fn skip_section(&mut self, section: &str) -> Result<()> {
         let expected = format!("$End{section}");
         let rest = &self.bytes[self.at..];

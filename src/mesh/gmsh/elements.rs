@@ -1,12 +1,13 @@
 //! The element types of gmsh, by their numbers in files.
 
-/// A simplex: its dimension and the number of its nodes, of which the first `dimension + 1` are the vertices.
+/// A simplex: its dimension and the number of its nodes, of which the first `dimension + 1` are the
+/// vertices.
 pub(super) struct Simplex {
     pub(super) dimension: usize,
     pub(super) nodes: usize,
 }
 
-/// The simplex with this number, or what the element is and what to do about it.
+/// The simplex with this number, or the name of the element and a remedy.
 pub(super) fn simplex(code: i64) -> Result<Simplex, (String, &'static str)> {
     let (dimension, nodes) = match code {
         15 => (0, 1),

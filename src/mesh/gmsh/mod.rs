@@ -1,8 +1,10 @@
-//! Meshes from gmsh: MSH files of version 2 and 4.1 in ASCII and binary, and of version 4.0 in ASCII.
+//! Meshes from gmsh: MSH files of version 2 and 4.1 in ASCII and binary, and of version 4.0 in
+//! ASCII.
 //!
-//! Triangles and tetrahedra of order 1 (of order 2 the vertices are taken). Physical groups become regions (of the
-//! dimension of the mesh) and boundaries (one less). Sections that are not needed, `$Periodic` among them, are skipped.
-//! Source: the gmsh reference manual, "MSH file format", and files written by gmsh 4.8.
+//! Triangles and tetrahedra of order 1 (of order 2 the vertices are used). Physical groups become
+//! regions (of the dimension of the mesh) and boundaries (one less). Other sections, `$Periodic`
+//! among them, are skipped. Source: the gmsh reference manual, "MSH file format", and files written
+//! by gmsh 4.8.
 
 mod build;
 mod cursor;
@@ -16,12 +18,13 @@ use cursor::Cursor;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-/// The content of a file: points, simplices of all dimensions, and physical groups. [`MshData::mesh`] makes a mesh of it.
+/// Content of a file: points, simplices of all dimensions, and physical groups. [`MshData::mesh`]
+/// converts it to a mesh.
 #[derive(Clone, Debug, Default)]
 pub struct MshData {
     file: String,
     points: Vec<[f64; 3]>,
-    /// Number in the file of every point.
+    /// Tag of every point in the file.
     tags: Vec<u64>,
     /// Index of the point with a tag; tags may have gaps.
     index: HashMap<u64, u32>,
@@ -34,7 +37,7 @@ pub struct MshData {
     midpoints: Vec<u32>,
 }
 
-/// Reads the mesh of a file, with remarks about what was left out.
+/// Reads the mesh of a file, with warnings about ignored content.
 ///
 /// # Errors
 /// See [`MshData::read`] and [`MshData::mesh`].
@@ -54,8 +57,9 @@ impl MshData {
     /// Reads a file.
     ///
     /// # Errors
-    /// A file that cannot be opened, is no MSH file, is damaged, or holds elements that are no simplices of order 1 or 2.
-    /// Each names the line (ASCII) or byte (binary), the value found, and a remedy.
+    /// A file that cannot be opened, is no MSH file, is damaged, or holds elements that are no
+    /// simplices of order 1 or 2. Each names the line (ASCII) or byte (binary), the value found,
+    /// and a remedy.
     pub fn read(path: &Path) -> Result<MshData> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|e| {
@@ -67,7 +71,7 @@ impl MshData {
         MshData::parse(&bytes, &name)
     }
 
-    /// Reads the bytes of a file; `name` stands for the file in messages.
+    /// Reads the bytes of a file; `name` is the name of the file in messages.
     ///
     /// # Errors
     /// As [`MshData::read`].
@@ -136,7 +140,7 @@ impl MshData {
             .remedy("mesh the geometry before saving (gmsh -2 or -3), and save the physical groups or all (-save_all)"))
     }
 
-    /// `$PhysicalNames`: always text. The name is what stands between the first and the last quotation mark.
+    /// `$PhysicalNames`: always text. The name lies between the first and the last quotation mark.
     fn read_names(&mut self, cursor: &mut Cursor) -> Result<()> {
         let count = cursor.count_line("the number of physical names", 3, 6)?;
         for _ in 0..count {
@@ -167,7 +171,7 @@ impl MshData {
         Ok(())
     }
 
-    /// The vertices of a simplex: the first of its nodes; the others are noted as midpoints.
+    /// The vertices of a simplex: the first of its nodes; the others are recorded as midpoints.
     fn vertices(&mut self, cursor: &Cursor, at: usize, nodes: &[u64], dimension: usize) -> Result<[u32; 4]> {
         let mut vertices = [super::NONE; 4];
         for (k, tag) in nodes.iter().enumerate() {
@@ -194,7 +198,8 @@ enum Version {
     FourOne,
 }
 
-/// `$MeshFormat`: version, 0 (ASCII) or 1 (binary), size of a number; if binary, the integer 1 as bytes.
+/// `$MeshFormat`: version, 0 (ASCII) or 1 (binary), size of a number; if binary, the integer 1 as
+/// bytes.
 fn header(cursor: &mut Cursor) -> Result<Version> {
     let any_mesh =
         "save the mesh as MSH (gmsh FILE -save -format msh41 -o FILE.msh); gmsh also converts other mesh formats";

@@ -28,7 +28,8 @@ impl MshData {
         Ok(())
     }
 
-    /// Elements in several physical groups stand once for each group: they are added once, and to all groups.
+    /// Elements in several physical groups occur once per group: they are added once, and to all
+    /// groups.
     pub(super) fn read_elements_2(&mut self, cursor: &mut Cursor) -> Result<()> {
         let count = cursor.count_line("the number of elements", 4, 8)?;
         let mut known: HashMap<[u32; 4], u32> = HashMap::new();

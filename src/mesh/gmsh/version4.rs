@@ -34,7 +34,8 @@ pub(super) fn read_entities(
                 cursor.int("the number of a parent")?;
                 skip_ints(cursor, "the number of partitions of an entity")?;
             }
-            // A point has its position, other entities have their bounding box; in 4.0 points have one too.
+            // A point has its position, other entities have their bounding box; in 4.0 points have
+            // one too.
             let corners = if dimension == 0 && version == Version::FourOne { 1 } else { 2 };
             for _ in 0..3 * corners {
                 cursor.real("a corner of a bounding box")?;
@@ -42,7 +43,7 @@ pub(super) fn read_entities(
             let groups = cursor.count("the number of physical groups of an entity", 1, 4)?;
             let mut of_entity = Vec::with_capacity(groups);
             for _ in 0..groups {
-                // A negative number says that the entity is turned round in this group.
+                // A negative number: the entity is reversed in this group.
                 of_entity.push(cursor.int("the number of a physical group")?.saturating_abs());
             }
             entities.insert((dimension as i64, number), of_entity);
@@ -61,7 +62,7 @@ fn skip_ints(cursor: &mut Cursor, what: &str) -> Result<()> {
     Ok(())
 }
 
-/// Dimension and number of the entity of a block: 4.0 has them the other way round.
+/// Dimension and number of the entity of a block, in reverse order in 4.0.
 fn entity(cursor: &mut Cursor, version: Version) -> Result<(i64, i64)> {
     let first = cursor.int("the dimension or number of an entity")?;
     let second = cursor.int("the dimension or number of an entity")?;
@@ -151,7 +152,7 @@ impl MshData {
     }
 }
 
-/// 4.1 gives the least and the greatest number of the points or elements.
+/// Skips the least and the greatest number of the points or elements, present in 4.1.
 fn skip_range(cursor: &mut Cursor, version: Version) -> Result<()> {
     if version == Version::FourOne {
         cursor.size("the least number")?;

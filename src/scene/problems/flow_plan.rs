@@ -66,11 +66,11 @@ impl<const D: usize> FlowPlan<'_, D> {
         let constant = flow.density().is_constant() && flow.viscosity().is_constant();
         let (kind, why) = match (constant, implicit) {
             (true, false) => ("constant", "factored once".to_string()),
-            (true, true) => ("changes with the interface (implicit coupling)", flow.way_of_solving()),
-            (false, _) => ("changes with density or viscosity", flow.way_of_solving()),
+            (true, true) => ("changes with the interface (implicit coupling)", flow.solver_description()),
+            (false, _) => ("changes with density or viscosity", flow.solver_description()),
         };
         lines.push(format!("matrix {kind}: {why}"));
-        lines.extend(flow.way_in_words());
+        lines.extend(flow.solver_summary());
         if let Some((_, factor)) = flow.solver_size() {
             lines.push(format!(
                 "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",

@@ -20,7 +20,7 @@ use crate::scene::row::Row;
 use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector, wall_nodes};
 use crate::scene::view::View;
-use crate::sim::{Budget, Energies, Settings, Simulation, State, Transfer};
+use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
 use crate::structure::Structure;
 use crate::transport::Method;
 use nalgebra::SVector;
@@ -186,8 +186,8 @@ impl<const D: usize> ImmersedFlow<D> {
         row.put("energy_kinetic", e.kinetic);
         row.put("energy_elastic", e.elastic);
         row.put("dissipation", e.dissipation);
-        row.put("energy_balance", state.budget.residual(&e));
-        row.put("work", state.budget.work);
+        row.put("energy_balance", state.balance.residual(&e));
+        row.put("work", state.balance.work);
         row.put("velocity_max", sim.largest_speed());
         row.put("divergence", e.divergence);
         row.put("cfl", sim.courant());
@@ -237,7 +237,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         measure::maps(&view, &mut row);
         if self.scene.adapt.is_some() {
             row.put("unknowns", self.simulation.flow().numbering().order() as f64);
-            row.put("energy_transferred", self.simulation.state().budget.transferred);
+            row.put("energy_transferred", self.simulation.state().balance.transferred);
         }
         self.probes.measure(&view, &mut row);
         self.measure_forces(&mut row)?;
@@ -282,9 +282,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         self.band_edges = edges.or(self.band_edges);
         Ok(())
     }
-    fn energies(&self) -> Option<(Energies, Budget)> {
+    fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         let state = self.simulation.state();
-        Some((state.energies, state.budget))
+        Some((state.energies, state.balance))
     }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         self.simulation.take_costs()
@@ -402,24 +402,24 @@ fn heaviest(scene: &Scene) -> f64 {
     }
 }
 
-fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) -> Settings<D> {
+fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) -> SimulationSettings<D> {
     let (fluid, numerics) = (&scene.fluid, &scene.numerics);
     let body_force = fluid.has_force().then(|| {
         let f = vector(&fluid.force);
         Arc::new(move |x: &Point<D>, t: f64| f(x, t)) as Arc<BodyForce<D>>
     });
-    Settings {
+    SimulationSettings {
         order: scene.time.order,
         transport: ground::transport(scene),
         convection: numerics.convection.unwrap_or(scene.has_inertia()),
         grad_div,
         solve_tolerance: numerics.solve_tolerance,
-        solving: numerics.solving,
+        solver: numerics.solving,
         quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
         boussinesq: fluid.boussinesq,
         pressure: numerics.pressure,
         gravity: SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()),
         body_force,
-        ..Settings::new(scene.time.step, scene.outside(), site.conditions.clone())
+        ..SimulationSettings::new(scene.time.step, scene.outside(), site.conditions.clone())
     }
 }

@@ -8,7 +8,7 @@ use crate::levelset::{Kernel, Norm};
 use crate::scene::keys::Item;
 use crate::scene::keys::{Absent::*, Keys, Kind::*, row, words};
 use crate::scene::keys::{Writer, name, number, or_auto};
-use crate::sim::{Coupling, Solving, Way};
+use crate::sim::{Coupling, SolverKind, SolverOptions};
 use crate::transport::Method;
 
 /// Settings of the method; `None` means that the plan decides.
@@ -39,7 +39,7 @@ pub struct Numerics {
     /// Relative residual of iterations with an old factor; 0 factors every matrix.
     pub solve_tolerance: f64,
     /// How the linear systems of the flow are solved, and in how much memory.
-    pub solving: Solving,
+    pub solving: SolverOptions,
     /// Degree of polynomials that quadrature integrates exactly.
     pub quadrature: Option<usize>,
     /// How and when level sets become distances again; `None` for never.
@@ -75,8 +75,12 @@ const COUPLINGS: [(&str, Coupling); 4] = [
     ("semi-implicit", Coupling::SemiImplicit),
     ("implicit", Coupling::Implicit),
 ];
-const WAYS: [(&str, Option<Way>); 4] =
-    [("auto", None), ("direct", Some(Way::Direct)), ("single", Some(Way::Single)), ("schur", Some(Way::Schur))];
+const WAYS: [(&str, Option<SolverKind>); 4] = [
+    ("auto", None),
+    ("direct", Some(SolverKind::Direct)),
+    ("single", Some(SolverKind::Single)),
+    ("schur", Some(SolverKind::Schur)),
+];
 const BAND_WORDS: [&str; BANDS.len()] = words(&BANDS);
 const KERNEL_WORDS: [&str; KERNELS.len()] = words(&KERNELS);
 const NORM_WORDS: [&str; NORMS.len()] = words(&NORMS);
@@ -238,7 +242,7 @@ impl Numerics {
             pressure: Element::P1,
             convection: None,
             solve_tolerance: SOLVE_TOLERANCE,
-            solving: Solving::default(),
+            solving: SolverOptions::default(),
             quadrature: None,
             redistance: None,
         };
@@ -265,7 +269,7 @@ impl Numerics {
         numerics.pressure = table.optional("pressure", |i| i.choice(&PRESSURES))?.unwrap_or(numerics.pressure);
         numerics.convection = table.optional("convection", |i| i.unless_auto(Item::boolean))?.flatten();
         numerics.solve_tolerance = table.optional("solve_tolerance", solve_tolerance)?.unwrap_or(SOLVE_TOLERANCE);
-        numerics.solving.way = table.optional("solver", |i| i.choice(&WAYS))?.flatten();
+        numerics.solving.kind = table.optional("solver", |i| i.choice(&WAYS))?.flatten();
         let memory = table.optional("memory", |i| i.unless_auto(Item::positive))?.flatten();
         numerics.solving.memory = memory.map(|gigabytes| (gigabytes * GIGABYTE) as usize);
         numerics.quadrature = table.optional("quadrature", |i| i.unless_auto(degree))?.flatten();
@@ -289,7 +293,7 @@ impl Numerics {
         out.entry("pressure", name(self.pressure, &PRESSURES));
         out.entry("convection", or_auto(self.convection, |c| c.to_string()));
         out.entry("solve_tolerance", number(self.solve_tolerance));
-        out.entry("solver", name(self.solving.way, &WAYS));
+        out.entry("solver", name(self.solving.kind, &WAYS));
         out.entry("memory", or_auto(self.solving.memory, |bytes| number(bytes as f64 / GIGABYTE)));
         out.entry("quadrature", or_auto(self.quadrature, |d| d.to_string()));
         self.redistance.iter().for_each(|r| r.write(out));

@@ -1,4 +1,4 @@
-//! A factor that outlives its matrix, through interruptions too.
+//! The factor that preconditions later matrices, also after an interruption.
 
 use super::Simulation;
 use crate::base::Result;
@@ -7,8 +7,8 @@ use crate::flow::{FlowSolver, FlowState, StepReport};
 use crate::sim::{Factored, State};
 use crate::structure::{Fields, Place};
 
-/// Start of iterations: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`. (A
-/// pressure extrapolated too saved no iteration.)
+/// Initial guess of iterations: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`.
+/// (Extrapolating the pressure too saved no iteration.)
 pub(super) fn extrapolate<const D: usize>(
     state: &State<D>,
     solver: &FlowSolver<D>,
@@ -30,17 +30,17 @@ impl<const D: usize> Simulation<D> {
         if self.settings.solve_tolerance == 0.0 || self.flow.is_constant() || has_blocks {
             return;
         }
-        let (dt, ledger) = (self.settings.dt, self.flow.ledger());
-        let empty = || Factored { fields: Fields::default(), weight, dt, ledger };
+        let (dt, solve_cost) = (self.settings.dt, self.flow.solve_cost());
+        let empty = || Factored { fields: Fields::default(), weight, dt, solve_cost };
         let kept = self.state.factored.get_or_insert_with(empty);
         if report.refactored {
             kept.fields.clone_from(fields);
             (kept.weight, kept.dt) = (weight, dt);
         }
-        kept.ledger = ledger;
+        kept.solve_cost = solve_cost;
     }
 
-    /// Computes the factor again that the state was computed with.
+    /// Computes the factor of the state again.
     pub(super) fn restore_factor(&mut self) -> Result<()> {
         let Some(kept) = self.state.factored.take() else { return Ok(()) };
         self.set_materials(&kept.fields);
@@ -56,7 +56,7 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))?;
         let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();
         self.carried.structures.iter().for_each(|s| s.terms(&mut terms));
-        let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.ledger);
+        let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.solve_cost);
         self.state.factored = Some(kept);
         made
     }

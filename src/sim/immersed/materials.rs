@@ -10,7 +10,7 @@ impl<const D: usize> Simulation<D> {
     pub(super) fn has_constant_materials(&self) -> bool {
         self.settings.has_constant_materials(&self.carried.structures)
     }
-    /// Viscosity of the thinnest fluid.
+    /// Smallest viscosity of all fluids.
     pub fn least_viscosity(&self) -> f64 {
         self.fluids().map(|f| f.viscosity).fold(f64::INFINITY, f64::min)
     }
@@ -80,8 +80,8 @@ impl<const D: usize> Simulation<D> {
     }
 }
 
-/// Density by (3.19) where level set `id` has the value `phi(id)`: each structure puts its fluid in
-/// place of what was there.
+/// Density by (3.19) where level set `id` has the value `phi(id)`: each structure replaces the
+/// density by that of its fluid.
 fn density_of(outside: Fluid, held: &[Held], phi: impl Fn(FieldId) -> f64) -> f64 {
     let mut rho = outside.density;
     for h in held {

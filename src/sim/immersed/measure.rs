@@ -43,10 +43,9 @@ impl<const D: usize> Simulation<D> {
         acting.map(|s| s.energy(&at, fine)).sum()
     }
 
-    /// Kinetic energy that the flow carries out through the boundary per time.
+    /// Rate of outflow of kinetic energy through the boundary.
     fn carried_out(&self) -> f64 {
-        // Nothing leaves through walls at rest, or through one periodic side but what comes in at
-        // the other.
+        // No outflow through walls at rest; periodic sides cancel.
         let numbering = self.flow.numbering();
         let closed = !numbering.is_open() && numbering.is_homogeneous();
         if closed || self.is_stokes() || !self.settings.convection {

@@ -1,4 +1,4 @@
-//! A flow with structures immersed in it.
+//! The immersed problem: a flow with structures.
 
 mod factor;
 mod materials;
@@ -9,9 +9,9 @@ mod scheme;
 mod settings;
 mod step;
 
-pub use settings::Settings;
+pub use settings::SimulationSettings;
 
-use super::budget::{Budget, Energies};
+use super::balance::{Energies, EnergyBalance};
 use super::carried::{Carried, largest};
 use super::clock::Pacing;
 use super::state::State;
@@ -26,22 +26,44 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A flow with structures, in progress.
+///
+/// # Examples
+/// ```
+/// use immersa::fem::Condition;
+/// use immersa::mesh::{Diagonals, Point, rectangle};
+/// use immersa::sim::{Fluid, Simulation, SimulationSettings};
+/// use std::sync::Arc;
+///
+/// // The velocity (y, 0) is a steady solution of the Navier-Stokes equations.
+/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::UnionJack)?);
+/// let shear = Condition::Velocity(Arc::new(|x, _| Point::<2>::new(x[1], 0.0)));
+/// let fluid = Fluid { density: 1.0, viscosity: 0.1 };
+/// let settings = SimulationSettings::new(0.05, fluid, vec![("walls".into(), shear)]);
+/// let mut sim = Simulation::new(&mesh, settings, vec![], |x| Point::<2>::new(x[1], 0.0))?;
+/// for _ in 0..3 {
+///     sim.step()?;
+/// }
+/// assert!((sim.time() - 0.15).abs() < 1e-15);
+/// assert!((sim.largest_speed() - 1.0).abs() < 1e-12);
+/// assert!((sim.state().energies.kinetic - 1.0 / 6.0).abs() < 1e-12);
+/// # Ok::<(), immersa::base::Error>(())
+/// ```
 pub struct Simulation<const D: usize> {
-    settings: Settings<D>,
+    settings: SimulationSettings<D>,
     carried: Carried<D>,
     flow: FlowSolver<D>,
     pacing: Option<Pacing>,
-    /// Velocity basis at the points of a finer rule, for energies; `None` where nothing acts.
+    /// Velocity basis at the points of a finer rule, for energies; `None` without forces.
     fine: Option<Basis<D>>,
     state: State<D>,
     feet: [Feet; 2],
-    wants_reactions: bool,
+    keeps_reactions: bool,
     reactions: Option<Vec<SVector<f64, D>>>,
     phases: Phases,
     work: Work<D>,
 }
 
-/// Buffers of a step, which a warmed-up step fills again.
+/// Buffers of a step, allocated once.
 #[derive(Default)]
 struct Work<const D: usize> {
     /// Velocity at the start of the step.
@@ -59,22 +81,22 @@ struct Work<const D: usize> {
 }
 
 /// Degree of the rule for energies of the band, in the plane and in space, where the rule has more
-/// points anyway: the weight is a cosine over a few cells.
+/// points: the weight is a cosine over a few cells.
 const ENERGY_DEGREE: [usize; 2] = [8, 6];
 
 impl<const D: usize> Simulation<D> {
-    /// A flow on `mesh` that starts from `initial` velocity (one vector at a position) with
-    /// `structures` in it.
+    /// A flow on `mesh` with the initial velocity `initial` (a function of position) and
+    /// `structures`.
     ///
-    /// Allocates no more than is needed: no mass matrix without projected transport, no feet without
+    /// Allocates only what is used: no mass matrix without projected transport, no feet without
     /// convection or structures.
     ///
     /// # Errors
     /// Boundary conditions that do not fit the mesh, a coupling that is not possible
-    /// ([`Settings::check_couplings`]), too little memory.
+    /// ([`SimulationSettings::check_couplings`]), too little memory.
     pub fn new(
         mesh: &Arc<Mesh<D>>,
-        settings: Settings<D>,
+        settings: SimulationSettings<D>,
         structures: Vec<Box<dyn Structure<D>>>,
         initial: impl Fn(&Point<D>) -> SVector<f64, D>,
     ) -> Result<Simulation<D>> {
@@ -85,14 +107,14 @@ impl<const D: usize> Simulation<D> {
         sim.set_materials_now();
         sim.prepare_now()?;
         sim.state.energies = sim.measure(0.0)?;
-        sim.state.budget = Budget::new(&sim.state.energies);
+        sim.state.balance = EnergyBalance::new(&sim.state.energies);
         Ok(sim)
     }
 
     /// A simulation with fluid at rest, whose fields are `kept` where these have them.
     fn build(
         mesh: &Arc<Mesh<D>>,
-        settings: Settings<D>,
+        settings: SimulationSettings<D>,
         structures: Vec<Box<dyn Structure<D>>>,
         kept: &Fields<D>,
     ) -> Result<Simulation<D>> {
@@ -102,9 +124,9 @@ impl<const D: usize> Simulation<D> {
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let (conditions, grad_div) = (&settings.conditions, settings.grad_div);
         let mut flow = FlowSolver::new(&space, &pressure, &rule, conditions, grad_div)?;
-        flow.solve_by(settings.solving);
+        flow.solve_by(settings.solver);
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
-        // A matrix that stays is factored once.
+        // A constant matrix is factored once.
         if implicit || !settings.has_constant_materials(&structures) {
             flow.iterate(settings.solve_tolerance);
         }
@@ -123,14 +145,14 @@ impl<const D: usize> Simulation<D> {
             fine,
             state,
             feet: Default::default(),
-            wants_reactions: false,
+            keeps_reactions: false,
             reactions: None,
             phases: Phases::default(),
             work: Work::default(),
         })
     }
 
-    /// Prepares the structures where they are, for the size of their forces.
+    /// Prepares the structures for the current fields, for the size of their forces.
     fn prepare_now(&mut self) -> Result<()> {
         let at = Place {
             space: &self.carried.space,
@@ -144,13 +166,13 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 
-    /// Sets up the matrix of the coming steps and analyses it, without factoring: its size can be
-    /// asked for then.
+    /// Assembles the matrix of the coming steps and analyses it without factoring, so that its size
+    /// is known.
     ///
     /// # Errors
     /// Too little memory.
     pub fn analyse(&mut self) -> Result<()> {
-        // The first step is one of backward Euler in either order.
+        // The first step is backward Euler for either order.
         let weight = if self.is_stokes() { 0.0 } else { 1.0 };
         self.flow.analyse(weight / self.settings.dt)
     }
@@ -176,10 +198,10 @@ impl<const D: usize> Simulation<D> {
             && structures.iter().all(|s| s.held().is_none_or(|h| h.surface_mass == 0.0))
     }
     /// The settings.
-    pub fn settings(&self) -> &Settings<D> {
+    pub fn settings(&self) -> &SimulationSettings<D> {
         &self.settings
     }
-    /// The structures with their transport.
+    /// The structures and their transport.
     pub fn carried(&self) -> &Carried<D> {
         &self.carried
     }
@@ -203,14 +225,14 @@ impl<const D: usize> Simulation<D> {
     pub fn level_set(&self, k: usize) -> Cow<'_, [f64]> {
         self.carried.level_set(&self.state.fields, k)
     }
-    /// The structures with their transport, for options such as
+    /// The structures and their transport, mutable, for options such as
     /// [`redistance_every`](Carried::redistance_every).
     pub fn carried_mut(&mut self) -> &mut Carried<D> {
         &mut self.carried
     }
-    /// Asks for [`reaction`](Self::reaction) after each step; costs one assembly a step.
+    /// Enables [`reaction`](Self::reaction) after each step; costs one assembly per step.
     pub fn keep_reactions(&mut self, keep: bool) {
-        self.wants_reactions = keep;
+        self.keeps_reactions = keep;
     }
     /// Largest speed at a node.
     pub fn largest_speed(&self) -> f64 {
@@ -224,15 +246,15 @@ impl<const D: usize> Simulation<D> {
     pub fn fluids(&self) -> impl Iterator<Item = Fluid> {
         self.settings.fluids(&self.carried.structures)
     }
-    /// Seconds of all processors by [phase](PHASES) since this was called last, and number of
-    /// substitutions with the factor of the flow.
+    /// Processor seconds by [phase](PHASES), and number of substitutions with the factor of the
+    /// flow, since the last call.
     pub fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         let (flow, substitutions) = self.flow.take_costs();
         let mine = self.phases.take();
         (std::array::from_fn(|k| mine[k] + flow[k]), substitutions)
     }
-    /// Bytes of all that grows with the mesh: factors, matrices, feet, fields and the mesh itself.
-    /// An estimate from the sizes.
+    /// Estimated bytes of storage that grows with the mesh: factors, matrices, feet, fields and
+    /// mesh.
     pub fn bytes(&self) -> usize {
         let word = size_of::<f64>();
         let points = self.flow.velocity().rule().len() * self.space().mesh().cell_count();
@@ -243,7 +265,7 @@ impl<const D: usize> Simulation<D> {
         let feet = if traced { 2 * 5 * word * points } else { 0 };
         self.factor_bytes() + matrices + feet + self.carried.field_bytes(10)
     }
-    /// Bytes of the factors that are held.
+    /// Bytes of the factors.
     pub fn factor_bytes(&self) -> usize {
         self.flow.factor_bytes() + self.carried.factor_bytes()
     }

@@ -1,4 +1,4 @@
-//! Steps that follow the error.
+//! Adaptive time steps: error estimate, acceptance and rejection.
 
 use super::Simulation;
 use crate::base::{Cause, Error, Kind, Result};
@@ -9,18 +9,20 @@ use crate::sim::clock::{Clock, Pacing};
 use crate::sim::{Pace, State};
 use nalgebra::SVector;
 
-/// Part of the explicit limit (1.54) that a step may have.
+/// Largest ratio of a step to the explicit limit (1.54).
 const OF_THE_LIMIT: f64 = 0.9;
-/// Part of the tolerance that the start, made once and of order 1, may use up.
+/// Fraction of the tolerance for the first two steps, the start of order 1.
 const START: f64 = 0.1;
 
 impl<const D: usize> Simulation<D> {
-    /// Lets the steps follow the error from time 0 on; [`step`](Self::step) then tries until one is accepted.
+    /// Makes the steps adaptive from time 0 on; [`step`](Self::step) then repeats until a step is
+    /// accepted.
     ///
-    /// The error of a step is the larger of two: that of the velocity, by comparing BDF2 with the extrapolation of the last three
-    /// velocities, both of whose errors are known multiples of `u''' dt^3` (Milne's device), over a speed; and that of positions, `u'' dt^3/12`
-    /// for the mean velocity of the step, over a length. Both are the largest at any node. The first two steps, one of backward Euler
-    /// and one of BDF2, are judged together.
+    /// The error of a step is the larger of two: that of the velocity, by comparing BDF2 with the
+    /// extrapolation of the last three velocities, both of whose errors are known multiples of
+    /// `u''' dt^3` (Milne's device), over a speed; and that of positions, `u'' dt^3/12` for the
+    /// mean velocity of the step, over a length. Both are the largest at any node. The first two
+    /// steps, one of backward Euler and one of BDF2, are judged together.
     ///
     /// # Errors
     /// A scheme of order 1, or a velocity that is prescribed.
@@ -36,7 +38,7 @@ impl<const D: usize> Simulation<D> {
         self.pacing = Some(pacing);
         Ok(())
     }
-    /// Prepares the solver for steps of changing length.
+    /// Prepares the solver for steps of variable length.
     pub(super) fn follow_error(&mut self) {
         self.flow.iterate(self.settings.solve_tolerance);
         self.flow.expect_changes();
@@ -45,12 +47,13 @@ impl<const D: usize> Simulation<D> {
     pub fn is_done(&self) -> bool {
         self.pacing.as_ref().zip(self.state.pace.as_ref()).is_some_and(|(p, pace)| pace.clock.is_done(p))
     }
-    /// True if the time is one of the instants that steps must end at.
+    /// True if the time is one of the instants.
     pub fn is_at_instant(&self) -> bool {
         self.state.pace.as_ref().is_none_or(|pace| pace.clock.part == 0)
     }
 
-    /// The largest step that the explicit coupling bears now: (1.54) with the greatest tension and the shortest edge of the bands.
+    /// The largest stable step of the explicit coupling: (1.54) with the largest tension and the
+    /// shortest edge of the bands.
     fn explicit_limit(&mut self) -> Result<f64> {
         let explicit = |s: &dyn crate::structure::Structure<D>| s.acts() && s.coupling().is_explicit();
         if !self.carried.structures.iter().any(|s| explicit(&**s)) {
@@ -67,7 +70,7 @@ impl<const D: usize> Simulation<D> {
         Ok(OF_THE_LIMIT * limit)
     }
 
-    /// One step that the error allows; steps that it does not allow leave no trace but their count.
+    /// One accepted step; rejected steps change nothing but their count.
     pub(super) fn paced_step(&mut self, pacing: &Pacing) -> Result<StepReport> {
         let limit = self.explicit_limit()?;
         let mut failure = None;
@@ -91,15 +94,15 @@ impl<const D: usize> Simulation<D> {
                 }
                 Ok((_, error)) => error,
                 Err(e) if e.kind() == Kind::Computation => {
-                    // Whatever the factor is now, it is not what the state says.
-                    self.flow.forget_factor();
+                    // The factor no longer belongs to the state.
+                    self.flow.invalidate_factor();
                     self.state.factored = None;
                     failure = Some(e);
                     f64::INFINITY
                 }
                 Err(e) => return Err(e),
             };
-            // The factor is that of the attempt, and stays.
+            // The factor of the attempt is kept.
             let factored = self.state.factored.take();
             self.state = State { factored, ..before };
             if let Some(pace) = &mut self.state.pace {
@@ -109,7 +112,7 @@ impl<const D: usize> Simulation<D> {
         }
     }
 
-    /// Makes a step `dt` (at the start two) and returns its error over the one that is allowed.
+    /// Takes a step `dt` (at the start two) and returns its error relative to the tolerance.
     fn try_step(&mut self, pacing: &Pacing, dt: f64, before: &State<D>) -> Result<(StepReport, f64)> {
         self.settings.dt = dt;
         let end = pacing.instants.last().copied().unwrap_or(dt);

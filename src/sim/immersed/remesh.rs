@@ -1,4 +1,4 @@
-//! Going on with a simulation on another mesh of the same domain.
+//! Continuation of a simulation on another mesh of the same domain.
 
 use super::Simulation;
 use crate::base::Result;
@@ -10,14 +10,15 @@ use crate::sim::{Pace, State};
 use std::sync::Arc;
 
 impl Simulation<2> {
-    /// This simulation, at the same time, on `mesh`, another mesh of the same domain with the same
+    /// This simulation at the same time on `mesh`, another mesh of the same domain with the same
     /// names.
     ///
     /// Matrices, orderings and factors are those of the new mesh. The change of kinetic and elastic
-    /// energy by the transfer is added to [`Budget::transferred`](crate::sim::Budget::transferred) and
-    /// stays in the residual of the energy identity. The velocity is not made free of discrete
-    /// divergence on the new mesh: old velocities enter the next step through its right-hand side
-    /// alone, and the step itself solves for a velocity that is.
+    /// energy by the transfer is added to
+    /// [`EnergyBalance::transferred`](crate::sim::EnergyBalance::transferred) and stays in the residual
+    /// of the energy balance. The velocity is not projected to discretely divergence-free functions
+    /// on the new mesh: old velocities enter the next step through its right-hand side only, and
+    /// the step computes a divergence-free velocity.
     ///
     /// # Errors
     /// Those of [`Simulation::new`]; a mesh that does not cover the domain.
@@ -44,20 +45,20 @@ impl Simulation<2> {
             fields: sim.state.fields,
             factored: None,
             energies: old.energies,
-            budget: old.budget,
+            balance: old.balance,
         };
         sim.pacing.clone_from(&self.pacing);
         sim.carried.redistancing = self.carried.redistancing;
         if sim.pacing.is_some() {
             sim.flow.expect_changes();
         }
-        sim.wants_reactions = self.wants_reactions;
+        sim.keeps_reactions = self.keeps_reactions;
         sim.recount_energies()?;
         Ok(sim)
     }
 
-    /// Measures the energies of the current state and counts their change since the last measurement
-    /// as transferred.
+    /// Computes the energies of the current state and adds their change since the last step to the
+    /// transferred energy.
     fn recount_energies(&mut self) -> Result<()> {
         let time = self.time();
         self.flow.impose(time, &mut self.state.flow.u);
@@ -65,7 +66,7 @@ impl Simulation<2> {
         self.prepare_now()?;
         let before = self.state.energies;
         let now = super::Energies { power: before.power, ..self.measure(0.0)? };
-        self.state.budget.transferred += now.total() - before.total();
+        self.state.balance.transferred += now.total() - before.total();
         self.state.energies = now;
         Ok(())
     }

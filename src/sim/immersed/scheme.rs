@@ -1,9 +1,9 @@
-//! Coefficients of a step in time.
+//! Coefficients of the time discretisation.
 
 use super::Simulation;
 use nalgebra::SVector;
 
-/// A step of backward Euler (order 1) or of BDF2 with the last step as long or not.
+/// A step of backward Euler (order 1) or of BDF2 with variable steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scheme {
     /// True for BDF2.
@@ -16,12 +16,13 @@ pub(super) struct Scheme {
     pub ratio: f64,
     /// True if the flow has inertia.
     pub inertia: bool,
-    /// True if it convects itself.
+    /// True if convection is included.
     pub convection: bool,
 }
 
 impl Scheme {
-    /// Coefficient of the new velocity in the discrete time derivative, times the step; 0 for Stokes.
+    /// Coefficient of the new velocity in the discrete time derivative, times the step; 0 for
+    /// Stokes.
     pub fn weight(&self) -> f64 {
         match (self.inertia, self.second) {
             (false, _) => 0.0,

@@ -2,37 +2,36 @@
 
 use crate::fem::{Conditions, Element};
 use crate::flow::{BodyForce, Fluid};
-use crate::linalg::Solving;
+use crate::linalg::SolverOptions;
 use crate::sim::carried::Transport;
 use crate::structure::Structure;
 use nalgebra::SVector;
 use std::sync::Arc;
 
-/// Settings of a flow with structures, beside those of the structures themselves.
+/// Settings of a flow with structures; those of the structures belong to the structures.
 #[derive(Clone)]
-pub struct Settings<const D: usize> {
+pub struct SimulationSettings<const D: usize> {
     /// Time step.
     pub dt: f64,
     /// Order in time, 1 or 2.
     pub order: usize,
     /// Transport of fields.
     pub transport: Transport,
-    /// True if the flow convects itself.
+    /// True if convection is included.
     pub convection: bool,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: f64,
-    /// Relative residual at which iterations with an old factor stop, where the matrix changes from
-    /// step to step; 0 factors each.
+    /// Relative residual of iterations with an old factor, if the matrix changes from step to step;
+    /// 0 factors every matrix.
     pub solve_tolerance: f64,
     /// Solver of the linear systems of the flow, and its memory.
-    pub solving: Solving,
+    pub solver: SolverOptions,
     /// Degree of the quadrature rule.
     pub quadrature: usize,
-    /// The fluid outside of all structures; those inside are told by
-    /// [`held`](Structure::held).
+    /// The fluid outside all structures; the fluids inside are those of [`held`](Structure::held).
     pub fluid: Fluid,
-    /// True in the Boussinesq form (book, section 1.4.2): densities differ in gravity alone, inertia
-    /// is that of [`fluid`](Self::fluid) everywhere.
+    /// True for the Boussinesq form (book, section 1.4.2): densities differ in gravity only; the
+    /// inertia is that of [`fluid`](Self::fluid) everywhere.
     pub boussinesq: bool,
     /// Element of the pressure: P1, or in the plane P1 + P0.
     pub pressure: Element,
@@ -44,18 +43,18 @@ pub struct Settings<const D: usize> {
     pub body_force: Option<Arc<BodyForce<D>>>,
 }
 
-impl<const D: usize> Settings<D> {
-    /// A flow of `fluid` under `conditions` in steps of length `dt`, of order 2, with convection where
-    /// there is inertia, without grad-div and forces.
-    pub fn new(dt: f64, fluid: Fluid, conditions: Conditions<D>) -> Settings<D> {
-        Settings {
+impl<const D: usize> SimulationSettings<D> {
+    /// A flow of `fluid` under `conditions` in steps of length `dt`, of order 2, with convection
+    /// where there is inertia, without grad-div and forces.
+    pub fn new(dt: f64, fluid: Fluid, conditions: Conditions<D>) -> SimulationSettings<D> {
+        SimulationSettings {
             dt,
             order: 2,
             transport: Transport::default(),
             convection: fluid.density > 0.0,
             grad_div: 0.0,
             solve_tolerance: 1e-10,
-            solving: Solving::default(),
+            solver: SolverOptions::default(),
             quadrature: 5,
             fluid,
             boussinesq: false,
@@ -77,23 +76,23 @@ impl<const D: usize> Settings<D> {
     pub(super) fn lightest(&self, structures: &[Box<dyn Structure<D>>]) -> f64 {
         self.fluids(structures).map(|f| f.density).fold(f64::INFINITY, f64::min)
     }
-    /// True if the density of inertia is the same everywhere at any time.
+    /// True if the density of inertia is constant in space and time.
     pub(super) fn has_constant_inertia(&self, structures: &[Box<dyn Structure<D>>]) -> bool {
         structures.iter().all(|s| s.held().is_none_or(|h| h.surface_mass == 0.0))
             && (self.boussinesq || self.fluids(structures).all(|f| f.density == self.fluid.density))
     }
-    /// True if the viscosity is the same everywhere at any time.
+    /// True if the viscosity is constant in space and time.
     pub(super) fn has_constant_viscosity(&self, structures: &[Box<dyn Structure<D>>]) -> bool {
         self.fluids(structures).all(|f| f.viscosity == self.fluid.viscosity)
     }
-    /// True if inertia and viscosity are the same everywhere at any time.
+    /// True if the density of inertia and the viscosity are constant in space and time.
     pub(super) fn has_constant_materials(&self, structures: &[Box<dyn Structure<D>>]) -> bool {
         self.has_constant_inertia(structures) && self.has_constant_viscosity(structures)
     }
     /// Checks the couplings of the structures.
     ///
     /// # Errors
-    /// One that is not possible with these settings.
+    /// A coupling that is not possible with these settings.
     pub fn check_couplings(&self, structures: &[Box<dyn Structure<D>>]) -> crate::base::Result<()> {
         let lightest = self.lightest(structures);
         structures.iter().filter(|s| s.acts()).try_for_each(|s| s.check_coupling(self.order, lightest))

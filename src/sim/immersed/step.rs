@@ -10,16 +10,16 @@ use crate::flow::{History, Step, StepReport};
 use crate::structure::{Coupling, Place, Velocity};
 
 impl<const D: usize> Simulation<D> {
-    /// Takes one step: predicts the structures, solves the flow with the forces that they exert, and
-    /// moves the structures with the new velocity.
+    /// Takes one step: predicts the structures, solves the flow with their forces, and transports
+    /// the structures with the new velocity.
     ///
     /// Order 1 is the book's scheme (section 3.6.1): forces of the fields at `t^n`, backward Euler
     /// along the characteristics of `u^n`, transport by `u^{n+1}`; an implicit force is linearised
-    /// in `u^{n+1}`. Order 2 takes forces of the fields carried by `u^n`, linearised in
+    /// in `u^{n+1}`. Order 2 takes forces of the fields transported by `u^n`, linearised in
     /// `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All
-    /// three are of second order, and the scheme is stable for any step when the stiffness in the
+    /// three are of second order, and the scheme is stable for any step if the stiffness in the
     /// matrix is at least half the true one; with the extrapolated velocity in place of `u^n` it is
-    /// not (book, "The time step").
+    /// not (user guide, "Coupling").
     ///
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
@@ -30,7 +30,7 @@ impl<const D: usize> Simulation<D> {
         result
     }
 
-    /// A step of the length that is set.
+    /// A step of the given length.
     pub(super) fn single_step(&mut self) -> Result<StepReport> {
         let mut work = std::mem::take(&mut self.work);
         let result = self.flow_step(&mut work);
@@ -42,13 +42,13 @@ impl<const D: usize> Simulation<D> {
         let scheme = self.scheme();
         work.current.clone_from(&self.state.flow.u);
         self.phases.begin();
-        // Where the structures will be.
+        // Predicted structures.
         self.predict(&scheme, work)?;
         self.phases.end(Phase::Transport);
-        // Where the fluid comes from.
+        // Feet of the characteristics.
         self.trace(&scheme, work);
         self.phases.end(Phase::Feet);
-        // Materials and forces there.
+        // Materials and forces.
         self.set_materials(&work.ahead);
         self.phases.end(Phase::Assembly);
         self.prepare(&scheme, work)?;
@@ -58,7 +58,7 @@ impl<const D: usize> Simulation<D> {
         self.carried.check_speed(&work.next.u, scheme.dt, scheme.time)?;
         self.note_factor(&report, scheme.weight(), &work.ahead);
         self.phases.end(Phase::Diagnostics);
-        // The structures follow, and the fluids with them.
+        // Transport of structures, and materials.
         self.follow(&scheme, work)?;
         self.phases.end(Phase::Transport);
         std::mem::swap(&mut self.state.flow, &mut work.next);
@@ -72,14 +72,14 @@ impl<const D: usize> Simulation<D> {
         self.phases.end(Phase::Assembly);
         // Energies and their balance (3.23).
         let now = self.measure(wall_power)?;
-        self.state.budget.advance(&self.state.energies, &now, scheme.dt, scheme.order());
+        self.state.balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
     }
 
-    /// Fields for which forces are taken: those at the start (order 1), or carried by the velocity
-    /// there (order 2).
+    /// Fields at which forces are taken: those at the start (order 1), or transported by the
+    /// velocity there (order 2).
     fn predict(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<()> {
         let Work { current, ahead, drifted, .. } = work;
         let velocity = Velocity::Computed { ends: [current, current], mean: current };
@@ -97,7 +97,7 @@ impl<const D: usize> Simulation<D> {
         Ok(())
     }
 
-    /// Feet of the characteristics that earlier velocities are followed along.
+    /// Feet of the characteristics of earlier velocities.
     fn trace(&mut self, scheme: &Scheme, Work { current, mean, .. }: &mut Work<D>) {
         let (tracer, basis) = (&self.carried.carrier.tracer, self.flow.velocity());
         let (dt, ratio, earlier) = (scheme.dt, scheme.ratio, &self.state.earlier_u);
@@ -129,7 +129,7 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 
-    /// Solves for velocity and pressure. Returns the power of the walls too.
+    /// Solves for velocity and pressure. Also returns the power of the walls.
     fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, f64)> {
         let Work { current, next, .. } = work;
         let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
@@ -155,17 +155,17 @@ impl<const D: usize> Simulation<D> {
             gravity: self.settings.gravity,
         };
         let flow = &mut self.flow;
-        // The solver must be known, in a resumed run too.
+        // The solver must be chosen first, also in a resumed run.
         flow.analyse(step.weight / scheme.dt)?;
         super::factor::extrapolate(&self.state, flow, scheme.ratio, next);
         let report = flow.step(&step, next)?;
         self.phases.begin();
         let wall_power = flow.wall_power(&step, next);
-        self.reactions = self.wants_reactions.then(|| flow.reaction(&step, next, Cells::All));
+        self.reactions = self.keeps_reactions.then(|| flow.reaction(&step, next, Cells::All));
         Ok((report, wall_power))
     }
 
-    /// Carries all fields over the step.
+    /// Transports all fields over the step.
     fn follow(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<()> {
         if self.state.fields.is_empty() {
             return Ok(());

@@ -1,6 +1,6 @@
-//! The energy identity (3.23) as a running residual.
+//! The energy balance (3.23) and its residual.
 
-/// Energies at one time, and the rates at which they change.
+/// Energies at one time, and their rates of change.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
     /// `int rho |u|^2 / 2`.
@@ -9,7 +9,7 @@ pub struct Energies {
     pub elastic: f64,
     /// Viscous dissipation rate `int 2 mu |D(u)|^2`, and that of the slip of sharp membranes.
     pub dissipation: f64,
-    /// Rate taken by the grad-div term.
+    /// Dissipation rate of the grad-div term.
     pub grad_div: f64,
     /// Power of walls, gravity and body forces.
     pub power: f64,
@@ -24,35 +24,36 @@ impl Energies {
     }
 }
 
-/// What (3.23) compares: `E(t) + int dissipation - int power = E(0)`.
+/// Terms of the energy balance (3.23): `E(t) + int dissipation - int power = E(0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Budget {
-    /// Kinetic and elastic energy at the start.
+pub struct EnergyBalance {
+    /// Kinetic and elastic energy at time 0.
     pub initial: f64,
-    /// What viscosity and grad-div have taken since.
+    /// Energy dissipated by viscosity and grad-div.
     pub dissipated: f64,
-    /// What walls and body forces have put in since.
+    /// Work of walls and body forces on the flow.
     pub work: f64,
-    /// What walls and body forces have exchanged since, without sign.
+    /// Total absolute work of walls and body forces.
     pub exchanged: f64,
-    /// What bringing the fields to new meshes has added since; not taken out of the residual.
+    /// Energy added by transfers to new meshes; not subtracted from the residual.
     pub transferred: f64,
 }
 
-impl Budget {
-    /// A budget that starts with `e`.
-    pub fn new(e: &Energies) -> Budget {
-        Budget { initial: e.total(), ..Budget::default() }
+impl EnergyBalance {
+    /// A balance that starts with `e`.
+    pub fn new(e: &Energies) -> EnergyBalance {
+        EnergyBalance { initial: e.total(), ..EnergyBalance::default() }
     }
-    /// Adds a step of length `dt` from `old` to `new`. The rates are taken at the new time (`order` 1, as backward Euler does) or as the mean (order 2).
+    /// Adds a step of length `dt` from `old` to `new`. Rates are taken at the new time (`order` 1,
+    /// as in backward Euler) or as the mean (order 2).
     pub fn advance(&mut self, old: &Energies, new: &Energies, dt: f64, order: usize) {
         let mean = |f: fn(&Energies) -> f64| if order == 1 { f(new) } else { 0.5 * (f(old) + f(new)) };
         self.dissipated += dt * mean(|e| e.dissipation + e.grad_div);
         self.work += dt * mean(|e| e.power);
         self.exchanged += dt * mean(|e| e.power.abs());
     }
-    /// Energy that came from nowhere since the start, over the energy in play (the initial one and the work exchanged); negative
-    /// when the scheme itself dissipates.
+    /// Spurious energy since time 0 over the reference energy (the initial energy and the absolute
+    /// work); negative if the scheme is dissipative.
     pub fn residual(&self, now: &Energies) -> f64 {
         let scale = self.initial.abs() + self.exchanged;
         let created = now.total() + self.dissipated - self.work - self.initial;
@@ -64,18 +65,19 @@ impl Budget {
 mod tests {
     use super::*;
 
-    /// An oscillator that loses exactly what it dissipates has no residual, and one that is fed has one.
+    /// The residual of an oscillator is zero if it loses exactly what it dissipates, and positive
+    /// if energy is added.
     #[test]
-    fn the_residual_counts_what_came_from_nowhere() {
+    fn the_residual_measures_spurious_energy() {
         let at = |t: f64| Energies { kinetic: (-t).exp(), dissipation: (-t).exp(), ..Energies::default() };
-        let mut budget = Budget::new(&at(0.0));
+        let mut balance = EnergyBalance::new(&at(0.0));
         let dt = 1e-3;
         for k in 1..=1000 {
-            budget.advance(&at((k - 1) as f64 * dt), &at(k as f64 * dt), dt, 2);
+            balance.advance(&at((k - 1) as f64 * dt), &at(k as f64 * dt), dt, 2);
         }
-        assert!(budget.residual(&at(1.0)).abs() < 1e-7);
+        assert!(balance.residual(&at(1.0)).abs() < 1e-7);
         let fed = Energies { elastic: 0.1, ..at(1.0) };
-        assert!((budget.residual(&fed) - 0.1).abs() < 1e-7);
+        assert!((balance.residual(&fed) - 0.1).abs() < 1e-7);
     }
 
     /// Rates that change linearly in time are integrated exactly by their mean, and by the new ones to first order.
@@ -84,7 +86,7 @@ mod tests {
         let old = Energies { dissipation: 1.0, grad_div: 2.0, power: -4.0, ..Energies::default() };
         let new = Energies { dissipation: 3.0, grad_div: 6.0, power: 8.0, ..Energies::default() };
         let after = |order| {
-            let mut budget = Budget::new(&old);
+            let mut budget = EnergyBalance::new(&old);
             budget.advance(&old, &new, 0.5, order);
             [budget.dissipated, budget.work, budget.exchanged]
         };
@@ -96,8 +98,8 @@ mod tests {
     #[test]
     fn the_residual_is_relative_to_the_energy_in_play() {
         let now = Energies { kinetic: 1.0, elastic: 4.0, ..Energies::default() };
-        let budget = Budget { initial: 3.0, dissipated: 1.0, work: 2.0, exchanged: 5.0, transferred: 0.0 };
+        let budget = EnergyBalance { initial: 3.0, dissipated: 1.0, work: 2.0, exchanged: 5.0, transferred: 0.0 };
         assert_eq!(budget.residual(&now), 0.125);
-        assert_eq!(Budget::default().residual(&now), 0.0);
+        assert_eq!(EnergyBalance::default().residual(&now), 0.0);
     }
 }
