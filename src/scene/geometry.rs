@@ -1,5 +1,6 @@
 //! Columns and fields of the geometry of interfaces: delta functions, curvatures, curves.
 
+use super::keys::Named;
 use super::row::Row;
 use super::schema::{Curve, DeltaName};
 use super::site::BAND;
@@ -104,7 +105,7 @@ const CURVE_COLUMNS: [&str; 6] =
 ///
 /// # Errors
 /// A level set that is not finite.
-pub(super) fn measure_curve<const D: usize>(view: &View<'_, D>, curve: &Curve, row: &mut Row) -> Result<()> {
+pub(super) fn measure_curve<const D: usize>(view: &View<'_, D>, curve: &Named<Curve>, row: &mut Row) -> Result<()> {
     let structures = view.carried.structures();
     let number = |name: &String| structures.iter().position(|s| s.name() == name).unwrap_or(0);
     let [a, b] = [0, 1].map(|i| view.level_set(number(&curve.of[i])));

@@ -3,7 +3,7 @@
 use super::Scene;
 use super::adapt::Lengths;
 use super::meshing::cells;
-use super::schema::{Adapt, Condition, MeshSource};
+use super::schema::{Adapt, BallInBox, Block, Condition, MeshSource, Rectangle};
 use super::script::Script;
 use super::view::View;
 use crate::mesh::{Point, Quality};
@@ -56,10 +56,10 @@ fn source<const D: usize>(script: &Script) -> String {
             let (cell, parts) = if D == 2 { ("triangle", 4usize) } else { ("tetrahedron", 8) };
             format!("{}, every {cell} cut into {}", path.display(), parts.saturating_pow(*refine as u32))
         }
-        MeshSource::Rectangle { cells, .. } => format!("rectangle of {} x {} squares", cells[0], cells[1]),
-        MeshSource::Disc { cells, .. } => format!("disc with {cells} cells along a radius"),
-        MeshSource::Box { cells: [x, y, z], .. } => format!("box of {x} x {y} x {z} boxes"),
-        MeshSource::BallInBox { cells: [x, y, z], edge, .. } => {
+        MeshSource::Rectangle(Rectangle { cells, .. }) => format!("rectangle of {} x {} squares", cells[0], cells[1]),
+        MeshSource::Disc(disc) => format!("disc with {} cells along a radius", disc.cells),
+        MeshSource::Box(Block { cells: [x, y, z], .. }) => format!("box of {x} x {y} x {z} boxes"),
+        MeshSource::BallInBox(BallInBox { cells: [x, y, z], edge, .. }) => {
             format!("box of {x} x {y} x {z} boxes, cut to edges of {edge} about a sphere")
         }
     }

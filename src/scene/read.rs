@@ -1,8 +1,8 @@
 //! Reading and writing a scene: its tables, its structures, and what they must agree on.
 
-use super::keys::{Context, Item, Keys, Table, Writer, distinct};
+use super::keys::{Context, Item, Keys, Table, Tabled, Writer, distinct};
 use super::schema::{
-    Adapt, Exact, Fluid, Image, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion, Numerics, Output, Tables, Time,
+    Adapt, Exact, Fluid, Given, Image, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion, Numerics, Output, Tables, Time,
     check_image, constants, read_boundaries,
 };
 use super::structures::{KINDS, StructureKind, Traits};
@@ -43,25 +43,27 @@ pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<(Tables, St
 fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> Result<(Tables, Structures)> {
     let scene = root.table(&KEYS)?;
     let constants = scene.optional("constants", constants)?.unwrap_or_default();
-    let (image, mesh) = read_mesh(&scene, folder, &constants, dimension)?;
-    let adapt = read_adapt(&scene, mesh.dimension())?;
-    let context = Context { dimension: mesh.dimension(), constants };
-    let numerics = Numerics::read(scene.get("numerics"))?;
+    let context = Context { dimension: 2, constants, folder: folder.to_path_buf() };
+    let (image, mesh) = read_mesh(&scene, &context, dimension)?;
+    let context = Context { dimension: mesh.dimension(), ..context };
+    let adapt = read_adapt(&scene, &context)?;
+    let numerics = Numerics::read_inner(&scene, "numerics", &context)?;
     let structures = read_structures(&scene, &numerics, &context)?;
     let traits: Vec<Traits> = structures.iter().map(|s| s.traits()).collect();
     let fluid = match &image {
         Some(_) => Fluid::none(context.dimension),
         None => {
-            let read = |i: &Item| Fluid::read(i, &own_fluids(&structures), &context);
+            let read = |i: &Item| Fluid::read_among(i, &own_fluids(&structures), &context);
             scene.required("fluid", "write [fluid] with viscosity = 0.01", read)?
         }
     };
-    let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", Time::read)?;
+    let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", |i| Time::read(i, &context))?;
     check(&scene, (&mesh, &fluid, image.is_some()), (&numerics, &time, adapt.as_ref()), &structures)?;
     let names: Vec<&str> = structures.iter().map(|s| s.name()).collect();
     let motion = Motion::of(&fluid, image.is_some());
-    let sheared = traits.iter().any(|t| t.resists_shear);
-    let output = Output::read(scene.get("output"), &time, &names, motion, sheared, &context)?;
+    let has_map = traits.iter().any(|t| t.resists_shear);
+    let given = Given { time: &time, interfaces: &names, motion, has_map, context: &context };
+    let output = Output::read_given(&scene, given)?;
     let text = |i: &Item| i.text().map(str::to_string);
     let tables = Tables {
         title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
@@ -69,7 +71,7 @@ fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> 
         boundaries: read_boundaries(scene.get("boundary"), fluid.is_prescribed(), &context)?,
         numerics,
         output,
-        exact: scene.optional("exact", |i| Exact::read(i, &context))?.unwrap_or_default(),
+        exact: Exact::read_inner(&scene, "exact", &context)?,
         constants: context.constants,
         mesh,
         adapt,
@@ -81,18 +83,13 @@ fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> 
 }
 
 /// The image, if there is one, and the mesh.
-fn read_mesh(
-    scene: &Table<'_>,
-    folder: &Path,
-    constants: &std::collections::BTreeMap<String, f64>,
-    dimension: Option<usize>,
-) -> Result<(Option<Image>, MeshSource)> {
+fn read_mesh(scene: &Table<'_>, context: &Context, dimension: Option<usize>) -> Result<(Option<Image>, MeshSource)> {
     let item = scene.get("image");
-    let image = item.as_ref().map(|i| Image::read(i, folder)).transpose()?;
+    let image = item.as_ref().map(|i| Image::read(i, context)).transpose()?;
     let remedy = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
     let mesh = match (&item, &image) {
         (Some(item), Some(image)) if scene.get("mesh").is_none() => image.mesh(item)?,
-        _ => scene.required("mesh", remedy, |i| MeshSource::read(i, folder, constants, dimension))?,
+        _ => scene.required("mesh", remedy, |i| MeshSource::read(i, context, dimension))?,
     };
     if let Some(item) = &item {
         check_image(scene, item, mesh.dimension())?;
@@ -104,14 +101,14 @@ fn adapt_item<'a>(scene: &Table<'a>) -> Result<Option<Item<'a>>> {
     Ok(scene.get("mesh").map(|i| i.open_table()).transpose()?.and_then(|t| t.get("adapt")))
 }
 
-fn read_adapt(scene: &Table<'_>, dimension: usize) -> Result<Option<Adapt>> {
+fn read_adapt(scene: &Table<'_>, context: &Context) -> Result<Option<Adapt>> {
     let item = adapt_item(scene)?;
-    if let (Some(item), 3) = (&item, dimension) {
+    if let (Some(item), 3) = (&item, context.dimension) {
         return Err(item
             .key_error("meshes of tetrahedra are not adapted")
             .remedy("leave mesh.adapt out, and make the mesh fine where the interface passes"));
     }
-    item.as_ref().map(Adapt::read).transpose()
+    item.as_ref().map(|i| Adapt::read(i, context)).transpose()
 }
 
 /// All structures, each with a name of its own.
@@ -203,7 +200,7 @@ fn check_elements(
         }
     }
     match table.get("pressure").filter(|_| numerics.pressure == Element::P1P0) {
-        Some(item) if numerics.solving.kind == Some(SolverKind::Schur) => Err(item
+        Some(item) if numerics.solver == Some(SolverKind::Schur) => Err(item
             .key_error("the Schur route has no operator for a pressure that holds the constants twice")
             .remedy("take solver = \"auto\", or pressure = \"P1\"")),
         Some(item) if dimension == 3 => Err(item

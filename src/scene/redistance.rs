@@ -7,14 +7,14 @@ use crate::sim::Carried;
 /// Redistances the level sets as the scene asks for.
 pub(super) fn redistance<const D: usize>(script: &Script, carried: &mut Carried<D>) {
     if let Some(r) = script.numerics.redistance {
-        carried.redistance_every(r.every, Redistancing { method: r.method, volume: r.volume });
+        carried.redistance_every(r.every, Redistancing { method: r.scheme(), volume: r.volume });
     }
 }
 
 /// The redistancing in words, for the plan.
 pub(super) fn in_words(scene: &Script) -> Option<String> {
     let r = scene.numerics.redistance?;
-    let method = match r.method {
+    let method = match r.scheme() {
         Redistance::HamiltonJacobi { iterations } => {
             format!(
                 "{iterations} pseudo-time steps of (1.35), straight up to about {iterations} half edges from the interface"

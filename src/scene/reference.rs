@@ -80,7 +80,14 @@ impl Section {
 fn entry(key: &Key) -> String {
     let kind = match key.kind {
         Kind::Value(what) => what.to_string(),
-        Kind::Choice(words) => words.iter().map(|w| format!("`\"{w}\"`")).collect::<Vec<_>>().join(", "),
+        Kind::OrFalse(what) => format!("{what} or false"),
+        Kind::Numbers(n) => format!("{} numbers", in_words(n)),
+        Kind::Lengths(n) => format!("{} numbers > 0", in_words(n)),
+        Kind::Count([least, most]) if most == least + 1 => format!("{least} or {most}"),
+        Kind::Count([least, most]) => format!("whole number from {least} to {most}"),
+        Kind::Counts(n, [least, most]) => format!("{} whole numbers from {least} to {most}", in_words(n)),
+        Kind::Choice(words) => quoted(words, "`"),
+        Kind::Set(words) => format!("list of {}", quoted(words, "")),
         Kind::Table(_) => "table".to_string(),
         Kind::List(_) => "list of tables".to_string(),
         Kind::Named(_) => "tables with names".to_string(),
@@ -97,6 +104,19 @@ fn entry(key: &Key) -> String {
         Absent::Optional => ", optional".to_string(),
     };
     format!("\n`{}`: {kind}{auto}{unit}{absent}\n: {}\n", key.name, key.doc)
+}
+
+/// Words in quotes, each between two marks.
+fn quoted(words: &[&str], mark: &str) -> String {
+    words.iter().map(|w| format!("{mark}\"{w}\"{mark}")).collect::<Vec<_>>().join(", ")
+}
+
+fn in_words(n: usize) -> String {
+    match n {
+        2 => "two".to_string(),
+        3 => "three".to_string(),
+        n => n.to_string(),
+    }
 }
 
 fn expressions() -> String {

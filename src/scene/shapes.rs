@@ -1,5 +1,6 @@
 //! Shapes of a scene as signed distances.
 
+use super::keys::Tabled;
 use super::points::{coordinates, point};
 use super::schema::Shape;
 use crate::base::{Error, Result, same};
@@ -25,18 +26,16 @@ pub(super) fn shape<const D: usize>(shape: &Shape, domain: (Point<D>, Point<D>))
 /// The error for a shape that belongs to another number of dimensions.
 fn other_dimension(shape: &Shape, dimension: usize) -> Error {
     let what = format!("the shape does not belong into {dimension} dimensions");
-    Error::scene(what).value(shape.write())
+    Error::scene(what).value(shape.inline())
 }
 
 /// A shape of the plane.
 fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
     Ok(match shape {
-        Shape::Circle { centre, radius } => Box::new(Circle::new(point(centre), *radius)?),
-        Shape::Ellipse { centre, semi_axes, angle } => Box::new(Ellipse::new(point(centre), point(semi_axes), *angle)?),
-        Shape::RoundedBox { centre, half_size, radius, angle } => {
-            Box::new(RoundedBox::new(point(centre), point(half_size), *radius, *angle)?)
-        }
-        Shape::Polygon(points) => Box::new(Polygon::new(points.iter().map(|p| point(p)).collect())?),
+        Shape::Circle(s) => Box::new(Circle::new(point(&s.centre), s.radius)?),
+        Shape::Ellipse(s) => Box::new(Ellipse::new(point(&s.centre), point(&s.semi_axes), s.angle)?),
+        Shape::RoundedBox(s) => Box::new(RoundedBox::new(point(&s.centre), point(&s.half_size), s.radius, s.angle)?),
+        Shape::Polygon(s) => Box::new(Polygon::new(s.points.iter().map(|p| point(p)).collect())?),
         Shape::Union(parts) => {
             let parts = parts.iter().map(|p| plane(p, domain)).collect::<Result<_>>()?;
             Box::new(Union::new(parts)?)
@@ -45,24 +44,18 @@ fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance
             let e = e.clone();
             Box::new(LevelFunction::new(move |x: &Point<2>| e.eval(coordinates(x), 0.0), domain)?)
         }
-        Shape::Sphere { .. } | Shape::Ellipsoid { .. } | Shape::Torus { .. } | Shape::RoundedBlock { .. } => {
-            return Err(other_dimension(shape, 2));
-        }
+        Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Torus(_) => return Err(other_dimension(shape, 2)),
     })
 }
 
 /// A shape in space.
 fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance<3>>> {
     Ok(match shape {
-        Shape::Sphere { centre, radius } => Box::new(Circle::<3>::new(point(centre), *radius)?),
-        Shape::Ellipsoid { centre, semi_axes, rotation } => {
-            Box::new(Ellipsoid::new(point(centre), point(semi_axes), point(rotation))?)
-        }
-        Shape::Torus { centre, axis, major, minor } => {
-            Box::new(Torus::new(point(centre), point(axis), *major, *minor)?)
-        }
-        Shape::RoundedBlock { centre, half_size, radius, rotation } => {
-            Box::new(RoundedBox::turned(point(centre), point(half_size), *radius, point(rotation))?)
+        Shape::Sphere(s) => Box::new(Circle::<3>::new(point(&s.centre), s.radius)?),
+        Shape::Ellipsoid(s) => Box::new(Ellipsoid::new(point(&s.centre), point(&s.semi_axes), point(&s.rotation))?),
+        Shape::Torus(s) => Box::new(Torus::new(point(&s.centre), point(&s.axis), s.major, s.minor)?),
+        Shape::RoundedBox(s) => {
+            Box::new(RoundedBox::turned(point(&s.centre), point(&s.half_size), s.radius, point(&s.rotation))?)
         }
         Shape::Union(parts) => {
             let parts = parts.iter().map(|p| solid(p, domain)).collect::<Result<_>>()?;
@@ -72,8 +65,6 @@ fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance
             let e = e.clone();
             Box::new(LevelSolid::new(move |x: &Point<3>| e.eval(coordinates(x), 0.0), domain)?)
         }
-        Shape::Circle { .. } | Shape::Ellipse { .. } | Shape::RoundedBox { .. } | Shape::Polygon(_) => {
-            return Err(other_dimension(shape, 3));
-        }
+        Shape::Circle(_) | Shape::Ellipse(_) | Shape::Polygon(_) => return Err(other_dimension(shape, 3)),
     })
 }

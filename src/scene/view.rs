@@ -65,15 +65,15 @@ impl<'a, const D: usize> View<'a, D> {
     ///
     /// # Errors
     /// A level set that is not finite.
-    pub fn measure_interface(&self, k: usize, cuts: &Cuts, row: &mut Row) -> Result<[f64; 2]> {
+    pub fn measure_interface(&self, k: usize, cuts: Cuts<'_>, row: &mut Row) -> Result<[f64; 2]> {
         let name = format!("{}.", self.carried.structures()[k].name());
         let interface = self.carried.interface(&self.state.fields, k)?;
         let sizes = self.put_measures(&name, &interface, row);
-        for c in &cuts.chords {
+        for c in cuts.chords {
             let radius = interface.half_chord(&point(&c.through), &point(&c.direction));
             row.put(format!("{name}{}", c.name), radius.unwrap_or(f64::NAN));
         }
-        for ring in &cuts.rings {
+        for ring in cuts.rings {
             let modes = ring.modes.iter().map(|mode| format!("mode_{mode}"));
             let columns = std::iter::once("radius".to_string()).chain(modes);
             let values = interface.waves(&point(&ring.centre), &point(&ring.normal), &ring.modes);

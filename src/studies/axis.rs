@@ -86,10 +86,10 @@ impl Axis {
             format!("[{}]", cells.collect::<Vec<_>>().join(", "))
         };
         let set = |n: usize| match &scene.mesh {
-            MeshSource::Rectangle { cells, .. } => Ok(format!("mesh.rectangle.cells={}", scaled(cells, n))),
-            MeshSource::Box { cells, .. } => Ok(format!("mesh.box.cells={}", scaled(cells, n))),
-            MeshSource::BallInBox { cells, .. } => Ok(format!("mesh.ball_in_box.cells={}", scaled(cells, n))),
-            MeshSource::Disc { .. } => Ok(format!("mesh.disc.cells={n}")),
+            MeshSource::Rectangle(r) => Ok(format!("mesh.rectangle.cells={}", scaled(&r.cells, n))),
+            MeshSource::Box(b) => Ok(format!("mesh.box.cells={}", scaled(&b.cells, n))),
+            MeshSource::BallInBox(b) => Ok(format!("mesh.ball_in_box.cells={}", scaled(&b.cells, n))),
+            MeshSource::Disc(_) => Ok(format!("mesh.disc.cells={n}")),
             MeshSource::File { path, .. } => Err(Error::scene("a mesh from a file has no number of cells to be set")
                 .at("--cells")
                 .value(path.display())

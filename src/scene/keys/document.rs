@@ -54,6 +54,11 @@ pub(in crate::scene) struct Document {
     pub root: Node,
 }
 
+impl Place {
+    /// The source of a value that stands in no text.
+    pub const NOWHERE: usize = usize::MAX;
+}
+
 impl Value {
     /// What kind of value it is, in a sentence.
     pub fn kind(&self) -> &'static str {

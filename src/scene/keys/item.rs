@@ -6,12 +6,16 @@ use crate::base::{Error, Result};
 use crate::scene::expression::Expression;
 use crate::scene::nearest::{advice, nearest};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
-/// What the reading of a value may need to know of the rest of the scene.
+/// Properties of the scene that the reading of a value depends on.
+#[derive(Clone)]
 pub(in crate::scene) struct Context {
     /// Components of a vector: 2 or 3.
     pub dimension: usize,
     pub constants: BTreeMap<String, f64>,
+    /// The folder that paths are relative to.
+    pub folder: PathBuf,
 }
 
 /// A value with its key.
@@ -135,29 +139,24 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// Whether this is the text `word`.
+    /// True if this is the text `word`.
     pub fn is_word(&self, word: &str) -> bool {
         matches!(&self.node.value, Value::Text(s) if s == word)
     }
 
-    /// Whether this is `false`.
+    /// True if this is `false`.
     pub fn is_false(&self) -> bool {
         matches!(self.node.value, Value::Boolean(false))
     }
 
-    /// Whether this is the number 0.
+    /// True if this is the number 0.
     pub fn is_zero(&self) -> bool {
         matches!(self.node.value, Value::Integer(0))
     }
 
-    /// Whether this is a table.
+    /// True if this is a table.
     pub fn is_table(&self) -> bool {
         matches!(self.node.value, Value::Table(_))
-    }
-
-    /// `None` for the text "auto", else what `read` gives.
-    pub fn unless_auto<T>(&self, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
-        if self.is_word("auto") { Ok(None) } else { read(self).map(Some) }
     }
 
     /// One of the named values.
@@ -215,6 +214,11 @@ impl<'a> Item<'a> {
             *v = item.count(1, most)?;
         }
         Ok(v)
+    }
+
+    /// As many numbers as `n`.
+    pub fn numbers(&self, n: usize) -> Result<Vec<f64>> {
+        self.list_of(n)?.iter().map(Item::number).collect()
     }
 
     /// A vector of as many numbers as the scene has dimensions.
@@ -305,17 +309,40 @@ impl<'a> Table<'a> {
         Item { document: self.document, node: &entry.node, key_place: &entry.key_place, key }
     }
 
+    /// The table `key`, whose keys must all be among `known`; without any where it is not written.
+    pub fn inner(&self, key: &str, known: &Keys) -> Result<Table<'a>> {
+        match self.get(key) {
+            Some(item) => item.table(known),
+            None => Ok(Table { entries: &[], key: joined(&self.key, key), ..*self }),
+        }
+    }
+
+    /// The value `node` as that of `key`, which is not written.
+    pub fn unwritten<'b>(&'b self, key: &str, node: &'b Node) -> Item<'b> {
+        Item { document: self.document, node, key_place: &node.place, key: joined(&self.key, key) }
+    }
+
+    /// An error about the key of this table.
+    pub fn key_error(&self, what: impl Into<String>) -> Error {
+        self.document.error(self.place, &self.key, what).value(self.document.written(self.place))
+    }
+
+    /// The last of the keys that lead here.
+    pub fn name(&self) -> &str {
+        self.key.rsplit('.').next().unwrap_or_default()
+    }
+
     /// All entries with their names.
     pub fn items(&self) -> impl Iterator<Item = (&'a str, Item<'a>)> {
         self.entries.iter().map(|e| (e.key.as_str(), self.item(e)))
     }
 
-    /// What `read` makes of the value of `key`, if it is written.
+    /// The value of `key` as `read` makes it, if it is written.
     pub fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
         self.get(key).map(|i| read(&i)).transpose()
     }
 
-    /// What `read` makes of the value of `key`; `remedy` says what to write where it is missing.
+    /// The value of `key` as `read` makes it; `remedy` says what to write where it is missing.
     pub fn required<T>(&self, key: &str, remedy: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<T> {
         match self.get(key) {
             Some(item) => read(&item),

@@ -4,18 +4,26 @@
 mod document;
 mod item;
 mod names;
+mod table;
+mod typed;
 mod write;
 
 pub(crate) use super::nearest::advice;
 pub(in crate::scene) use document::{Document, Entry, Node, Place, Source, Value, parse_value};
 pub(in crate::scene) use item::{Context, Item, Table};
 pub(in crate::scene) use names::{distinct, identifier, named};
-pub(in crate::scene) use write::{Writer, expression, expressions, key, list, name, number, or_auto, text, vector};
+pub use table::Named;
+pub(in crate::scene) use table::{Tabled, joined, last, one_of, optional, or_default, required, table};
+pub(in crate::scene) use typed::{
+    Auto, Components, Count, Counts, Direction, Entries, Flag, Identifier, Many, Nested, NonNegative, Number, Numbers,
+    Opt, OrFalse, Point, Positive, Set, Text, Typed, Vector, Words, kinds, words,
+};
+pub(in crate::scene) use write::{Toml, Writer, key, list, name, number, text};
 
 /// The keys of a table.
 #[derive(Debug)]
 pub struct Keys {
-    /// What the table is about, in a sentence.
+    /// Meaning of the table, in a sentence.
     pub about: &'static str,
     /// All keys it may have.
     pub keys: &'static [Key],
@@ -26,23 +34,35 @@ pub struct Keys {
 pub struct Key {
     /// As it is written.
     pub name: &'static str,
-    /// What its value can be.
+    /// Values it can have.
     pub kind: Kind,
     /// The unit in SI, for any consistent system; empty for a pure number and for words.
     pub unit: &'static str,
-    /// What holds where the key is not written.
+    /// Meaning of its absence.
     pub absent: Absent,
-    /// What it means, in sentences.
+    /// Meaning, in sentences.
     pub doc: &'static str,
 }
 
-/// What the value of a key can be.
+/// Values that a key can have.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A value, in words.
     Value(&'static str),
+    /// A value, in words, or false.
+    OrFalse(&'static str),
+    /// So many numbers.
+    Numbers(usize),
+    /// So many numbers > 0.
+    Lengths(usize),
+    /// A whole number from the first to the second.
+    Count([usize; 2]),
+    /// So many whole numbers from the first to the second.
+    Counts(usize, [usize; 2]),
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// A list of these words.
+    Set(&'static [&'static str]),
     /// A table.
     Table(&'static Keys),
     /// A list of tables, `[[name]]`.
@@ -53,7 +73,7 @@ pub enum Kind {
     Either(&'static str, &'static Keys),
 }
 
-/// What holds where a key is not written.
+/// Meaning of a key that is not written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
     /// The scene is wrong.
@@ -64,7 +84,7 @@ pub enum Absent {
     Default(&'static str),
     /// The word "auto", which may be written too: the plan decides.
     Auto,
-    /// What these words say.
+    /// The meaning in these words.
     Derived(&'static str),
     /// Nothing.
     Optional,
@@ -79,17 +99,6 @@ pub(in crate::scene) const fn row(
     doc: &'static str,
 ) -> Key {
     Key { name, kind, unit, absent, doc }
-}
-
-/// The words of a choice.
-pub(in crate::scene) const fn words<T: Copy, const N: usize>(choices: &[(&'static str, T); N]) -> [&'static str; N] {
-    let mut words = [""; N];
-    let mut i = 0;
-    while i < N {
-        words[i] = choices[i].0;
-        i += 1;
-    }
-    words
 }
 
 impl Keys {
@@ -109,7 +118,7 @@ impl Kind {
     pub fn keys(&self) -> Option<&'static Keys> {
         match *self {
             Kind::Table(keys) | Kind::List(keys) | Kind::Named(keys) | Kind::Either(_, keys) => Some(keys),
-            Kind::Value(_) | Kind::Choice(_) => None,
+            _ => None,
         }
     }
 }

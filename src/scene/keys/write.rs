@@ -21,20 +21,75 @@ impl Writer {
         self.push(format_args!("{key} = {value}\n"));
     }
 
+    /// Writes keys with their values, which are TOML already.
+    pub fn entries(&mut self, entries: impl IntoIterator<Item = (String, String)>) {
+        entries.into_iter().for_each(|(key, value)| self.entry(&key, value));
+    }
+
     fn push(&mut self, what: std::fmt::Arguments<'_>) {
         // Writing into a String cannot fail.
         let _ = self.text.write_fmt(what);
     }
 }
 
+/// A value that has a form in TOML.
+pub(in crate::scene) trait Toml {
+    /// The value as TOML.
+    fn toml(&self) -> String;
+}
+
+impl Toml for f64 {
+    fn toml(&self) -> String {
+        number(*self)
+    }
+}
+
+impl Toml for usize {
+    fn toml(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Toml for bool {
+    fn toml(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Toml for String {
+    fn toml(&self) -> String {
+        text(self)
+    }
+}
+
+impl Toml for std::path::PathBuf {
+    fn toml(&self) -> String {
+        text(&self.to_string_lossy())
+    }
+}
+
+/// A number where it was written as one.
+impl Toml for Expression {
+    fn toml(&self) -> String {
+        self.text().parse::<f64>().map_or_else(|_| text(self.text()), number)
+    }
+}
+
+impl<T: Toml> Toml for Vec<T> {
+    fn toml(&self) -> String {
+        list(self.iter().map(Toml::toml))
+    }
+}
+
+impl<T: Toml, const N: usize> Toml for [T; N] {
+    fn toml(&self) -> String {
+        list(self.iter().map(Toml::toml))
+    }
+}
+
 /// A number as TOML, with all its digits.
 pub(in crate::scene) fn number(v: f64) -> String {
     format!("{v:?}")
-}
-
-/// Numbers as a TOML list.
-pub(in crate::scene) fn vector(v: &[f64]) -> String {
-    list(v.iter().map(|v| number(*v)))
 }
 
 /// TOML values as a list.
@@ -62,25 +117,7 @@ pub(in crate::scene) fn key(s: &str) -> String {
     if bare { s.to_string() } else { text(s) }
 }
 
-/// An expression as TOML: a number where it was written as one.
-pub(in crate::scene) fn expression(e: &Expression) -> String {
-    match e.text().parse::<f64>() {
-        Ok(v) => number(v),
-        Err(_) => text(e.text()),
-    }
-}
-
-/// Expressions as a TOML list.
-pub(in crate::scene) fn expressions(v: &[Expression]) -> String {
-    list(v.iter().map(expression))
-}
-
 /// The name of a choice.
 pub(in crate::scene) fn name<T: PartialEq>(value: T, choices: &[(&'static str, T)]) -> String {
     text(choices.iter().find(|c| c.1 == value).map_or("", |c| c.0))
-}
-
-/// A value, or "auto".
-pub(in crate::scene) fn or_auto<T>(value: Option<T>, write: impl FnOnce(T) -> String) -> String {
-    value.map_or_else(|| text("auto"), write)
 }

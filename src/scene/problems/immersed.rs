@@ -414,7 +414,7 @@ fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) ->
         convection: numerics.convection.unwrap_or(scene.has_inertia()),
         grad_div,
         solve_tolerance: numerics.solve_tolerance,
-        solver: numerics.solving,
+        solver: numerics.solver(),
         quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
         boussinesq: fluid.boussinesq,
         pressure: numerics.pressure,

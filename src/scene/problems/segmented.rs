@@ -53,7 +53,7 @@ impl<const D: usize> Segmented<D> {
         let Some(image) = &scene.image else { return Err(Error::internal("no image is segmented")) };
         let (site, _) = ground::site::<D>(scene)?;
         let place = |e| scene.blame(&["image", "file"], e);
-        let picture = GreyImage::read(&image.path).map_err(place)?;
+        let picture = GreyImage::read(&image.file).map_err(place)?;
         let pixels = Pixels { size: [picture.width(), picture.height()], side: image.pixel };
         check_within(scene, &site, &pixels)?;
         let contour = contour(scene, &site)?;
@@ -110,7 +110,7 @@ impl<const D: usize> Problem for Segmented<D> {
         let solved = vec![
             format!(
                 "no flow: the level set {names} segments the image {}, side of a pixel {}",
-                image.path.display(),
+                image.file.display(),
                 image.pixel
             ),
             format!(

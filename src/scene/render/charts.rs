@@ -4,6 +4,7 @@ use super::folder::RunFolder;
 use super::segmentation;
 use crate::output::{Stroke, Table, rounded};
 use crate::scene::charts::{Drawn, Sheet};
+use crate::scene::keys::Named;
 use crate::scene::schema::{Probe, Profile, Quantity};
 
 /// All charts that the folder has values for, in the order of the page.
@@ -169,7 +170,7 @@ fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn probe(run: &RunFolder, probe: &Probe, mut sheet: Sheet) -> Option<Drawn> {
+fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Drawn> {
     let (name, of) = (&probe.name, quantity_name(probe.of));
     sheet.line(of, run.column(name));
     for component in ["x", "y", "z"] {
@@ -199,7 +200,7 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
 /// Curves on one chart at most: more colours cannot be told apart.
 const MOST_CURVES: usize = 6;
 
-fn profile(run: &RunFolder, profile: &Profile, table: &Table) -> Option<Drawn> {
+fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Table) -> Option<Drawn> {
     let (name, of) = (&profile.name, quantity_name(profile.of));
     let distance = table.column("distance").ok()?;
     let place = ["distance", "x", "y", "z"];

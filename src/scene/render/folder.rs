@@ -5,6 +5,7 @@ use crate::base::{Error, Result, Warning};
 use crate::output::{Table, read_pvd};
 use crate::scene::Scene;
 use crate::scene::charts::Columns;
+use crate::scene::keys::Named;
 use crate::scene::schema::Profile;
 use crate::scene::words::Words;
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ pub(super) struct RunFolder {
     /// Stored fields, in the order of time.
     pub frames: Vec<Frame>,
     /// Profiles, those that were reached.
-    pub profiles: Vec<(Profile, Table)>,
+    pub profiles: Vec<(Named<Profile>, Table)>,
     pub warnings: Vec<Warning>,
 }
 

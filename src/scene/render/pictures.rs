@@ -133,9 +133,9 @@ impl Painter {
             interfaces: run.scene.interfaces().map(str::to_string).collect(),
             scale: Scale::of::<2>(FieldData::Scalar(&[])),
             fastest: None,
-            view: picture.view,
+            view: picture.view.unwrap_or_default(),
             slice: picture.slice,
-            window: picture.window.map(|corners| corners.map(Point::<3>::from)),
+            window: picture.window.map(|w| [w.min, w.max].map(Point::<3>::from)),
             middle: Point::<3>::zeros(),
         };
         if let (Quantity::Checkerboard, Some(first)) = (painter.quantity, run.frames.first()) {

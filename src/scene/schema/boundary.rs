@@ -2,9 +2,7 @@
 
 use crate::base::Result;
 use crate::scene::expression::Expression;
-use crate::scene::keys::{Absent::OneOf, Keys, Kind::Value, row};
-use crate::scene::keys::{Context, Item};
-use crate::scene::keys::{Writer, expressions, key, text};
+use crate::scene::keys::{Components, Context, Item, Kind, Tabled, Text, Typed, Writer, key, one_of};
 
 /// The name that stands for the whole boundary.
 pub const WALLS: &str = "walls";
@@ -14,7 +12,7 @@ pub const WALLS: &str = "walls";
 pub struct Boundary {
     /// A boundary of the mesh, or [`WALLS`] for all facets that no other entry names.
     pub name: String,
-    /// What holds there.
+    /// The condition that holds there.
     pub condition: Condition,
 }
 
@@ -33,23 +31,43 @@ pub enum Condition {
     Periodic(String),
 }
 
-pub(in crate::scene) static KEYS: Keys = Keys {
-    about: "What holds on a boundary of the mesh: exactly one of these. `walls` stands for all sides that have no entry; without any entry, \
-        no slip holds on the whole boundary.",
-    keys: &[
-        row("velocity", Value("vector of numbers or expressions"), "m/s", OneOf, "A given velocity."),
-        row("no_slip", Value("true"), "", OneOf, "No velocity."),
-        row("slip", Value("true"), "", OneOf, "No normal velocity and no tangential stress."),
-        row("open", Value("true"), "", OneOf, "No stress (do-nothing)."),
-        row(
-            "periodic",
-            Value("text"),
-            "",
-            OneOf,
-            "The name of the boundary that is the translate of this one, with the same flow.",
-        ),
-    ],
-};
+one_of! {
+    /// What holds on a boundary of the mesh: exactly one of these. `walls` stands for all sides
+    /// that have no entry; without any entry, no slip holds on the whole boundary.
+    Condition {
+        /// A given velocity.
+        "velocity" [Components, "m/s"] (v) => (Condition::Velocity(v));
+        /// No velocity.
+        "no_slip" [True] (()) => (Condition::NoSlip);
+        /// No normal velocity and no tangential stress.
+        "slip" [True] (()) => (Condition::Slip);
+        /// No stress (do-nothing).
+        "open" [True] (()) => (Condition::Open);
+        /// The name of the boundary that is the translate of this one, with the same flow.
+        "periodic" [Text] (other) => (Condition::Periodic(other));
+    }
+}
+
+/// A condition without a value.
+pub(in crate::scene) struct True;
+
+impl Typed for True {
+    type Out = ();
+    const KIND: Kind = Kind::Value("true");
+    fn read(item: &Item<'_>, _: &Context) -> Result<()> {
+        if item.boolean()? {
+            return Ok(());
+        }
+        let (key, all) = (&item.key, Condition::KEYS.names().collect::<Vec<_>>().join(", "));
+        let condition = key.rsplit('.').next().unwrap_or(key);
+        Err(item
+            .error(format!("`{key}` can only be true"))
+            .remedy(format!("write {condition} = true, or one of {all} instead")))
+    }
+    fn toml((): &()) -> String {
+        "true".to_string()
+    }
+}
 
 /// All entries, in the order of the scene; without any, no slip on the whole boundary, or nothing where the velocity is `prescribed`.
 pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
@@ -81,36 +99,6 @@ pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Con
     Ok(boundaries)
 }
 
-impl Condition {
-    fn read(item: &Item, context: &Context) -> Result<Condition> {
-        let (kind, item) = item.table(&KEYS)?.exactly_one(&KEYS)?;
-        let flag = |condition| match item.boolean()? {
-            true => Ok(condition),
-            false => Err(item.error(format!("`{}` can only be true", item.key)).remedy(format!(
-                "write {kind} = true, or one of {} instead",
-                KEYS.names().collect::<Vec<_>>().join(", ")
-            ))),
-        };
-        match kind {
-            "velocity" => item.components(context).map(Condition::Velocity),
-            "no_slip" => flag(Condition::NoSlip),
-            "slip" => flag(Condition::Slip),
-            "open" => flag(Condition::Open),
-            _ => Ok(Condition::Periodic(item.text()?.to_string())),
-        }
-    }
-
-    fn write(&self, out: &mut Writer) {
-        match self {
-            Condition::Velocity(v) => out.entry("velocity", expressions(v)),
-            Condition::NoSlip => out.entry("no_slip", true),
-            Condition::Slip => out.entry("slip", true),
-            Condition::Open => out.entry("open", true),
-            Condition::Periodic(other) => out.entry("periodic", text(other)),
-        }
-    }
-}
-
 /// A periodic boundary has one partner, which is another boundary with no condition of its own.
 fn check_pair(item: &Item, boundaries: &[Boundary]) -> Result<()> {
     let Some(item) = item.open_table()?.get("periodic") else { return Ok(()) };
@@ -136,7 +124,6 @@ fn check_pair(item: &Item, boundaries: &[Boundary]) -> Result<()> {
 
 pub(in crate::scene) fn write(boundaries: &[Boundary], out: &mut Writer) {
     for b in boundaries {
-        out.header(&format!("[boundary.{}]", key(&b.name)));
-        b.condition.write(out);
+        b.condition.section(&format!("[boundary.{}]", key(&b.name)), out);
     }
 }

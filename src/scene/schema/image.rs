@@ -1,133 +1,76 @@
 //! `[image]`: an image that level sets cut into two grey levels, in place of a flow.
 
-use super::mesh::{MeshSource, absolute};
+use super::mesh::{MeshSource, Rectangle, absolute};
 use crate::base::Result;
 use crate::mesh::Diagonals;
 use crate::output::{GreyImage, Pixels};
-use crate::scene::keys::{Absent::*, Keys, Kind::Value, row};
-use crate::scene::keys::{Item, Table};
-use crate::scene::keys::{Writer, number, text};
-use std::path::{Path, PathBuf};
+use crate::scene::keys::{Context, Count, Item, Kind, NonNegative, Opt, Positive, Table, kinds, table};
+use std::path::PathBuf;
 
-/// An image and the energy of a contour on it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// A PNG file, as an absolute path.
-    pub path: PathBuf,
-    /// The right answer as an image of the same size, where it is known.
-    pub mask: Option<PathBuf>,
-    /// Side of a pixel.
-    pub pixel: f64,
-    /// Weight of the fidelity, > 0.
-    pub fidelity: f64,
-    /// Weight of the length, >= 0.
-    pub length: f64,
-    /// Steps after which the level set is made a signed distance again.
-    pub rebuild: usize,
+table! {
+    /// An image that the one level set of the scene cuts into two grey levels, in place of a flow:
+    /// it descends along `fidelity` times the misfit plus `length` times its length, and the time
+    /// is that of this descent. Grey levels are from 0 (black) to 1 (white). The lower left corner
+    /// of the image is the origin.
+    Image {
+        /// A PNG file, relative to the folder of the scene: grey or colour, which is turned to
+        /// grey.
+        file: PathBuf [File, Required("name a PNG file: file = \"shapes.png\"")],
+        /// Side of a pixel.
+        pixel: f64 [Positive, "m", Default(1.0)],
+        /// Weight alpha of the misfit E1, the integral of the squared difference of the image and
+        /// the mean level of the side. It sets the scale of time.
+        fidelity: f64 [Positive, "m2/s", Default(1.0)],
+        /// Weight beta of the length E2. Over `fidelity` and the squared difference of the two
+        /// levels it is a radius: round spots below it shrink and vanish.
+        length: f64 [NonNegative, "m3/s", Required("give the weight of the length: length = 0.2")],
+        /// After how many steps the level set is made a signed distance again.
+        rebuild: usize [Count<1, 1_000_000>, "steps", Default(1)],
+        /// The right answer as a PNG file of the same size, white inside, if it is known: the run
+        /// counts the pixels that are on the wrong side.
+        mask: Option<PathBuf> [Opt<File>],
+    }
 }
 
-const PIXEL: f64 = 1.0;
-const FIDELITY: f64 = 1.0;
-const REBUILD: usize = 1;
-const MOST_STEPS: usize = 1_000_000;
+kinds! {
+    /// A PNG file, as an absolute path.
+    File: PathBuf = Kind::Value("path"), file;
+}
+
 /// A mesh of more pixels is not made by itself: its matrix has as many unknowns as the image has pixels.
 const MOST_PIXELS: usize = 1 << 20;
 
-pub(in crate::scene) static KEYS: Keys = Keys {
-    about: "An image that the one level set of the scene cuts into two grey levels, in place of a flow: it descends along `fidelity` times the \
-        misfit plus `length` times its length, and the time is that of this descent. Grey levels are from 0 (black) to 1 (white). The lower left \
-        corner of the image is the origin.",
-    keys: &[
-        row(
-            "file",
-            Value("path"),
-            "",
-            Required,
-            "A PNG file, relative to the folder of the scene: grey or colour, which is turned to grey.",
-        ),
-        row("pixel", Value("number > 0"), "m", Default("1.0"), "Side of a pixel."),
-        row(
-            "fidelity",
-            Value("number > 0"),
-            "m2/s",
-            Default("1.0"),
-            "Weight alpha of the misfit E1, the integral of the squared difference of the image and the mean level of the side. It sets the scale of time.",
-        ),
-        row(
-            "length",
-            Value("number >= 0"),
-            "m3/s",
-            Required,
-            "Weight beta of the length E2. Over `fidelity` and the squared difference of the two levels it is a radius: round spots below it shrink \
-             and vanish.",
-        ),
-        row(
-            "rebuild",
-            Value("whole number from 1 to 1000000"),
-            "steps",
-            Default("1"),
-            "After how many steps the level set is made a signed distance again.",
-        ),
-        row(
-            "mask",
-            Value("path"),
-            "",
-            Optional,
-            "The right answer as a PNG file of the same size, white inside, if it is known: the run counts the pixels that are on the wrong side.",
-        ),
-    ],
-};
+fn file(item: &Item, context: &Context) -> Result<PathBuf> {
+    match item.text()? {
+        "" => Err(item.error("the name of the image is empty").remedy("name a PNG file: file = \"shapes.png\"")),
+        file => Ok(absolute(&context.folder.join(file))),
+    }
+}
 
 impl Image {
-    pub(in crate::scene) fn read(item: &Item, folder: &Path) -> Result<Image> {
-        let table = item.table(&KEYS)?;
-        let path = |i: &Item| match i.text()? {
-            "" => Err(i.error("the name of the image is empty").remedy("name a PNG file: file = \"shapes.png\"")),
-            file => Ok(absolute(&folder.join(file))),
-        };
-        Ok(Image {
-            path: table.required("file", "name a PNG file: file = \"shapes.png\"", path)?,
-            mask: table.optional("mask", path)?,
-            pixel: table.optional("pixel", Item::positive)?.unwrap_or(PIXEL),
-            fidelity: table.optional("fidelity", Item::positive)?.unwrap_or(FIDELITY),
-            length: table.required("length", "give the weight of the length: length = 0.2", Item::non_negative)?,
-            rebuild: table.optional("rebuild", |i| i.count(1, MOST_STEPS))?.unwrap_or(REBUILD),
-        })
-    }
-
-    /// Where the image lies.
+    /// The place of the image.
     ///
     /// # Errors
     /// Those of [`GreyImage::size`].
     pub fn pixels(&self) -> Result<Pixels> {
-        Ok(Pixels { size: GreyImage::size(&self.path)?, side: self.pixel })
+        Ok(Pixels { size: GreyImage::size(&self.file)?, side: self.pixel })
     }
 
     /// The mesh of a scene that gives none: a rectangle over the image with squares of two pixels, so that P2 nodes are where pixels meet.
     pub(in crate::scene) fn mesh(&self, item: &Item) -> Result<MeshSource> {
-        let file = item.open_table()?.get("file");
-        let size = GreyImage::size(&self.path).map_err(|e| file.as_ref().unwrap_or(item).blame(e))?;
+        let written = item.open_table()?.get("file");
+        let size = GreyImage::size(&self.file).map_err(|e| written.as_ref().unwrap_or(item).blame(e))?;
         if size[0] * size[1] > MOST_PIXELS {
             return Err(item
                 .key_error(format!("an image of {} x {} pixels would make too large a mesh", size[0], size[1]))
                 .remedy("make the image smaller, or give a coarser [mesh] with a rectangle over it"));
         }
-        Ok(MeshSource::Rectangle {
+        Ok(MeshSource::Rectangle(Rectangle {
             min: [0.0; 2],
             max: size.map(|n| n as f64 * self.pixel),
             cells: size.map(|n| n.div_ceil(2)),
             diagonals: Diagonals::UnionJack,
-        })
-    }
-
-    pub(in crate::scene) fn write(&self, out: &mut Writer) {
-        out.header("[image]");
-        out.entry("file", text(&self.path.to_string_lossy()));
-        out.entry("pixel", number(self.pixel));
-        out.entry("fidelity", number(self.fidelity));
-        out.entry("length", number(self.length));
-        out.entry("rebuild", self.rebuild);
-        self.mask.iter().for_each(|path| out.entry("mask", text(&path.to_string_lossy())));
+        }))
     }
 }
 

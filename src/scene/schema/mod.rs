@@ -6,6 +6,7 @@ mod boundary;
 mod exact;
 mod fluid;
 mod geometry;
+mod given;
 mod image;
 mod mesh;
 mod numerics;
@@ -14,7 +15,6 @@ mod picture;
 mod polygon;
 mod redistance;
 pub(in crate::scene) mod shape;
-mod source;
 mod time;
 
 pub use adapt::{Adapt, AdaptField};
@@ -23,21 +23,22 @@ pub use exact::Exact;
 pub use fluid::{Contrast, Fluid};
 pub use geometry::{Curve, DeltaName};
 pub use image::Image;
-pub use mesh::MeshSource;
+pub use mesh::{BallInBox, Block, Disc, MeshSource, Rectangle};
 pub use numerics::{Numerics, TensionScheme};
 pub use output::{Flux, Force, Output, Probe, Profile};
-pub use picture::{Cut, Picture};
+pub use given::Quantity;
+pub(in crate::scene) use given::{Given, Motion};
+pub use picture::{Cut, Picture, Window};
+pub use polygon::Polygon;
 pub use redistance::Redistance;
-pub use shape::Shape;
-pub(in crate::scene) use source::Motion;
-pub use source::Quantity;
+pub use shape::{Circle, Ellipse, Ellipsoid, RoundedBox, Shape, Sphere, Torus};
 pub use time::Time;
 
 pub(in crate::scene) use boundary::read as read_boundaries;
 pub(in crate::scene) use image::check as check_image;
 
 use super::expression::is_reserved;
-use super::keys::{Absent::*, Item, Key, Kind::*, Writer, number, row, text};
+use super::keys::{Absent::*, Item, Key, Kind::*, Tabled, Writer, number, row, text};
 use crate::base::Result;
 use crate::flow;
 use std::collections::BTreeMap;
@@ -72,7 +73,7 @@ pub struct Tables {
     pub exact: Exact,
 }
 
-/// Keys before the lists of structures.
+/// Keys before the lists of structures; by hand, as these lists stand in their midst.
 pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
     row("title", Value("text"), "", Derived("the name of the file"), "What the scene is called."),
     row("units", Value("text"), "", Default("\"\""), "The units of the scene, in words; nothing is converted."),
@@ -90,11 +91,11 @@ pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
         Derived("with an image squares of two pixels; else required"),
         "Where the mesh comes from.",
     ),
-    row("fluid", Table(&fluid::KEYS), "", OneOf, "What flows, and what drives it."),
-    row("image", Table(&image::KEYS), "", OneOf, "An image that a level set segments, in place of a flow."),
+    row("fluid", Table(Fluid::KEYS), "", OneOf, "What flows, and what drives it."),
+    row("image", Table(Image::KEYS), "", OneOf, "An image that a level set segments, in place of a flow."),
     row(
         "boundary",
-        Named(&boundary::KEYS),
+        Named(Condition::KEYS),
         "",
         Derived("no slip everywhere"),
         "What happens on the named parts of the boundary.",
@@ -102,10 +103,10 @@ pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
 ];
 /// Keys after them.
 pub(in crate::scene) const KEYS_AFTER: [Key; 4] = [
-    row("time", Table(&time::KEYS), "", Required, "How long, in which steps."),
-    row("numerics", Table(&numerics::KEYS), "", Optional, "How the equations are solved."),
-    row("output", Table(&output::KEYS), "", Optional, "What is written, and when."),
-    row("exact", Table(&exact::KEYS), "", Optional, "A solution that is known, against which the run measures itself."),
+    row("time", Table(Time::KEYS), "", Required, "How long, in which steps."),
+    row("numerics", Table(Numerics::KEYS), "", Optional, "How the equations are solved."),
+    row("output", Table(Output::KEYS), "", Optional, "What is written, and when."),
+    row("exact", Table(Exact::KEYS), "", Optional, "A solution that is known, against which the run measures itself."),
 ];
 
 impl Tables {
@@ -129,17 +130,19 @@ impl Tables {
         self.mesh.write(out);
         self.adapt.iter().for_each(|a| a.write(out));
         match &self.image {
-            Some(image) => image.write(out),
-            None => self.fluid.write(out),
+            Some(image) => image.section("[image]", out),
+            None => self.fluid.section("[fluid]", out),
         }
         boundary::write(&self.boundaries, out);
     }
     /// Writes the tables after them.
     pub(in crate::scene) fn write_after(&self, out: &mut Writer) {
-        self.time.write(out);
+        self.time.section("[time]", out);
         self.numerics.write(out);
-        self.output.write(out, self.mesh.dimension());
-        self.exact.write(out);
+        self.output.write(out);
+        if self.exact != Exact::default() {
+            self.exact.section("[exact]", out);
+        }
     }
 }
 

@@ -1,31 +1,37 @@
 //! Polygons given by their corners.
 
 use crate::base::Result;
-use crate::scene::keys::Item;
-use crate::scene::keys::{Absent::Required, Keys, Kind::Value, row};
+use crate::scene::keys::{Context, Item, Kind, kinds, table};
 use robust::{Coord, orient2d};
 
-pub(in crate::scene) static KEYS: Keys = Keys {
-    about: "A simple polygon, in either sense of rotation.",
-    keys: &[row("points", Value("list of at least three points"), "m", Required, "The corners, in order, each once.")],
-};
+table! {
+    /// A simple polygon, in either sense of rotation.
+    Polygon {
+        /// The corners, in order, each once.
+        points: Vec<[f64; 2]> [Points, "m", Required(REMEDY)],
+    }
+}
 
-/// The corners of a simple polygon: at least three, and no two sides meet but neighbours in their corner.
-pub(in crate::scene) fn read(item: &Item) -> Result<Vec<[f64; 2]>> {
-    let remedy = "give at least three corners: points = [[0, 0], [1, 0], [0, 1]]";
-    item.table(&KEYS)?.required("points", remedy, |list| {
-        let items = list.list()?;
-        let points: Vec<[f64; 2]> = items.iter().map(Item::vector).collect::<Result<_>>()?;
-        if points.len() < 3 {
-            return Err(list.error(format!("a polygon has at least 3 corners, not {}", points.len())).remedy(remedy));
-        }
-        match crossing(&points) {
-            None => Ok(points),
-            Some((i, j)) => Err(items[j]
-                .error(format!("sides {i} and {j} of the polygon meet (side 0 runs from the first corner)"))
-                .remedy("list every corner once, in order along the curve, without the first one again at the end")),
-        }
-    })
+kinds! {
+    /// The corners of a simple polygon.
+    Points: Vec<[f64; 2]> = Kind::Value("list of at least three points"), corners;
+}
+
+const REMEDY: &str = "give at least three corners: points = [[0, 0], [1, 0], [0, 1]]";
+
+/// Reads at least three corners; no two sides meet but neighbours in their corner.
+fn corners(list: &Item, _: &Context) -> Result<Vec<[f64; 2]>> {
+    let items = list.list()?;
+    let points: Vec<[f64; 2]> = items.iter().map(Item::vector).collect::<Result<_>>()?;
+    if points.len() < 3 {
+        return Err(list.error(format!("a polygon has at least 3 corners, not {}", points.len())).remedy(REMEDY));
+    }
+    match crossing(&points) {
+        None => Ok(points),
+        Some((i, j)) => Err(items[j]
+            .error(format!("sides {i} and {j} of the polygon meet (side 0 runs from the first corner)"))
+            .remedy("list every corner once, in order along the curve, without the first one again at the end")),
+    }
 }
 
 /// Two sides that meet although they should not, the smaller number first.
@@ -59,12 +65,12 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Whether the second side, which begins where the first one ends, runs back along it.
+/// True if the second side, which begins where the first one ends, runs back along it.
 fn folds((a, b): Side, (_, c): Side) -> bool {
     turn(a, b, c) == 0.0 && (c[0] - b[0]) * (b[0] - a[0]) + (c[1] - b[1]) * (b[1] - a[1]) < 0.0
 }
 
-/// Whether two segments have a point in common.
+/// True if two segments have a point in common.
 fn intersect((a, b): Side, (c, d): Side) -> bool {
     let apart = |k: usize| a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k]);
     let opposite = |s: f64, t: f64| !(s > 0.0 && t > 0.0 || s < 0.0 && t < 0.0);

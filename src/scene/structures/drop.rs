@@ -1,18 +1,16 @@
 //! `[[drop]]`: a fluid in another one, with surface tension between them.
 
 use super::build::{self, Build, band_of};
-use super::membrane::{FORCE_WORDS, FORCES};
+use super::membrane::Forces;
 use super::{KindIn, Registered, StructureKind, Traits, round};
 use crate::base::Result;
 use crate::elastic::{AreaLaw, Band, Force, SharpMembrane};
 use crate::mesh::Point;
 use crate::scene::charts::{Columns, Drawn};
-use crate::scene::cuts::{self, Cuts};
-use crate::scene::keys::{
-    Absent::*, Context, Item, Keys, Kind::*, Writer, identifier, name as word, number, row, text,
-};
+use crate::scene::cuts::{self, Chord, Cuts, Ring};
+use crate::scene::keys::{Context, Identifier, Item, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer, table};
 use crate::scene::row::Row;
-use crate::scene::schema::{Numerics, Shape, Tables, shape};
+use crate::scene::schema::{Numerics, Shape, Tables};
 use crate::scene::view::View;
 use crate::structure::{Coupling, Immersed, ImmersedInterface, Structure};
 use std::sync::Arc;
@@ -20,89 +18,52 @@ use std::sync::Arc;
 /// The kind `[[drop]]`.
 pub(super) const KIND: Registered = Registered {
     list: "drop",
-    keys: &KEYS,
+    keys: Drop::KEYS,
     doc: "Fluids in the fluid, with surface tension.",
     #[cfg(test)]
     example: |_| "",
-    read: |item, numerics, context| Ok(Box::new(Drop::read(item, numerics, context)?)),
+    read: |item, numerics, context| Ok(Box::new(Drop::read_for(item, numerics, context)?)),
 };
 
-/// A drop or a bubble.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Drop {
-    /// Its name in results; unique in the scene.
-    pub name: String,
-    /// Form at time 0.
-    pub shape: Shape,
-    /// Surface tension.
-    pub tension: f64,
-    /// Mass per volume, where it is not that of `[fluid]`.
-    pub density: Option<f64>,
-    /// Dynamic viscosity, where it is not that of `[fluid]`.
-    pub viscosity: Option<f64>,
-    /// Place where surface tension acts.
-    pub force: Force,
-    /// Lines and planes along which it is measured.
-    pub cuts: Cuts,
+table! {
+    /// A drop or a bubble: a fluid in another one. What lies in several is of the last of them.
+    /// Drops of one shape, a union, merge; interfaces of two drops do not see each other.
+    Drop {
+        /// Its name in results; unique in the scene.
+        name: String [Identifier, Default("drop")],
+        /// Its form at time 0.
+        shape: Shape [Nested<Shape>,
+            Required("give one: shape.circle = { centre = [0.5, 0.5], radius = 0.25 }")],
+        /// Surface tension.
+        tension: f64 [NonNegative, "N/m", Default(0.0)],
+        /// Mass per volume of what is inside.
+        density: Option<f64> [Opt<NonNegative>, "kg/m3", Derived("that of the fluid")],
+        /// Dynamic viscosity of what is inside.
+        viscosity: Option<f64> [Opt<Positive>, "Pa s", Derived("that of the fluid")],
+        /// Where surface tension acts: on the interface itself, cut out of the cells, or over a
+        /// band of half-width `numerics.thickness`.
+        force: Force [Forces,
+            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the \
+                semi-implicit coupling is given", Force::Sharp)],
+        /// Lines along which the contour is measured.
+        chords: Vec<Named<Chord>> [Named<Chord>],
+        /// Planes through the surface in which its form is measured; in space alone.
+        rings: Vec<Named<Ring>> [Named<Ring>],
+    } before cuts::check;
 }
 
-static KEYS: Keys = Keys {
-    about: "A drop or a bubble: a fluid in another one. What lies in several is of the last of them. Drops of one shape, a union, merge; \
-            interfaces of two drops do not see each other.",
-    keys: &[
-        row("name", Value("text"), "", Default("\"drop\""), "Its name in results; unique in the scene."),
-        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
-        row("tension", Value("number >= 0"), "N/m", Default("0.0"), "Surface tension."),
-        row(
-            "density",
-            Value("number >= 0"),
-            "kg/m3",
-            Derived("that of the fluid"),
-            "Mass per volume of what is inside.",
-        ),
-        row(
-            "viscosity",
-            Value("number > 0"),
-            "Pa s",
-            Derived("that of the fluid"),
-            "Dynamic viscosity of what is inside.",
-        ),
-        row(
-            "force",
-            Choice(&FORCE_WORDS),
-            "",
-            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the semi-implicit coupling is given"),
-            "Where surface tension acts: on the interface itself, cut out of the cells, or over a band of half-width `numerics.thickness`.",
-        ),
-        row("chords", Named(&cuts::CHORD), "", Optional, "Lines along which the contour is measured."),
-        row(
-            "rings",
-            Named(&cuts::RING),
-            "",
-            Optional,
-            "Planes through the surface in which its form is measured; in space alone.",
-        ),
-    ],
-};
-
 impl Drop {
-    fn read(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
-        let table = item.table(&KEYS)?;
-        let shape = "give one: shape.circle = { centre = [0.5, 0.5], radius = 0.25 }";
-        let tension = table.optional("tension", Item::non_negative)?.unwrap_or(0.0);
-        let cuts = Cuts::read(&table, context)?;
-        // These schemes spread surface tension over a band.
+    /// Reads a drop; some schemes spread surface tension over a band.
+    fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
+        let mut drop = Drop::read(item, context)?;
         let banded = numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;
-        let force = if banded { Force::Smeared } else { Force::Sharp };
-        Ok(Drop {
-            name: table.optional("name", identifier)?.unwrap_or_else(|| "drop".to_string()),
-            shape: table.required("shape", shape, |i| Shape::read(i, context))?,
-            tension,
-            force: table.optional("force", |i| i.choice(&FORCES))?.unwrap_or(force),
-            density: table.optional("density", Item::non_negative)?,
-            viscosity: table.optional("viscosity", Item::positive)?,
-            cuts,
-        })
+        if banded && item.open_table()?.get("force").is_none() {
+            drop.force = Force::Smeared;
+        }
+        Ok(drop)
+    }
+    fn cuts(&self) -> Cuts<'_> {
+        Cuts { chords: &self.chords, rings: &self.rings }
     }
     fn band(&self, numerics: &Numerics) -> Band {
         band_of(numerics, true)
@@ -131,7 +92,7 @@ impl<const D: usize> KindIn<D> for Drop {
         })
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
-        let sizes = view.measure_interface(k, &self.cuts, row)?;
+        let sizes = view.measure_interface(k, self.cuts(), row)?;
         round::measure(view, (&self.name, k), sizes, row)
     }
 }
@@ -172,28 +133,20 @@ impl StructureKind for Drop {
         Some(build::band_words(&self.name, &tables.numerics, self.band(&tables.numerics)))
     }
     fn chords(&self) -> Vec<String> {
-        self.cuts.names().map(str::to_string).collect()
+        self.cuts().names().map(str::to_string).collect()
     }
     fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
         let name = &self.name;
         let charts = [
             of.axes(name, true),
-            of.chords(name, self.cuts.names()),
+            of.chords(name, self.cuts().names()),
             round::velocity_chart(of, name),
             round::roundness_chart(of, name),
         ];
         charts.into_iter().flatten().collect()
     }
     fn write(&self, out: &mut Writer) {
-        out.header("[[drop]]");
-        out.entry("name", text(&self.name));
-        out.entry("shape", self.shape.write());
-        out.entry("tension", number(self.tension));
-        for (key, value) in [("density", self.density), ("viscosity", self.viscosity)] {
-            value.iter().for_each(|v| out.entry(key, number(*v)));
-        }
-        out.entry("force", word(self.force, &FORCES));
-        self.cuts.write(out);
+        self.section("[[drop]]", out);
     }
     fn boxed(&self) -> Box<dyn StructureKind> {
         Box::new(self.clone())

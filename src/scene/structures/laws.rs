@@ -2,71 +2,75 @@
 
 use crate::base::Result;
 use crate::elastic::{AreaLaw, Force, ShearLaw, SurfaceLaw};
-use crate::scene::keys::{Absent::*, Context, Item, Keys, Kind::*, Table, Writer, number, row};
+use crate::scene::keys::{Context, Nested, NonNegative, Table, one_of, table};
 
-pub(super) static SHEARS: Keys = Keys {
-    about: "The law of the energy E2(Z2) of shear: exactly one of these. Z2 is (l1/l2 + l2/l1)/2, l1 and l2 the principal stretches (3.41).",
-    keys: &[
-        row(
-            "linear",
-            Table(&MODULUS),
-            "",
-            OneOf,
-            "E2' = modulus (Z2 - 1) (3.65): a small shear, for which Z2 - 1 is of second order, meets no resistance.",
-        ),
-        row("neo_hookean", Table(&MODULUS), "", OneOf, "E2' = modulus: resists small shears with this modulus."),
-    ],
-};
+one_of! {
+    /// The law of the energy E2(Z2) of shear: exactly one of these. Z2 is (l1/l2 + l2/l1)/2, l1 and
+    /// l2 the principal stretches (3.41).
+    ShearLaw {
+        /// E2' = modulus (Z2 - 1) (3.65): a small shear, for which Z2 - 1 is of second order, meets
+        /// no resistance.
+        "linear" [Nested<Modulus>] (Modulus { modulus }) => (ShearLaw::Linear { modulus });
+        /// E2' = modulus: resists small shears with this modulus.
+        "neo_hookean" [Nested<Modulus>] (Modulus { modulus }) => (ShearLaw::NeoHookean { modulus });
+    }
+}
 
-pub(super) static WHOLE: Keys = Keys {
-    about: "A law of area and shear together: exactly one of these. The modulus is G, that of surface shear.",
-    keys: &[
-        row(
-            "neo_hookean",
-            Table(&MODULUS),
-            "",
-            OneOf,
-            "A thin sheet of rubber: W = G/2 (l1^2 + l2^2 + 1/(l1 l2)^2 - 3); E_s = 3 G.",
-        ),
-        row(
-            "skalak",
-            Table(&SKALAK),
-            "",
-            OneOf,
-            "Skalak's law for red blood cells: W = G/4 (I1^2 + 2 I1 - 2 I2 + C I2^2), I1 = l1^2 + l2^2 - 2, I2 = (l1 l2)^2 - 1.",
-        ),
-    ],
-};
+one_of! {
+    /// A law of area and shear together: exactly one of these. The modulus is G, that of surface
+    /// shear.
+    SurfaceLaw {
+        /// A thin sheet of rubber: W = G/2 (l1^2 + l2^2 + 1/(l1 l2)^2 - 3); E_s = 3 G.
+        "neo_hookean" [Nested<Modulus>] (Modulus { modulus }) => (SurfaceLaw::NeoHookean { modulus });
+        /// Skalak's law for red blood cells: W = G/4 (I1^2 + 2 I1 - 2 I2 + C I2^2), I1 = l1^2 +
+        /// l2^2 - 2, I2 = (l1 l2)^2 - 1.
+        "skalak" [Nested<Skalak>]
+            (Skalak { modulus, area_ratio }) => (SurfaceLaw::Skalak { modulus, area_ratio });
+    }
+}
 
-static SKALAK: Keys = Keys {
-    about: "Skalak's law.",
-    keys: &[
-        row("modulus", Value("number >= 0"), "N/m", Required, "G, the surface shear modulus."),
-        row("area_ratio", Value("number >= 0"), "", Required, "C: resistance to a change of area over that to shear."),
-    ],
-};
+table! {
+    /// Skalak's law.
+    Skalak: Copy {
+        /// G, the surface shear modulus.
+        modulus: f64 [NonNegative, "N/m",
+            Required("write skalak = { modulus = 1, area_ratio = 1 }")],
+        /// C: resistance to a change of area over that to shear.
+        area_ratio: f64 [NonNegative, Required("write skalak = { modulus = 1, area_ratio = 1 }")],
+    }
+}
 
-pub(super) static LAWS: Keys = Keys {
-    about: "The law of the elastic energy E(r): exactly one of these. The tension is E'(r), r the stretch (3.13).",
-    keys: &[
-        row("linear", Table(&MODULUS), "", OneOf, "E'(r) = modulus (r - 1)."),
-        row("one_sided", Table(&MODULUS), "", OneOf, "E'(r) = modulus max(r - 1, 0): no resistance to compression."),
-        row("tension", Table(&TENSION), "", OneOf, "E'(r) = tension, whatever the stretch: a drop."),
-    ],
-};
+one_of! {
+    /// The law of the elastic energy E(r): exactly one of these. The tension is E'(r), r the
+    /// stretch (3.13).
+    AreaLaw {
+        /// E'(r) = modulus (r - 1).
+        "linear" [Nested<Modulus>] (Modulus { modulus }) => (AreaLaw::Linear { modulus });
+        /// E'(r) = modulus max(r - 1, 0): no resistance to compression.
+        "one_sided" [Nested<Modulus>] (Modulus { modulus }) => (AreaLaw::OneSided { modulus });
+        /// E'(r) = tension, whatever the stretch: a drop.
+        "tension" [Nested<Tension>] (Tension { tension }) => (AreaLaw::Tension { tension });
+    }
+}
 
-static MODULUS: Keys = Keys {
-    about: "A law with an elastic modulus.",
-    keys: &[row("modulus", Value("number >= 0"), "N/m", Required, "Elastic modulus.")],
-};
+table! {
+    /// A law with an elastic modulus.
+    Modulus: Copy {
+        /// Elastic modulus.
+        modulus: f64 [NonNegative, "N/m", Required("write {here} = { modulus = 1 }")],
+    }
+}
 
-static TENSION: Keys = Keys {
-    about: "Surface tension.",
-    keys: &[row("tension", Value("number >= 0"), "N/m", Required, "Surface tension.")],
-};
+table! {
+    /// Surface tension.
+    Tension: Copy {
+        /// Surface tension.
+        tension: f64 [NonNegative, "N/m", Required("write {here} = { tension = 1 }")],
+    }
+}
 
-/// The law of the area, and that of a membrane which resists shear.
-pub(super) fn read(table: &Table<'_>, force: Force, context: &Context) -> Result<(AreaLaw, Option<SurfaceLaw>)> {
+/// Refuses laws that exclude each other, or that do not go with the force or the dimension.
+pub(super) fn check(table: &Table<'_>, force: Force, context: &Context) -> Result<()> {
     let (shear, whole) = (table.get("shear"), table.get("law"));
     if let Some(item) = shear.as_ref().or(whole.as_ref()) {
         if context.dimension == 2 {
@@ -80,92 +84,15 @@ pub(super) fn read(table: &Table<'_>, force: Force, context: &Context) -> Result
                 .remedy("take force = \"smeared\", or leave the shear out"));
         }
     }
-    if let Some(item) = &whole {
-        if let Some(other) = shear.as_ref().or(table.get("area").as_ref()) {
-            return Err(other
+    if whole.is_some() {
+        return match shear.as_ref().or(table.get("area").as_ref()) {
+            None => Ok(()),
+            Some(other) => Err(other
                 .key_error(format!("`law` is a law of area and shear together, and `{}` comes on top of it", other.key))
-                .remedy("give `law` alone, or `area` and `shear`"));
-        }
-        let law = SurfaceLaw::read_whole(item)?;
-        let [modulus, _, _] = law.response(1.0, 1.0).second;
-        return Ok((AreaLaw::Linear { modulus }, Some(law)));
+                .remedy("give `law` alone, or `area` and `shear`")),
+        };
     }
-    let remedy = "give the elastic law: area.linear = { modulus = 1 }";
-    let area = table.required("area", remedy, AreaLaw::read)?;
-    let shear = shear.as_ref().map(ShearLaw::read).transpose()?;
-    Ok((area, shear.map(|shear| SurfaceLaw::Split { area, shear })))
-}
-
-fn modulus(item: &Item, law: &str) -> Result<f64> {
-    item.table(&MODULUS)?.required("modulus", &format!("write {law} = {{ modulus = 1 }}"), Item::non_negative)
-}
-
-impl ShearLaw {
-    fn read(item: &Item) -> Result<ShearLaw> {
-        let (law, item) = item.table(&SHEARS)?.exactly_one(&SHEARS)?;
-        let modulus = modulus(&item, law)?;
-        Ok(if law == "linear" { ShearLaw::Linear { modulus } } else { ShearLaw::NeoHookean { modulus } })
-    }
-}
-
-impl SurfaceLaw {
-    fn read_whole(item: &Item) -> Result<SurfaceLaw> {
-        let (law, item) = item.table(&WHOLE)?.exactly_one(&WHOLE)?;
-        if law == "neo_hookean" {
-            return Ok(SurfaceLaw::NeoHookean { modulus: modulus(&item, law)? });
-        }
-        let (table, remedy) = (item.table(&SKALAK)?, "write skalak = { modulus = 1, area_ratio = 1 }");
-        Ok(SurfaceLaw::Skalak {
-            modulus: table.required("modulus", remedy, Item::non_negative)?,
-            area_ratio: table.required("area_ratio", remedy, Item::non_negative)?,
-        })
-    }
-}
-
-impl AreaLaw {
-    fn read(item: &Item) -> Result<AreaLaw> {
-        let (law, item) = item.table(&LAWS)?.exactly_one(&LAWS)?;
-        let (parameter, keys) = if law == "tension" { ("tension", &TENSION) } else { ("modulus", &MODULUS) };
-        let remedy = format!("write {law} = {{ {parameter} = 1 }}");
-        let value = item.table(keys)?.required(parameter, &remedy, Item::non_negative)?;
-        Ok(match law {
-            "linear" => AreaLaw::Linear { modulus: value },
-            "one_sided" => AreaLaw::OneSided { modulus: value },
-            _ => AreaLaw::Tension { tension: value },
-        })
-    }
-
-    /// The law as TOML.
-    fn write(&self) -> String {
-        match self {
-            AreaLaw::Linear { modulus } => format!("{{ linear = {{ modulus = {} }} }}", number(*modulus)),
-            AreaLaw::OneSided { modulus } => format!("{{ one_sided = {{ modulus = {} }} }}", number(*modulus)),
-            AreaLaw::Tension { tension } => format!("{{ tension = {{ tension = {} }} }}", number(*tension)),
-        }
-    }
-}
-
-/// Writes the keys of the law of a membrane.
-pub(super) fn write(area: AreaLaw, surface: Option<SurfaceLaw>, out: &mut Writer) {
-    match surface {
-        None => out.entry("area", area.write()),
-        Some(SurfaceLaw::Split { area, shear }) => {
-            out.entry("area", area.write());
-            let (law, modulus) = match shear {
-                ShearLaw::Linear { modulus } => ("linear", modulus),
-                ShearLaw::NeoHookean { modulus } => ("neo_hookean", modulus),
-            };
-            out.entry("shear", format_args!("{{ {law} = {{ modulus = {} }} }}", number(modulus)));
-        }
-        Some(SurfaceLaw::NeoHookean { modulus }) => {
-            let modulus = number(modulus);
-            out.entry("law", format_args!("{{ neo_hookean = {{ modulus = {modulus} }} }}"));
-        }
-        Some(SurfaceLaw::Skalak { modulus, area_ratio }) => {
-            let (g, c) = (number(modulus), number(area_ratio));
-            out.entry("law", format_args!("{{ skalak = {{ modulus = {g}, area_ratio = {c} }} }}"));
-        }
-    }
+    table.required("area", "give the elastic law: area.linear = { modulus = 1 }", |_| Ok(()))
 }
 
 /// A law of area in words.

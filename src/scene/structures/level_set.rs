@@ -6,69 +6,55 @@ use crate::base::{Error, Result};
 use crate::mesh::Point;
 use crate::scene::charts::{Columns, Drawn};
 use crate::scene::cuts::Cuts;
-use crate::scene::keys::{Absent::*, Context, Item, Keys, Kind::*, Writer, identifier, row, text};
+use crate::scene::keys::{Context, Identifier, Kind, Nested, Table, Tabled, Writer, kinds, table};
 use crate::scene::row::Row;
-use crate::scene::schema::{Shape, shape};
+use crate::scene::schema::Shape;
 use crate::scene::view::View;
 use crate::structure::{self, Structure};
 
 /// The kind `[[level_set]]`.
 pub(super) const KIND: Registered = Registered {
     list: "level_set",
-    keys: &KEYS,
+    keys: LevelSet::KEYS,
     doc: "Interfaces that are carried and act on nothing.",
     #[cfg(test)]
     example: |_| "",
     read: |item, _, context| Ok(Box::new(LevelSet::read(item, context)?)),
 };
 
-/// A passive level set.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LevelSet {
-    /// Its name in results; unique in the scene.
-    pub name: String,
-    /// Form at time 0; the level set is its signed distance.
-    pub shape: Shape,
-    /// Particles on the interface, followed for comparison; 0 for none.
-    pub markers: usize,
+table! {
+    /// A closed interface that is carried and acts on nothing.
+    LevelSet {
+        /// Its name in results; unique in the scene.
+        name: String [Identifier, Default("interface")],
+        /// Its form at time 0.
+        shape: Shape [Nested<Shape>,
+            Required("give one: shape.circle = { centre = [0.5, 0.75], radius = 0.15 }")],
+        /// Particles on the interface, in columns of their own: the length and the area of their
+        /// polygon. In the plane alone.
+        markers: usize [Markers, Default(0)],
+    } before LevelSet::before;
+}
+
+kinds! {
+    /// A number of markers: a polygon has three corners.
+    Markers: usize = Kind::Value("whole number from 3, or 0 for none"),
+        |i, _| if i.is_zero() { Ok(0) } else { i.count(3, MOST_MARKERS) };
 }
 
 /// Columns of the polygon of the markers.
 const MARKERS: [&str; 2] = ["markers_length", "markers_area"];
 
-static KEYS: Keys = Keys {
-    about: "A closed interface that is carried and acts on nothing.",
-    keys: &[
-        row("name", Value("text"), "", Default("\"interface\""), "Its name in results; unique in the scene."),
-        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
-        row(
-            "markers",
-            Value("whole number from 3, or 0 for none"),
-            "",
-            Default("0"),
-            "Particles on the interface, in columns of their own: the length and the area of their polygon. In the plane alone.",
-        ),
-    ],
-};
-
 const MOST_MARKERS: usize = 10_000_000;
 
 impl LevelSet {
-    fn read(item: &Item, context: &Context) -> Result<LevelSet> {
-        let table = item.table(&KEYS)?;
-        let shape = "give one: shape.circle = { centre = [0.5, 0.75], radius = 0.15 }";
-        if let (Some(item), 3) = (table.get("markers").filter(|i| !i.is_zero()), context.dimension) {
-            return Err(item
+    fn before(table: &Table<'_>, context: &Context) -> Result<()> {
+        match table.get("markers").filter(|i| !i.is_zero() && context.dimension == 3) {
+            None => Ok(()),
+            Some(item) => Err(item
                 .key_error("markers follow a curve, and the interface is a surface: the scene has 3 dimensions")
-                .remedy("leave them out"));
+                .remedy("leave them out")),
         }
-        // A polygon has three corners.
-        let markers = |i: &Item| if i.is_zero() { Ok(0) } else { i.count(3, MOST_MARKERS) };
-        Ok(LevelSet {
-            name: table.optional("name", identifier)?.unwrap_or_else(|| "interface".to_string()),
-            shape: table.required("shape", shape, |i| Shape::read(i, context))?,
-            markers: table.optional("markers", markers)?.unwrap_or(0),
-        })
     }
     /// Points on the interface, which no periodic side may interrupt.
     fn markers<const D: usize>(&self, of: &Build<'_, '_, D>) -> Result<Vec<Point<D>>> {
@@ -94,7 +80,7 @@ impl<const D: usize> KindIn<D> for LevelSet {
         Ok(Box::new(level_set.with_markers(markers)))
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
-        view.measure_interface(k, &Cuts::default(), row)?;
+        view.measure_interface(k, Cuts::default(), row)?;
         if self.markers > 0 {
             let polygon = view.marker_polygon(k).unwrap_or([f64::NAN; 2]);
             row.put_all(&format!("{}.", self.name), MARKERS.into_iter().zip(polygon));
@@ -127,10 +113,7 @@ impl StructureKind for LevelSet {
         length_chart(of, &self.name).into_iter().collect()
     }
     fn write(&self, out: &mut Writer) {
-        out.header("[[level_set]]");
-        out.entry("name", text(&self.name));
-        out.entry("shape", self.shape.write());
-        out.entry("markers", self.markers);
+        self.section("[[level_set]]", out);
     }
     fn boxed(&self) -> Box<dyn StructureKind> {
         Box::new(self.clone())

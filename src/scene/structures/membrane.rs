@@ -3,17 +3,18 @@
 use super::build::{self, Build, band_of};
 use super::{KindIn, Registered, StructureKind, Traits, laws};
 use crate::base::{Error, Result};
-use crate::elastic::{AreaFrom, AreaLaw, Band, Force, SharpMembrane, ShearMembrane, SurfaceLaw};
+use crate::elastic::{AreaFrom, AreaLaw, Band, Force, SharpMembrane, ShearLaw, ShearMembrane, SurfaceLaw};
 use crate::mesh::Point;
 use crate::scene::charts::{Columns, Drawn};
-use crate::scene::cuts::{self, Cuts};
+use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Absent::*, Context, Item, Keys, Kind::*, Writer, expressions, identifier, name as word, number, row, text, words,
+    Context, Identifier, Item, Kind, Many, Named, Nested, NonNegative, Opt, Positive, Table, Tabled, Writer, kinds,
+    optional, table, words,
 };
 use crate::scene::points::coordinates;
 use crate::scene::row::Row;
-use crate::scene::schema::{Numerics, Shape, Tables, shape};
+use crate::scene::schema::{Numerics, Shape, Tables};
 use crate::scene::view::View;
 use crate::structure::{Immersed, ImmersedInterface, InitialFunction, RestMap, Structure, SurfaceStrain};
 use nalgebra::{SMatrix, SVector};
@@ -22,152 +23,92 @@ use std::sync::Arc;
 /// The kind `[[membrane]]`.
 pub(super) const KIND: Registered = Registered {
     list: "membrane",
-    keys: &KEYS,
+    keys: Membrane::KEYS,
     doc: "Elastic interfaces.",
     #[cfg(test)]
     example: |_| "area.linear = { modulus = 1 }",
     read: |item, _, context| Ok(Box::new(Membrane::read(item, context)?)),
 };
 
-/// A closed elastic membrane.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Membrane {
-    /// Its name in results; unique in the scene.
-    pub name: String,
-    /// Form at time 0.
-    pub shape: Shape,
-    /// Stretch r at time 0: length over length at rest.
-    pub stretch: f64,
-    /// Law of its elastic energy; of one that resists shear, that for small changes of its area.
-    pub area: AreaLaw,
-    /// Law of one that resists shear too.
-    pub surface: Option<SurfaceLaw>,
-    /// Position at rest of the material at a point at time 0, beside the stretch: three expressions,
-    /// or none for the same place.
-    pub map: Vec<Expression>,
-    /// Source of the change of its area, if it resists shear.
-    pub area_from: AreaFrom,
-    /// True if its level set is `phi0(Y)` in place of being carried.
-    pub mapped: bool,
-    /// Place where its force acts.
-    pub force: Force,
-    /// Mass per length (2-D) or area (3-D), >= 0.
-    pub mass: f64,
-    /// Lines and planes along which it is measured.
-    pub cuts: Cuts,
+table! {
+    /// A closed elastic membrane.
+    Membrane {
+        /// Its name in results; unique in the scene.
+        name: String [Identifier, Default("membrane")],
+        /// Its form at time 0.
+        shape: Shape [Nested<Shape>,
+            Required("give one: shape.circle = { centre = [1, 1], radius = 0.5 }")],
+        /// Stretch r at time 0: length over length at rest.
+        stretch: f64 [Positive, Default(1.0)],
+        /// The law of the energy E(r) of its area.
+        area: Option<AreaLaw> [Opt<Nested<AreaLaw>>, Derived("none, where `law` is given")],
+        /// The law of the energy of its shear, beside that of its area; in space alone. Backward
+        /// characteristics are then carried.
+        shear: Option<ShearLaw> [Opt<Nested<ShearLaw>>],
+        /// A law of area and shear together, in place of `area` and `shear`; in space alone.
+        law: Option<SurfaceLaw> [Opt<Nested<SurfaceLaw>>],
+        /// Where the material that is at x, y, z at time 0 is at rest, beside the stretch: Y at
+        /// time 0.
+        map: Vec<Expression> [Many<Map>, "m", Derived("[\"x\", \"y\", \"z\"]")],
+        /// What Z1 is taken from where there is shear: the slope of the level set, or the map Y.
+        area_change: AreaFrom [AreaWords, Default("slope")],
+        /// Whether the level set is carried, or taken as that of time 0 at the place where the map
+        /// Y comes from.
+        level_set: bool [LevelSetWords, Default("carried")],
+        /// Where its force acts: over a band, whose half-width `numerics.thickness` makes an error
+        /// of first order, or on the interface itself, cut out of the cells, with the stretch
+        /// carried along it.
+        force: Force [Forces, Default("smeared")],
+        /// Mass per area (in the plane: per length and unit depth).
+        mass: f64 [NonNegative, "kg/m2", Default(0.0)],
+        /// Lines along which the contour is measured.
+        chords: Vec<Named<Chord>> [Named<Chord>],
+        /// Planes through the membrane in which its form is measured; in space alone.
+        rings: Vec<Named<Ring>> [Named<Ring>],
+    } before Membrane::before; hide Membrane::hides;
 }
 
-pub(super) const FORCES: [(&str, Force); 2] = [("smeared", Force::Smeared), ("sharp", Force::Sharp)];
-pub(super) const FORCE_WORDS: [&str; FORCES.len()] = words(&FORCES);
-const AREAS: [(&str, AreaFrom); 2] = [("slope", AreaFrom::Slope), ("map", AreaFrom::Map)];
-const AREA_WORDS: [&str; AREAS.len()] = words(&AREAS);
-const LEVEL_SETS: [(&str, bool); 2] = [("carried", false), ("mapped", true)];
-const LEVEL_SET_WORDS: [&str; LEVEL_SETS.len()] = words(&LEVEL_SETS);
-
-static KEYS: Keys = Keys {
-    about: "A closed elastic membrane.",
-    keys: &[
-        row("name", Value("text"), "", Default("\"membrane\""), "Its name in results; unique in the scene."),
-        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
-        row("stretch", Value("number > 0"), "", Default("1.0"), "Stretch r at time 0: length over length at rest."),
-        row(
-            "area",
-            Table(&laws::LAWS),
-            "",
-            Derived("none, where `law` is given"),
-            "The law of the energy E(r) of its area.",
-        ),
-        row(
-            "shear",
-            Table(&laws::SHEARS),
-            "",
-            Optional,
-            "The law of the energy of its shear, beside that of its area; in space alone. Backward characteristics are then carried.",
-        ),
-        row(
-            "law",
-            Table(&laws::WHOLE),
-            "",
-            Optional,
-            "A law of area and shear together, in place of `area` and `shear`; in space alone.",
-        ),
-        row(
-            "map",
-            Value("three expressions"),
-            "m",
-            Derived("[\"x\", \"y\", \"z\"]"),
-            "Where the material that is at x, y, z at time 0 is at rest, beside the stretch: Y at time 0.",
-        ),
-        row(
-            "area_change",
-            Choice(&AREA_WORDS),
-            "",
-            Default("\"slope\""),
-            "What Z1 is taken from where there is shear: the slope of the level set, or the map Y.",
-        ),
-        row(
-            "level_set",
-            Choice(&LEVEL_SET_WORDS),
-            "",
-            Default("\"carried\""),
-            "Whether the level set is carried, or taken as that of time 0 at the place where the map Y comes from.",
-        ),
-        row(
-            "force",
-            Choice(&FORCE_WORDS),
-            "",
-            Default("\"smeared\""),
-            "Where its force acts: over a band, whose half-width `numerics.thickness` makes an error of first order, or on the interface \
-             itself, cut out of the cells, with the stretch carried along it.",
-        ),
-        row(
-            "mass",
-            Value("number >= 0"),
-            "kg/m2",
-            Default("0.0"),
-            "Mass per area (in the plane: per length and unit depth).",
-        ),
-        row("chords", Named(&cuts::CHORD), "", Optional, "Lines along which the contour is measured."),
-        row(
-            "rings",
-            Named(&cuts::RING),
-            "",
-            Optional,
-            "Planes through the membrane in which its form is measured; in space alone.",
-        ),
-    ],
-};
+words! { Forces: Force { "smeared" = Force::Smeared, "sharp" = Force::Sharp } }
+words! { AreaWords: AreaFrom { "slope" = AreaFrom::Slope, "map" = AreaFrom::Map } }
+words! { LevelSetWords: bool { "carried" = false, "mapped" = true } }
+kinds! {
+    /// A place at rest.
+    Map: Vec<Expression> = Kind::Value("three expressions"), read_map;
+}
 
 impl Membrane {
-    fn read(item: &Item, context: &Context) -> Result<Membrane> {
-        let table = item.table(&KEYS)?;
-        let shape = "give one: shape.circle = { centre = [1, 1], radius = 0.5 }";
-        let name = table.optional("name", identifier)?.unwrap_or_else(|| "membrane".to_string());
-        let force = table.optional("force", |i| i.choice(&FORCES))?.unwrap_or(Force::Smeared);
-        let (area, surface) = laws::read(&table, force, context)?;
-        let needs_shear = |i: &Item| {
-            i.key_error(format!("`{}` is for membranes that resist shear", i.key))
-                .remedy("give shear.linear = { modulus = 1 } beside the law of area, or leave it out")
-        };
-        for key in ["map", "area_change", "level_set"] {
-            if let (None, Some(item)) = (surface, table.get(key)) {
-                return Err(needs_shear(&item));
-            }
+    fn before(table: &Table<'_>, context: &Context) -> Result<()> {
+        let force = optional::<Forces>(table, "force", context)?.unwrap_or(Force::Smeared);
+        laws::check(table, force, context)?;
+        let of_shear = ["map", "area_change", "level_set"].into_iter().find_map(|key| table.get(key));
+        let resists_shear = ["shear", "law"].into_iter().any(|key| table.get(key).is_some());
+        if let (false, Some(item)) = (resists_shear, of_shear) {
+            return Err(item
+                .key_error(format!("`{}` is for membranes that resist shear", item.key))
+                .remedy("give shear.linear = { modulus = 1 } beside the law of area, or leave it out"));
         }
-        let cuts = Cuts::read(&table, context)?;
-        Ok(Membrane {
-            name,
-            shape: table.required("shape", shape, |i| Shape::read(i, context))?,
-            stretch: table.optional("stretch", Item::positive)?.unwrap_or(1.0),
-            area,
-            surface,
-            map: table.optional("map", |i| read_map(i, context))?.unwrap_or_default(),
-            area_from: table.optional("area_change", |i| i.choice(&AREAS))?.unwrap_or(AreaFrom::Slope),
-            mapped: table.optional("level_set", |i| i.choice(&LEVEL_SETS))?.unwrap_or(false),
-            force,
-            mass: table.optional("mass", Item::non_negative)?.unwrap_or(0.0),
-            cuts,
-        })
+        cuts::check(table, context)
+    }
+
+    fn hides(&self, key: &str) -> bool {
+        self.surface().is_none() && ["map", "area_change", "level_set"].contains(&key)
+    }
+
+    /// Law of its area; of one whose law is of area and shear together, that for small changes.
+    pub fn area(&self) -> AreaLaw {
+        match self.law {
+            Some(law) => AreaLaw::Linear { modulus: law.response(1.0, 1.0).second[0] },
+            None => self.area.unwrap_or(AreaLaw::Tension { tension: 0.0 }),
+        }
+    }
+
+    /// Law of one that resists shear.
+    pub fn surface(&self) -> Option<SurfaceLaw> {
+        self.law.or(self.shear.map(|shear| SurfaceLaw::Split { area: self.area(), shear }))
+    }
+
+    fn cuts(&self) -> Cuts<'_> {
+        Cuts { chords: &self.chords, rings: &self.rings }
     }
 
     /// The level set at time 0 whose distance is `distance`: times the area stretch at the start, so
@@ -230,7 +171,7 @@ impl Membrane {
         let membrane = ShearMembrane::new(law, of.thickness, self.stretch)
             .with_band(self.band(numerics), self.stretch)
             .with_kernel(numerics.kernel, numerics.width)
-            .with_area_from(self.area_from);
+            .with_area_from(self.area_change);
         if self.map.is_empty() { membrane } else { membrane.with_map(rest_map(&self.map)) }
     }
 
@@ -277,17 +218,17 @@ impl<const D: usize> KindIn<D> for Membrane {
             inside: of.inside,
             surface_mass: self.mass,
             coupling: numerics.coupling,
-            mapped: self.mapped,
+            mapped: self.level_set,
             ..ImmersedInterface::new(&*self.name, phi, of.thickness)
         };
-        Ok(match (self.surface, self.force) {
+        Ok(match (self.surface(), self.force) {
             (Some(law), _) => Immersed::boxed(interface, self.sheared(law, of)),
-            (None, Force::Sharp) => Immersed::boxed(interface, SharpMembrane::new(self.area, of.mean_viscosity())),
-            (None, Force::Smeared) => build::smeared(interface, self.area, (numerics, self.band(numerics))),
+            (None, Force::Sharp) => Immersed::boxed(interface, SharpMembrane::new(self.area(), of.mean_viscosity())),
+            (None, Force::Smeared) => build::smeared(interface, self.area(), (numerics, self.band(numerics))),
         })
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
-        view.measure_interface(k, &self.cuts, row).map(drop)
+        view.measure_interface(k, self.cuts(), row).map(drop)
     }
 }
 
@@ -302,21 +243,21 @@ impl StructureKind for Membrane {
         Some(&self.shape)
     }
     fn traits(&self) -> Traits {
-        let not_periodic = match (self.map.is_empty(), self.mapped) {
+        let not_periodic = match (self.map.is_empty(), self.level_set) {
             (false, _) => Some(("map", "a map to the place at rest")),
             (true, true) => Some(("level_set", "a level set taken from the map")),
             (true, false) => None,
         };
         Traits {
             slope: self.stretch,
-            constant_tension: self.surface.is_none() && matches!(self.area, AreaLaw::Tension { .. }),
-            modulus: self.surface.map_or(self.area.modulus(), SurfaceLaw::modulus),
-            pulls: self.area.modulus() > 0.0,
+            constant_tension: self.surface().is_none() && matches!(self.area(), AreaLaw::Tension { .. }),
+            modulus: self.surface().map_or(self.area().modulus(), SurfaceLaw::modulus),
+            pulls: self.area().modulus() > 0.0,
             sharp: self.force == Force::Sharp,
             mass: self.mass,
-            resists_shear: self.surface.is_some(),
+            resists_shear: self.surface().is_some(),
             not_periodic,
-            round_at_rest: self.surface.is_none(),
+            round_at_rest: self.surface().is_none(),
             ..Traits::default()
         }
     }
@@ -326,14 +267,14 @@ impl StructureKind for Membrane {
             false => String::new(),
         };
         let (name, stretch) = (&self.name, self.stretch);
-        let law = laws::words(self.area, self.surface);
-        if self.surface.is_none() {
+        let law = laws::words(self.area(), self.surface());
+        if self.surface().is_none() {
             return vec![format!(
                 "membrane `{name}`: stress (3.16) with {law}, initial stretch {stretch}{mass}; its level set by (3.22)"
             )];
         }
-        let level_set = if self.mapped { "phi0(Y) (3.32)" } else { "carried by (3.31)" };
-        let from = match self.area_from {
+        let level_set = if self.level_set { "phi0(Y) (3.32)" } else { "carried by (3.31)" };
+        let from = match self.area_change {
             AreaFrom::Slope => "|grad phi| (3.42)",
             AreaFrom::Map => "the map (3.40)",
         };
@@ -351,7 +292,7 @@ impl StructureKind for Membrane {
     }
     fn numerics(&self, tables: &Tables) -> Option<String> {
         if self.force == Force::Sharp {
-            let pulls = self.area.modulus() > 0.0;
+            let pulls = self.area().modulus() > 0.0;
             return pulls.then(|| {
                 format!("force of `{}` on the interface itself, with the stretch carried along it", self.name)
             });
@@ -359,29 +300,15 @@ impl StructureKind for Membrane {
         Some(build::band_words(&self.name, &tables.numerics, self.band(&tables.numerics)))
     }
     fn chords(&self) -> Vec<String> {
-        self.cuts.names().map(str::to_string).collect()
+        self.cuts().names().map(str::to_string).collect()
     }
     fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
-        let cuts = &self.cuts;
-        let (axes, chords) = (of.axes(&self.name, self.surface.is_none()), of.chords(&self.name, cuts.names()));
+        let cuts = self.cuts();
+        let (axes, chords) = (of.axes(&self.name, self.surface().is_none()), of.chords(&self.name, cuts.names()));
         axes.into_iter().chain(chords).collect()
     }
     fn write(&self, out: &mut Writer) {
-        out.header("[[membrane]]");
-        out.entry("name", text(&self.name));
-        out.entry("shape", self.shape.write());
-        out.entry("stretch", number(self.stretch));
-        laws::write(self.area, self.surface, out);
-        if self.surface.is_some() {
-            if !self.map.is_empty() {
-                out.entry("map", expressions(&self.map));
-            }
-            out.entry("area_change", word(self.area_from, &AREAS));
-            out.entry("level_set", word(self.mapped, &LEVEL_SETS));
-        }
-        out.entry("force", word(self.force, &FORCES));
-        out.entry("mass", number(self.mass));
-        self.cuts.write(out);
+        self.section("[[membrane]]", out);
     }
     fn boxed(&self) -> Box<dyn StructureKind> {
         Box::new(self.clone())

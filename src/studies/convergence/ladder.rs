@@ -104,25 +104,26 @@ impl Rung<'_> {
         }
         let finer = |n: usize| n.saturating_mul(1 << k.min(30));
         Ok(match &self.scene.mesh {
-            MeshSource::Rectangle { cells: [nx, ny], .. } => {
-                let [nx, ny] = [finer(*nx), finer(*ny)];
+            MeshSource::Rectangle(rectangle) => {
+                let [nx, ny] = rectangle.cells.map(finer);
                 let name = if nx == ny { format!("n = {nx}") } else { format!("n = {nx} x {ny}") };
                 (vec![format!("mesh.rectangle.cells=[{nx}, {ny}]")], name)
             }
-            MeshSource::Disc { cells, .. } => {
-                (vec![format!("mesh.disc.cells={}", finer(*cells))], format!("n = {}", finer(*cells)))
+            MeshSource::Disc(disc) => {
+                let n = finer(disc.cells);
+                (vec![format!("mesh.disc.cells={n}")], format!("n = {n}"))
             }
             MeshSource::File { refine, .. } => {
                 (vec![format!("mesh.refine={}", refine + k)], format!("refine = {}", refine + k))
             }
-            MeshSource::Box { cells, .. } => {
-                let cells = cells.map(finer);
+            MeshSource::Box(block) => {
+                let cells = block.cells.map(finer);
                 let [nx, ny, nz] = cells;
                 let name = if nx == ny && ny == nz { format!("n = {nx}") } else { format!("n = {nx} x {ny} x {nz}") };
                 (vec![format!("mesh.box.cells={cells:?}")], name)
             }
-            MeshSource::BallInBox { cells, edge, .. } => {
-                let (cells, edge) = (cells.map(finer), edge / power(k)?);
+            MeshSource::BallInBox(ball) => {
+                let (cells, edge) = (ball.cells.map(finer), ball.edge / power(k)?);
                 let set = [format!("mesh.ball_in_box.cells={cells:?}"), format!("mesh.ball_in_box.edge={edge:?}")];
                 (set.to_vec(), format!("edge = {edge}"))
             }

@@ -4,50 +4,34 @@ use super::physics::Spring as Pulled;
 use crate::base::Result;
 use crate::scene::charts::{Columns, Drawn};
 use crate::scene::cuts::Cuts;
-use crate::scene::keys::{Absent::*, Context, Item, Keys, Kind::*, Writer, identifier, number, row, text, vector};
+use crate::scene::keys::{Identifier, Nested, Point as Place, Positive, Tabled, Writer, table};
 use crate::scene::points::point;
 use crate::scene::row::Row;
-use crate::scene::schema::{Shape, shape};
+use crate::scene::schema::Shape;
 use crate::scene::structures::{Build, KindIn, Registered, StructureKind, Traits};
 use crate::scene::view::View;
 use crate::structure::Structure;
 
 pub(in crate::scene) const KIND: Registered = Registered {
     list: "spring",
-    keys: &KEYS,
+    keys: Spring::KEYS,
     doc: "Discs of fluid that springs pull to points.",
     example: |d| if d == 2 { "anchor = [1, 1]\nstiffness = 1" } else { "anchor = [1, 1, 1]\nstiffness = 1" },
     read: |item, _, context| Ok(Box::new(Spring::read(item, context)?)),
 };
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Spring {
-    pub name: String,
-    pub shape: Shape,
-    pub anchor: Vec<f64>,
-    pub stiffness: f64,
-}
-
-static KEYS: Keys = Keys {
-    about: "A disc of fluid that a spring pulls to a point.",
-    keys: &[
-        row("name", Value("text"), "", Default("\"spring\""), "Its name in results."),
-        row("shape", Table(&shape::KEYS), "", Required, "Its form at time 0."),
-        row("anchor", Value("point"), "m", Required, "The point."),
-        row("stiffness", Value("number > 0"), "N/m", Required, "Force over the distance."),
-    ],
-};
-
-impl Spring {
-    fn read(item: &Item, context: &Context) -> Result<Spring> {
-        let table = item.table(&KEYS)?;
-        let shape = "give one: shape.circle = { centre = [1, 1], radius = 0.5 }";
-        Ok(Spring {
-            name: table.optional("name", identifier)?.unwrap_or_else(|| "spring".to_string()),
-            shape: table.required("shape", shape, |i| Shape::read(i, context))?,
-            anchor: table.required("anchor", "give a point: anchor = [1, 1]", |i| i.point(context))?,
-            stiffness: table.required("stiffness", "give one: stiffness = 1", Item::positive)?,
-        })
+table! {
+    /// A disc of fluid that a spring pulls to a point.
+    Spring {
+        /// Its name in results.
+        name: String [Identifier, Default("spring")],
+        /// Its form at time 0.
+        shape: Shape [Nested<Shape>,
+            Required("give one: shape.circle = { centre = [1, 1], radius = 0.5 }")],
+        /// The point.
+        anchor: Vec<f64> [Place, "m", Required("give a point: anchor = [1, 1]")],
+        /// Force over the distance.
+        stiffness: f64 [Positive, "N/m", Required("give one: stiffness = 1")],
     }
 }
 
@@ -58,7 +42,7 @@ impl<const D: usize> KindIn<D> for Spring {
         Ok(Box::new(Pulled::new(&self.name, phi, (point(&self.anchor), self.stiffness, of.thickness))))
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
-        view.measure_interface(k, &Cuts::default(), row)?;
+        view.measure_interface(k, Cuts::default(), row)?;
         let fields = &view.state.fields;
         let path = fields.find(&format!("{}.path", self.name)).map_or(f64::NAN, |id| fields.scalar(id)[0]);
         row.put(format!("{}.path", self.name), path);
@@ -90,11 +74,7 @@ impl StructureKind for Spring {
         drawn.into_iter().collect()
     }
     fn write(&self, out: &mut Writer) {
-        out.header("[[spring]]");
-        out.entry("name", text(&self.name));
-        out.entry("shape", self.shape.write());
-        out.entry("anchor", vector(&self.anchor));
-        out.entry("stiffness", number(self.stiffness));
+        self.section("[[spring]]", out);
     }
     fn boxed(&self) -> Box<dyn StructureKind> {
         Box::new(self.clone())

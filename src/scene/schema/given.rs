@@ -1,9 +1,9 @@
-//! What the values of `[output]` must agree with: the times, the interfaces, and what the scene has to show.
+//! Properties of a scene that the values of `[output]` must agree with.
 
 use super::fluid::Fluid;
 use super::time::Time;
 use crate::base::Result;
-use crate::scene::keys::{Context, Item, Table, named};
+use crate::scene::keys::{Context, Item, Table};
 
 /// A field that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub enum Quantity {
     Checkerboard,
 }
 
-/// What moves interfaces.
+/// The cause of the motion of interfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) enum Motion {
     /// A flow that is solved.
@@ -51,37 +51,20 @@ impl Motion {
     }
 }
 
-/// The table `[output]`, if there is one, and what its values must agree with.
-pub(in crate::scene) struct Source<'a> {
-    pub table: Option<Table<'a>>,
+/// Properties of the scene that the values of `[output]` must agree with.
+pub(in crate::scene) struct Given<'a> {
     pub time: &'a Time,
+    /// Names of all interfaces.
     pub interfaces: &'a [&'a str],
-    /// Whether there is a flow.
     pub motion: Motion,
-    /// Whether backward characteristics are carried.
+    /// True if backward characteristics are carried.
     pub has_map: bool,
     pub context: &'a Context,
 }
 
-impl<'a> Source<'a> {
-    pub fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
-        self.table.as_ref().map_or(Ok(None), |t| t.optional(key, read))
-    }
-
-    pub fn named<T>(&self, key: &str, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
-        Ok(self.optional(key, |i| named(i, read))?.unwrap_or_default())
-    }
-
-    /// An interval or `false`; by default the run is cut into `parts`.
-    pub fn interval_or_none(&self, key: &str, parts: f64) -> Result<Option<f64>> {
-        let given = self.optional(key, |i| unless_false(i, Item::positive))?;
-        Ok(given.unwrap_or_else(|| {
-            Some((self.time.end / parts).max(if self.time.tolerance.is_some() { 0.0 } else { self.time.step }))
-        }))
-    }
-
-    /// A quantity that the scene has.
-    pub fn possible(&self, item: &Item, quantity: Quantity) -> Result<Quantity> {
+impl Given<'_> {
+    /// Refuses a quantity that the scene does not have.
+    pub(in crate::scene) fn check_quantity(&self, item: &Item, quantity: Quantity) -> Result<()> {
         let n = self.interfaces.len();
         if self.motion == Motion::Image && quantity != Quantity::LevelSet {
             return Err(item
@@ -98,11 +81,38 @@ impl<'a> Source<'a> {
                 .error(format!("`{}` belongs to one interface, but the scene has {n}", item.text()?))
                 .remedy("ask for pressure, velocity or speed"));
         }
-        Ok(quantity)
+        Ok(())
     }
-}
 
-/// `None` for `false`, else what `read` gives.
-pub(super) fn unless_false<'a, T>(item: &Item<'a>, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
-    if item.is_false() { Ok(None) } else { read(item).map(Some) }
+    /// Refuses times that do not rise.
+    pub(super) fn check_times(&self, item: &Item) -> Result<()> {
+        let mut last = None;
+        for item in item.list()? {
+            let t = item.non_negative()?;
+            if last.is_some_and(|last| last >= t) {
+                return Err(item
+                    .error(format!("the time {t} is not after the one before it"))
+                    .remedy(format!("give rising times from 0 to {}", self.time.end)));
+            }
+            last = Some(t);
+        }
+        Ok(())
+    }
+
+    /// Columns of the series begin with the name of what they measure: no two may share it.
+    pub(super) fn check_names(&self, table: &Table<'_>) -> Result<()> {
+        let mut taken: Vec<&str> = self.interfaces.to_vec();
+        for key in ["probes", "forces", "fluxes", "curves"] {
+            let Some(item) = table.get(key) else { continue };
+            for (name, item) in item.open_table()?.items() {
+                if taken.contains(&name) {
+                    return Err(item
+                        .key_error(format!("the name `{name}` is taken by another output or an interface"))
+                        .remedy("give every membrane, level set, probe, force, flux and curve a name of its own"));
+                }
+                taken.push(name);
+            }
+        }
+        Ok(())
+    }
 }
