@@ -29,6 +29,72 @@ pub struct Numbering<const D: usize> {
     translations: Vec<Translation<D>>,
 }
 
+/// Numbers the components of the velocity at free nodes. Returns the numbers, the frames of nodes on
+/// walls that the fluid slips along, and the number of unknowns.
+#[allow(clippy::type_complexity, reason = "three results of one loop")]
+fn number_velocity<const D: usize>(
+    velocity: &Space<D>,
+    marks: &Marks<D>,
+    masters: &[u32],
+) -> (Vec<[u32; D]>, HashMap<u32, SMatrix<f64, D, D>>, u32) {
+    let used = velocity.used_nodes();
+    let mut order = 0;
+    let mut next = || {
+        order += 1;
+        order - 1
+    };
+    let mut frames = HashMap::new();
+    let mut numbers = vec![[NONE; D]; velocity.len()];
+    for n in 0..velocity.len() {
+        let (master, node) = (masters[n], n as u32);
+        if master != node {
+            numbers[n] = numbers[master as usize];
+            if let Some(&frame) = frames.get(&master) {
+                frames.insert(node, frame);
+            }
+        } else if used[n] && !marks.fixed.contains_key(&node) {
+            let (frame, walls) = marks.normals.get(&node).map_or((None, 0), |list| wall_frame(list));
+            frame.map(|f| frames.insert(node, f));
+            (walls..D).for_each(|i| numbers[n][i] = next());
+        }
+    }
+    (numbers, frames, order)
+}
+
+/// Numbers the pressures from `first` on. Where it is `pinned`, the pressure is fixed at one point; its
+/// mean is removed after the solve. Returns the numbers, and the number of all unknowns.
+fn number_pressure<const D: usize>(
+    pressure: &Space<D>,
+    translations: &[Translation<D>],
+    first: u32,
+    pinned: bool,
+) -> (Vec<u32>, u32) {
+    let mesh = pressure.mesh();
+    let points = mesh.points().len();
+    let left_out = match pressure.element() {
+        Element::P1P0 => constants_left_out(mesh, translations),
+        _ => Vec::new(),
+    };
+    let (used, masters) = (pressure.used_nodes(), identify(pressure, translations));
+    let mut numbers = vec![NONE; pressure.len()];
+    let (mut fixed, mut free) = (!pinned, first);
+    for n in 0..pressure.len() {
+        let master = masters[n] as usize;
+        if master != n {
+            numbers[n] = numbers[master];
+        } else if n >= points {
+            if !left_out[n - points] {
+                numbers[n] = free;
+                free += 1;
+            }
+        } else if used[n] && std::mem::replace(&mut fixed, true) {
+            numbers[n] = free;
+            free += 1;
+        }
+    }
+    (numbers, free)
+}
+
 impl<const D: usize> Numbering<D> {
     /// Numbers the unknowns of `velocity` x `pressure` under `conditions`.
     ///
@@ -41,60 +107,18 @@ impl<const D: usize> Numbering<D> {
         let masters = identify(velocity, &translations);
         let mut marks = Marks::new(velocity, conditions)?;
         marks.share(&masters);
-        let used = velocity.used_nodes();
-        let mut order = 0;
-        let mut next = || {
-            order += 1;
-            order - 1
-        };
-        let mut frames = HashMap::new();
-        let mut numbers = vec![[NONE; D]; velocity.len()];
-        for n in 0..velocity.len() {
-            let (master, node) = (masters[n], n as u32);
-            if master != node {
-                numbers[n] = numbers[master as usize];
-                if let Some(&frame) = frames.get(&master) {
-                    frames.insert(node, frame);
-                }
-            } else if used[n] && !marks.fixed.contains_key(&node) {
-                let (frame, walls) = marks.normals.get(&node).map_or((None, 0), |list| wall_frame(list));
-                frame.map(|f| frames.insert(node, f));
-                (walls..D).for_each(|i| numbers[n][i] = next());
-            }
-        }
-        let points = mesh.points().len();
-        let left_out =
-            if pressure.element() == Element::P1P0 { constants_left_out(mesh, &translations) } else { Vec::new() };
-        let masters_of_pressure = identify(pressure, &translations);
-        let mut pressures = vec![NONE; pressure.len()];
-        // Without an open boundary the pressure is fixed at one point; its mean is removed after
-        // the solve.
-        let mut fixed = marks.open;
-        let first_pressure = next();
-        let mut free = first_pressure;
-        for n in 0..pressure.len() {
-            let master = masters_of_pressure[n] as usize;
-            if master != n {
-                pressures[n] = pressures[master];
-            } else if n >= points {
-                if !left_out[n - points] {
-                    pressures[n] = free;
-                    free += 1;
-                }
-            } else if used[n] && std::mem::replace(&mut fixed, true) {
-                pressures[n] = free;
-                free += 1;
-            }
-        }
+        let (numbers, frames, first_pressure) = number_velocity(velocity, &marks, &masters);
+        let pinned = !marks.open;
+        let (pressures, order) = number_pressure(pressure, &translations, first_pressure, pinned);
         let prescribed = (0..velocity.len() as u32)
             .filter_map(|n| Some((n, Prescribed::new(marks.fixed.get(&masters[n as usize])?)?)))
             .collect();
         Ok(Numbering {
             velocity: numbers,
             pressure: pressures,
-            points,
+            points: mesh.points().len(),
             first_pressure: first_pressure as usize,
-            order: free as usize,
+            order: order as usize,
             frames,
             prescribed,
             open: marks.open,

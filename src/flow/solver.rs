@@ -93,6 +93,58 @@ struct Work<const D: usize> {
     pressure_mass: Vec<f64>,
 }
 
+impl<const D: usize> Work<D> {
+    /// Buffers for `nodes` velocities and `order` unknowns.
+    fn new(nodes: usize, pressure: &Basis<D>, order: usize) -> Work<D> {
+        let mut pressure_mass = vec![0.0; pressure.space().len()];
+        assemble_scalar(pressure, Cells::All, &mut pressure_mass, &mut Vec::new(), |_| (1.0, SVector::zeros()));
+        let zero = SVector::<f64, D>::zeros();
+        Work {
+            load: vec![zero; nodes],
+            residual: vec![zero; nodes],
+            continuity: vec![0.0; pressure.space().len()],
+            lift: vec![zero; nodes],
+            rhs: vec![0.0; order],
+            x: vec![0.0; order],
+            vectors: Vec::new(),
+            scalars: Vec::new(),
+            pressure_mass,
+        }
+    }
+}
+
+/// The pattern of the matrix: all unknowns of a cell are coupled.
+fn pattern<const D: usize>(
+    numbering: &Numbering<D>,
+    velocity: &Space<D>,
+    pressure: &Space<D>,
+) -> Result<SymmetricMatrix> {
+    let groups = (0..velocity.mesh().cell_count()).map(|c| {
+        let mut list = Vec::new();
+        numbering.cell_unknowns(velocity.cell_nodes(c), Some(pressure.cell_nodes(c)), &mut list);
+        list
+    });
+    SymmetricMatrix::from_groups(numbering.order(), groups)
+}
+
+/// Cells with a node whose velocity is prescribed.
+fn cells_at_prescribed<const D: usize>(numbering: &Numbering<D>, velocity: &Space<D>) -> Vec<u32> {
+    let mut prescribed = vec![false; velocity.len()];
+    numbering.prescribed_nodes().for_each(|n| prescribed[n as usize] = true);
+    let touches = |c: usize| velocity.cell_nodes(c).iter().any(|&n| prescribed[n as usize]);
+    (0..velocity.mesh().cell_count()).filter(|&c| touches(c)).map(|c| c as u32).collect()
+}
+
+/// Nodes of the pressure on open boundaries, facet by facet.
+fn nodes_on_open<const D: usize>(pressure: &Space<D>, conditions: &Conditions<D>) -> Result<Vec<u32>> {
+    let (mesh, mut nodes) = (pressure.mesh(), Vec::new());
+    for (name, _) in conditions.iter().filter(|(_, c)| matches!(c, Condition::Open)) {
+        let facets = mesh.boundary(name)?.iter().map(|&f| &mesh.facets()[f as usize]);
+        nodes.extend(facets.flat_map(|facet| pressure.facet_nodes(facet).collect::<Vec<_>>()));
+    }
+    Ok(nodes)
+}
+
 impl<const D: usize> FlowSolver<D> {
     /// A solver on the spaces of `velocity` (P2) and `pressure` (P1), integrated with `rule`.
     ///
@@ -109,39 +161,12 @@ impl<const D: usize> FlowSolver<D> {
         grad_div: f64,
     ) -> Result<FlowSolver<D>> {
         let numbering = Numbering::new(velocity, pressure, conditions)?;
-        let mesh = velocity.mesh();
-        let groups = (0..mesh.cell_count()).map(|c| {
-            let mut list = Vec::new();
-            numbering.cell_unknowns(velocity.cell_nodes(c), Some(pressure.cell_nodes(c)), &mut list);
-            list
-        });
-        let matrix = SymmetricMatrix::from_groups(numbering.order(), groups)?;
-        let mut prescribed = vec![false; velocity.len()];
-        numbering.prescribed_nodes().for_each(|n| prescribed[n as usize] = true);
-        let touches = |c: usize| velocity.cell_nodes(c).iter().any(|&n| prescribed[n as usize]);
-        let boundary_cells = (0..mesh.cell_count()).filter(|&c| touches(c)).map(|c| c as u32).collect();
-        let mut open_nodes = Vec::new();
-        for (name, _) in conditions.iter().filter(|(_, c)| matches!(c, Condition::Open)) {
-            let facets = mesh.boundary(name)?.iter().map(|&f| &mesh.facets()[f as usize]);
-            open_nodes.extend(facets.flat_map(|facet| pressure.facet_nodes(facet).collect::<Vec<_>>()));
-        }
+        let matrix = pattern(&numbering, velocity, pressure)?;
+        let boundary_cells = cells_at_prescribed(&numbering, velocity);
+        let open_nodes = nodes_on_open(pressure, conditions)?;
         let gradients = Basis::new(velocity, &Arc::new(Rule::simplex(D, 2)));
         let (velocity, pressure) = (Basis::new(velocity, rule), Basis::new(pressure, rule));
-        let nodes = velocity.space().len();
-        let mut pressure_mass = vec![0.0; pressure.space().len()];
-        assemble_scalar(&pressure, Cells::All, &mut pressure_mass, &mut Vec::new(), |_| (1.0, SVector::zeros()));
-        let zero = SVector::<f64, D>::zeros();
-        let work = Work {
-            load: vec![zero; nodes],
-            residual: vec![zero; nodes],
-            continuity: vec![0.0; pressure.space().len()],
-            lift: vec![zero; nodes],
-            rhs: vec![0.0; numbering.order()],
-            x: vec![0.0; numbering.order()],
-            vectors: Vec::new(),
-            scalars: Vec::new(),
-            pressure_mass,
-        };
+        let work = Work::new(velocity.space().len(), &pressure, numbering.order());
         Ok(FlowSolver {
             velocity,
             gradients,

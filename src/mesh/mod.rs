@@ -116,6 +116,59 @@ pub struct Mesh<const D: usize> {
     reoriented: Vec<u32>,
 }
 
+/// Refuses cells that are none of dimension `D`, too many of them, and coordinates that are not finite.
+fn check_sizes<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<()> {
+    if cells.is_empty() || !cells.len().is_multiple_of(D + 1) {
+        return Err(Error::input(format!("the mesh has no cells of dimension {D}"))
+            .remedy("check that the mesh holds triangles (2-D) or tetrahedra (3-D)"));
+    }
+    if cells.len() >= NONE as usize || points.len() >= NONE as usize {
+        return Err(Error::input("the mesh is too large")
+            .value(format!("{} points, {} cells", points.len(), cells.len() / (D + 1)))
+            .remedy(format!("use fewer than {} points and cells", NONE / (D as u32 + 1))));
+    }
+    if let Some(i) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(Error::input("a coordinate is not a finite number")
+            .at(format!("point {i} (counted from 0)"))
+            .value(format!("{:?}", points[i].as_slice())));
+    }
+    Ok(())
+}
+
+/// Makes cell `c` positively oriented. Returns its map, and true if its orientation has changed.
+fn oriented<const D: usize>(points: &[Point<D>], c: usize, cell: &mut [u32]) -> Result<(Affine<D>, bool)> {
+    if let Some(&bad) = cell.iter().find(|&&v| v as usize >= points.len()) {
+        return Err(Error::input("a cell uses a point that does not exist")
+            .at(format!("cell {c} (counted from 0)"))
+            .value(format!("point {bad} of {}", points.len())));
+    }
+    let edge = |cell: &[u32], k: usize| points[cell[k + 1] as usize] - points[cell[0] as usize];
+    let jacobian = |cell: &[u32]| SMatrix::<f64, D, D>::from_fn(|i, k| edge(cell, k)[i]);
+    let mut j = jacobian(cell);
+    let mut det = determinant(&j);
+    let turned = det < 0.0;
+    if turned {
+        cell.swap(D - 1, D);
+        j = jacobian(cell);
+        det = determinant(&j);
+    }
+    let size = (0..D).map(|k| edge(cell, k).norm()).fold(0.0, f64::max);
+    let inverse = j.try_inverse().filter(|_| det > 1e-14 * size.powi(D as i32));
+    let Some(inverse) = inverse else {
+        let at: Vec<_> = cell.iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
+        return Err(Error::input("a cell is degenerate: it has no volume")
+            .at(format!("cell {c} (counted from 0) with vertices {at:?}"))
+            .value(format!("{det:e}"))
+            .remedy(
+                "remove or merge the points in the mesh generator (gmsh: Coherence; or \
+                 Mesh.ToleranceInitialDelaunay)",
+            ));
+    };
+    let factorial = if D == 2 { 2.0 } else { 6.0 };
+    let map = Affine { origin: points[cell[0] as usize], inverse, volume: det / factorial };
+    Ok((map, turned))
+}
+
 impl<const D: usize> Mesh<D> {
     /// A mesh from points and cells (`D + 1` point numbers per cell, flat). Negatively oriented
     /// cells are reoriented and listed in [`Mesh::reoriented`].
@@ -126,49 +179,13 @@ impl<const D: usize> Mesh<D> {
     /// than two cells, or two cells on the same side of a facet (they overlap). Each names the cell
     /// and its coordinates.
     pub fn new(points: Vec<Point<D>>, mut cells: Vec<u32>) -> Result<Mesh<D>> {
-        if cells.is_empty() || !cells.len().is_multiple_of(D + 1) {
-            return Err(Error::input(format!("the mesh has no cells of dimension {D}"))
-                .remedy("check that the mesh holds triangles (2-D) or tetrahedra (3-D)"));
-        }
-        if cells.len() >= NONE as usize || points.len() >= NONE as usize {
-            return Err(Error::input("the mesh is too large")
-                .value(format!("{} points, {} cells", points.len(), cells.len() / (D + 1)))
-                .remedy(format!("use fewer than {} points and cells", NONE / (D as u32 + 1))));
-        }
-        if let Some(i) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-            return Err(Error::input("a coordinate is not a finite number")
-                .at(format!("point {i} (counted from 0)"))
-                .value(format!("{:?}", points[i].as_slice())));
-        }
+        check_sizes(&points, &cells)?;
         let mut maps = Vec::with_capacity(cells.len() / (D + 1));
         let mut reoriented = Vec::new();
         for (c, cell) in cells.chunks_exact_mut(D + 1).enumerate() {
-            if let Some(&bad) = cell.iter().find(|&&v| v as usize >= points.len()) {
-                return Err(Error::input("a cell uses a point that does not exist")
-                    .at(format!("cell {c} (counted from 0)"))
-                    .value(format!("point {bad} of {}", points.len())));
-            }
-            let edge = |cell: &[u32], k: usize| points[cell[k + 1] as usize] - points[cell[0] as usize];
-            let jacobian = |cell: &[u32]| SMatrix::<f64, D, D>::from_fn(|i, k| edge(cell, k)[i]);
-            let mut j = jacobian(cell);
-            let mut det = determinant(&j);
-            if det < 0.0 {
-                cell.swap(D - 1, D);
-                reoriented.push(c as u32);
-                j = jacobian(cell);
-                det = determinant(&j);
-            }
-            let size = (0..D).map(|k| edge(cell, k).norm()).fold(0.0, f64::max);
-            let inverse = j.try_inverse().filter(|_| det > 1e-14 * size.powi(D as i32));
-            let Some(inverse) = inverse else {
-                let at: Vec<_> = cell.iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
-                return Err(Error::input("a cell is degenerate: it has no volume")
-                    .at(format!("cell {c} (counted from 0) with vertices {at:?}"))
-                    .value(format!("{det:e}"))
-                    .remedy("remove or merge the points in the mesh generator (gmsh: Coherence; or Mesh.ToleranceInitialDelaunay)"));
-            };
-            let factorial = if D == 2 { 2.0 } else { 6.0 };
-            maps.push(Affine { origin: points[cell[0] as usize], inverse, volume: det / factorial });
+            let (map, turned) = oriented(&points, c, cell)?;
+            maps.push(map);
+            reoriented.extend(turned.then_some(c as u32));
         }
         let (neighbours, facets) = connect::<D>(&points, &cells)?;
         Ok(Mesh {

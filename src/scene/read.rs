@@ -190,7 +190,7 @@ fn check_elements(
                 ))
                 .remedy("give `coupling` in its place"));
         }
-        if let (true, Some(s)) = (scheme.continuum, acting().find(|s| s.traits().sharp)) {
+        if let (true, Some(s)) = (scheme.by_curvature, acting().find(|s| s.traits().on_interface)) {
             return Err(item
                 .key_error(format!(
                     "the continuum surface force is spread over a band, and `{}` has a sharp force",

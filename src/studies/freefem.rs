@@ -85,7 +85,7 @@ impl<'a> Case<'a> {
     /// A scene that cannot be run, or lacks a value that the twin takes.
     pub fn new(twin: &'a Twin, scene: &'a Scene) -> Result<Case<'a>> {
         let refused = [
-            (scene.acting().any(|s| s.traits().sharp), "force = \"sharp\"", "smeared"),
+            (scene.acting().any(|s| s.traits().on_interface), "force = \"sharp\"", "smeared"),
             (scene.adapt.as_ref().is_some_and(|a| a.every.is_some()), "mesh.adapt.every", "a mesh that stays"),
             (scene.time.tolerance.is_some(), "time.tolerance", "steps of one length"),
         ];

@@ -66,6 +66,25 @@ pub(super) struct Triangulation<'a> {
     regions: Parts,
 }
 
+/// The vertices of a mesh with their metric, each with one of its triangles.
+fn vertices_of(background: &Background<'_>, triangles: &[Triangle]) -> Vec<Vertex> {
+    // Points of no cell keep the dummy until their numbers are used for others.
+    let dummy = background.at_vertex(0, 0);
+    let vertex =
+        |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Freedom::Free, triangle: NONE, pending: false };
+    let mut vertices: Vec<Vertex> = background.mesh.points().iter().map(vertex).collect();
+    for (c, triangle) in triangles.iter().enumerate() {
+        for (k, &v) in triangle.vertices.iter().enumerate() {
+            let vertex = &mut vertices[v as usize];
+            if vertex.triangle == NONE {
+                vertex.triangle = c as u32;
+                vertex.metric = background.at_vertex(c, k);
+            }
+        }
+    }
+    vertices
+}
+
 impl<'a> Triangulation<'a> {
     pub fn new(background: Background<'a>, frozen_boundary: bool) -> Triangulation<'a> {
         let mesh = background.mesh;
@@ -82,20 +101,7 @@ impl<'a> Triangulation<'a> {
         for (f, mark) in mesh.facets().iter().zip(of_facet) {
             triangles[f.cell as usize].sides[f.opposite as usize] = mark;
         }
-        // Points of no cell keep the dummy until their numbers are used for others.
-        let dummy = background.at_vertex(0, 0);
-        let vertex =
-            |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Freedom::Free, triangle: NONE, pending: false };
-        let mut vertices: Vec<Vertex> = mesh.points().iter().map(vertex).collect();
-        for (c, triangle) in triangles.iter().enumerate() {
-            for (k, &v) in triangle.vertices.iter().enumerate() {
-                let vertex = &mut vertices[v as usize];
-                if vertex.triangle == NONE {
-                    vertex.triangle = c as u32;
-                    vertex.metric = background.at_vertex(c, k);
-                }
-            }
-        }
+        let vertices = vertices_of(&background, &triangles);
         let free_vertices = (0..).zip(&vertices).filter(|(_, v)| v.triangle == NONE).map(|(v, _)| v).collect();
         let mut new = Triangulation {
             background,

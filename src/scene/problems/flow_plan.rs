@@ -104,7 +104,7 @@ impl<const D: usize> FlowPlan<'_, D> {
                 true => format!("{fine:.4} to {coarse:.4}"),
                 false => format!("{fine:.4}"),
             };
-            if self.is_stepped() || scene.acting().any(|s| !s.traits().sharp) {
+            if self.is_stepped() || scene.acting().any(|s| !s.traits().on_interface) {
                 let edges = eps / coarse;
                 lines.push(format!("band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the error it makes is of first order in it"));
             }

@@ -323,7 +323,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn advice(&self) -> Advice {
         let projected = self.scene.numerics.transport == Method::Projected;
-        let sharp = self.scene.acting().any(|s| s.traits().sharp);
+        let sharp = self.scene.acting().any(|s| s.traits().on_interface);
         let band = match sharp {
             true => "",
             false => " a larger thickness over the edges of the mesh, numerics.band = \"carried\",",
@@ -384,7 +384,7 @@ fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
 /// length.
 fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
     let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
-    let sharp = scene.acting().any(|s| s.traits().sharp);
+    let sharp = scene.acting().any(|s| s.traits().on_interface);
     if !scene.has_inertia() {
         return GRAD_DIV_STOKES[usize::from(sharp)] * viscosity;
     }

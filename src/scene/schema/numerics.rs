@@ -79,17 +79,17 @@ table! {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TensionScheme {
     /// True if the force is the continuum force `-lambda H n delta` with the curvature, no stress.
-    pub continuum: bool,
+    pub by_curvature: bool,
     /// Its coupling to the flow in a step.
     pub coupling: Coupling,
 }
 
 words! {
     Tensions: TensionScheme {
-        "brackbill1992" = TensionScheme { continuum: true, coupling: Coupling::Explicit },
-        "lafaurie1994" = TensionScheme { continuum: false, coupling: Coupling::Explicit },
-        "baensch2001" = TensionScheme { continuum: false, coupling: Coupling::Implicit },
-        "cottet2016" = TensionScheme { continuum: false, coupling: Coupling::SemiImplicit },
+        "brackbill1992" = TensionScheme { by_curvature: true, coupling: Coupling::Explicit },
+        "lafaurie1994" = TensionScheme { by_curvature: false, coupling: Coupling::Explicit },
+        "baensch2001" = TensionScheme { by_curvature: false, coupling: Coupling::Implicit },
+        "cottet2016" = TensionScheme { by_curvature: false, coupling: Coupling::SemiImplicit },
     }
 }
 words! { Pressures: Element { "P1" = Element::P1, "P1+P0" = Element::P1P0 } }
@@ -125,7 +125,7 @@ const LARGEST_SOLVE_TOLERANCE: f64 = 1e-6;
 impl Numerics {
     /// True if surface tension is a continuum force, and no stress.
     pub fn has_continuum_force(&self) -> bool {
-        self.surface_tension.is_some_and(|s| s.continuum)
+        self.surface_tension.is_some_and(|s| s.by_curvature)
     }
 
     /// The solution of the linear systems of the flow, and the memory it may take.

@@ -112,7 +112,7 @@ impl StructureKind for Drop {
             constant_tension: true,
             modulus: self.tension,
             pulls: self.tension > 0.0,
-            sharp: self.force == Force::Sharp,
+            on_interface: self.force == Force::Sharp,
             own_fluid: [self.density, self.viscosity],
             round_at_rest: true,
             is_drop: true,

@@ -253,7 +253,7 @@ impl StructureKind for Membrane {
             constant_tension: self.surface().is_none() && matches!(self.area(), AreaLaw::Tension { .. }),
             modulus: self.surface().map_or(self.area().modulus(), SurfaceLaw::modulus),
             pulls: self.area().modulus() > 0.0,
-            sharp: self.force == Force::Sharp,
+            on_interface: self.force == Force::Sharp,
             mass: self.mass,
             resists_shear: self.surface().is_some(),
             not_periodic,

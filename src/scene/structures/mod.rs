@@ -68,7 +68,7 @@ pub struct Traits {
     /// True if it pulls at all, so that other bands must keep clear of its own.
     pub pulls: bool,
     /// True if its force acts on the interface itself and not over a band.
-    pub sharp: bool,
+    pub on_interface: bool,
     /// Mass per area at rest.
     pub mass: f64,
     /// Density and viscosity of its own inside, as far as it names them.
@@ -91,7 +91,7 @@ impl Default for Traits {
             constant_tension: false,
             modulus: 0.0,
             pulls: false,
-            sharp: false,
+            on_interface: false,
             mass: 0.0,
             own_fluid: [None; 2],
             resists_shear: false,
