@@ -16,7 +16,7 @@ pub(super) struct Arguments {
     /// Compare on several meshes, with these numbers of cells along the first side, and give the costs of all in one table
     #[arg(long, value_name = "N1,N2,...", value_delimiter = ',', conflicts_with = "record")]
     cells: Vec<NonZeroUsize>,
-    /// How often both are run, in turn; of the times the least counts
+    /// Repetitions of both, in turn; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
     /// Fail when a quantity differs by more than this part of its largest value; with COLUMN= for one quantity

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// What the scene shows
+    /// Problem of the scene
     case: Case,
     /// The file to write; CASE.toml without it. A file that exists is left alone
     #[arg(long, value_name = "FILE")]

@@ -16,11 +16,11 @@ use nalgebra::SVector;
 pub struct Picture<'a> {
     /// The space of all fields shown; on a P2 space a field may also be P1.
     pub space: &'a Space<2>,
-    /// What is coloured; a vector field by its length.
+    /// The field that is coloured; a vector field by its length.
     pub field: FieldData<'a, 2>,
     /// The range of the colours; [`Scale::of`] the field, or one for all frames of a film.
     pub scale: Scale,
-    /// Whether the colours are greys; level sets are then drawn in a colour.
+    /// True for shades of grey; level sets are then drawn in a colour.
     pub grey: bool,
     /// Title, with the unit if there is one.
     pub title: &'a str,
@@ -30,7 +30,7 @@ pub struct Picture<'a> {
     pub interfaces: Vec<&'a [f64]>,
     /// A velocity drawn as arrows on a coarse lattice.
     pub arrows: Option<Arrows<'a>>,
-    /// Whether the edges of the mesh are drawn.
+    /// Draws the edges of the mesh.
     pub mesh: bool,
     /// Largest width and height in pixels; the picture takes what the shape of the domain needs.
     pub size: [usize; 2],
@@ -216,7 +216,7 @@ fn arrow(middle: [f64; 2], d: [f64; 2], length: f64) -> [Segment; 3] {
     [[along(-0.5 * length, 0.0), tip], wing(1.0), wing(-1.0)]
 }
 
-/// Where the domain lies in the picture.
+/// Area of the picture that shows the domain.
 struct Frame {
     /// Width and height of the picture.
     image: [usize; 2],
@@ -250,7 +250,7 @@ impl Frame {
             scale,
         }
     }
-    /// Where a point of the domain is in the picture.
+    /// Pixel of a point of the domain.
     fn pixel(&self, x: &SVector<f64, 2>) -> [f64; 2] {
         let at = |axis: usize| (x[axis] - self.low[axis]) / self.length[axis];
         [

@@ -21,7 +21,7 @@ pub enum Values<const D: usize> {
     Vector(Vec<SVector<f64, D>>),
 }
 
-/// What a VTU file holds.
+/// Content of a VTU file.
 #[derive(Clone, Debug)]
 pub struct Snapshot<const D: usize> {
     /// The time.

@@ -1,4 +1,4 @@
-//! What differs between the trials of a study: keys of the scene, and the values they take.
+//! Parameters that differ between the trials of a study: keys of the scene, and the values they take.
 
 use crate::base::{Error, Result};
 use crate::scene::Scene;
@@ -11,9 +11,9 @@ pub struct Choice {
     pub name: String,
     /// The value as it is shown.
     pub value: String,
-    /// What tells it from others in a sentence: `n = 60`, `implicit coupling`.
+    /// Name in a sentence: `n = 60`, `implicit coupling`.
     pub label: String,
-    /// What is set, `key.sub=value`.
+    /// Assignment in the scene, `key.sub=value`.
     pub set: String,
 }
 
@@ -61,7 +61,7 @@ impl Axis {
         let choices = values.iter().map(|v| Choice::new(&name, v, format!("{key}={v}"))).collect();
         Ok(Axis { name, choices })
     }
-    /// How the force of a membrane enters a step: `explicit`, `implicit`, or whatever else the scene knows.
+    /// Coupling of the force of a membrane to a step: `explicit`, `implicit`, or others that the scene knows.
     pub fn coupling(values: &[String]) -> Axis {
         let choice = |v: &String| Choice {
             label: format!("{v} coupling"),
@@ -130,7 +130,7 @@ pub fn in_words(combination: &[Choice]) -> String {
     combination.iter().map(|c| c.label.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// What a combination sets in the scene.
+/// Assignments of a combination in the scene.
 pub fn settings(combination: &[Choice]) -> Vec<String> {
     combination.iter().map(|c| c.set.clone()).collect()
 }

@@ -1,12 +1,11 @@
 //! `immersa compare`: a scene and its FreeFEM twin on the same mesh, with the same step and the same values.
 
 use super::campaign::Campaign;
-use super::findings::{Drawing, Findings};
 use super::freefem::{Case, INSTALL, Reading};
 use super::trial::{Outcome, Trial};
 use super::twin::{Loop, Twin};
 use crate::base::{Error, Result};
-use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, Table, rounded, same_time};
+use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Series, Stroke, Table, rounded, same_time};
 use std::path::Path;
 
 /// Steps for which a loop is timed that is not the twin's first: enough for a mean, few enough to wait for.
@@ -14,10 +13,10 @@ const TIMED_STEPS: usize = 10;
 /// Times at which values are printed side by side.
 const SHOWN_TIMES: usize = 2;
 
-/// What a comparison is told.
+/// Options of a comparison.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// How often everything is run; of the times the least counts.
+    /// Repetitions of all runs; of the times the least counts.
     pub repeat: usize,
     /// Largest differences that are accepted, relative to the largest value of the quantity; those with a name before those without.
     pub bounds: Vec<Bound>,
@@ -48,7 +47,7 @@ impl std::str::FromStr for Bound {
     }
 }
 
-/// What a program cost.
+/// Cost of a program.
 pub(super) struct Cost {
     pub who: String,
     steps: f64,
@@ -57,11 +56,11 @@ pub(super) struct Cost {
     pub per_step: f64,
 }
 
-/// What the programs cost on one mesh.
+/// Costs of the programs on one mesh.
 pub(super) struct Costs {
     /// Unknowns of velocity, pressure and level sets.
     pub unknowns: f64,
-    /// Whether FreeFEM's times are recorded ones.
+    /// True if FreeFEM's times are recorded ones.
     pub recorded: bool,
     /// Ours, then those of FreeFEM's loops.
     pub of: Vec<Cost>,
@@ -78,7 +77,7 @@ impl Pair<'_> {
     fn largest_value(&self) -> f64 {
         self.theirs.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
     }
-    /// Number of the row with the largest difference, and the difference.
+    /// KeyNumber of the row with the largest difference, and the difference.
     fn worst(&self) -> (usize, f64) {
         let differences = self.ours.iter().zip(&self.theirs).map(|(a, b)| (a - b).abs()).enumerate();
         differences.fold((0, 0.0), |m, d| if d.1 > m.1 || d.1.is_nan() { d } else { m })
@@ -94,16 +93,12 @@ impl Pair<'_> {
 /// # Errors
 /// A scene or a twin that cannot be run, or whose run failed; no quantity that both give; FreeFEM not installed and nothing recorded that
 /// fits.
-pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<Findings> {
+pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<Page> {
     compare_and_cost(campaign, twin, told).map(|(found, _)| found)
 }
 
 /// [`compare`], and what the programs cost.
-pub(super) fn compare_and_cost(
-    campaign: &mut Campaign<'_>,
-    twin: &Twin,
-    told: &Comparison,
-) -> Result<(Findings, Costs)> {
+pub(super) fn compare_and_cost(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<(Page, Costs)> {
     let scene = campaign.scene();
     let case = Case::new(twin, scene)?;
     let (ours, readings) = runs(campaign, &case, twin.loops(), told.repeat.max(1))?;
@@ -116,7 +111,7 @@ pub(super) fn compare_and_cost(
     }
     write_both(campaign.folder(), &times, &pairs)?;
     let costs = costs(&ours, &readings, twin.loops());
-    let mut found = Findings {
+    let mut found = Page {
         title: format!("{}: immersa and FreeFEM", scene.title),
         subtitle: format!(
             "{}, dt = {:?}, to t = {:?}",
@@ -124,15 +119,15 @@ pub(super) fn compare_and_cost(
             scene.time.step,
             times.last().copied().unwrap_or(0.0)
         ),
-        ..Findings::default()
+        ..Page::default()
     };
-    found.grids =
+    found.tables =
         vec![differences(&times, &pairs), side_by_side(&times, &pairs), times_of(&costs, twin.loops(), reading)];
-    found.drawings = drawings(&times, &pairs, reading);
+    found.charts = drawings(&times, &pairs, reading);
     found.statements = statements(&pairs, &costs, reading);
     found.alarms = alarms(&pairs, &told.bounds);
     found.notes = notes(&case, twin, reading, &pairs, outcome);
-    found.headline = headline(&pairs, &costs, reading);
+    found.key_numbers = headline(&pairs, &costs, reading);
     let costs = Costs { unknowns: outcome.unknowns() as f64, recorded: reading.recorded.is_some(), of: costs };
     Ok((found, costs))
 }
@@ -176,7 +171,7 @@ fn runs(
 }
 
 /// The times that both have, and the quantities that both have, at these times.
-fn common<'a>(ours: &Table, theirs: &'a Table, script: &Path) -> Result<(Vec<f64>, Vec<Pair<'a>>)> {
+fn common<'a>(ours: &Series, theirs: &'a Series, script: &Path) -> Result<(Vec<f64>, Vec<Pair<'a>>)> {
     let (mine, other) = (ours.column("time")?, theirs.column("time")?);
     let at = |t: f64| mine.iter().position(|&m| same_time(m, t));
     let rows: Vec<(usize, usize)> = other.iter().enumerate().filter_map(|(j, t)| Some((at(*t)?, j))).collect();
@@ -214,7 +209,7 @@ fn write_both(folder: &Path, times: &[f64], pairs: &[Pair<'_>]) -> Result<()> {
     for (p, [ours, theirs]) in pairs.iter().zip(&names) {
         columns.extend([(ours.as_str(), p.ours.as_slice()), (theirs.as_str(), p.theirs.as_slice())]);
     }
-    Table::new(&columns).write(&folder.join("side_by_side.csv"))
+    Series::new(&columns).write(&folder.join("side_by_side.csv"))
 }
 
 /// The least costs: ours first, then those of FreeFEM's loops.
@@ -239,76 +234,76 @@ fn costs(ours: &[Outcome], theirs: &[Vec<Reading>], loops: &[Loop]) -> Vec<Cost>
     std::iter::once(mine).chain(loops.iter().zip(theirs).map(of)).collect()
 }
 
-fn differences(times: &[f64], pairs: &[Pair<'_>]) -> Grid {
+fn differences(times: &[f64], pairs: &[Pair<'_>]) -> Table {
     let header = ["quantity", "largest value", "largest difference", "at t", "relative"];
-    let mut grid = Grid::new("differences", "Differences", header);
+    let mut table = Table::new("differences", "Differences", header);
     for p in pairs {
         let (row, difference) = p.worst();
         let [value, relative] = [p.largest_value(), p.relative()];
-        grid.rows.push(vec![
+        table.rows.push(vec![
             Cell::text(p.name),
-            Cell::Number(value, 5),
-            Cell::Number(difference, 2),
-            Cell::Number(times[row], 4),
-            Cell::Number(relative, 2),
+            Cell::number(value, 5),
+            Cell::number(difference, 2),
+            Cell::number(times[row], 4),
+            Cell::number(relative, 2),
         ]);
     }
-    grid.caption = format!("Over {} common times; relative to FreeFEM's largest value of the quantity.", times.len());
-    grid
+    table.caption = format!("Over {} common times; relative to FreeFEM's largest value of the quantity.", times.len());
+    table
 }
 
-fn side_by_side(times: &[f64], pairs: &[Pair<'_>]) -> Grid {
+fn side_by_side(times: &[f64], pairs: &[Pair<'_>]) -> Table {
     let header = ["t", "quantity", "immersa", "FreeFEM", "difference"];
-    let mut grid = Grid::new("values", "Side by side", header);
+    let mut table = Table::new("values", "Side by side", header);
     let count = SHOWN_TIMES.min(times.len() - 1).max(1);
     let mut rows: Vec<usize> = (1..=count).map(|k| k * (times.len() - 1) / count).collect();
     rows.dedup();
     for row in rows {
         for p in pairs {
-            let number = |v: f64| Cell::Number(v, 7);
+            let number = |v: f64| Cell::number(v, 7);
             let [a, b] = [p.ours[row], p.theirs[row]];
-            grid.rows.push(vec![
-                Cell::Number(times[row], 4),
+            table.rows.push(vec![
+                Cell::number(times[row], 4),
                 Cell::text(p.name),
                 number(a),
                 number(b),
-                Cell::Number(a - b, 2),
+                Cell::number(a - b, 2),
             ]);
         }
     }
-    grid.caption = "All common times are in side_by_side.csv.".into();
-    grid
+    table.caption = "All common times are in side_by_side.csv.".into();
+    table
 }
 
-fn times_of(costs: &[Cost], loops: &[Loop], reading: &Reading) -> Grid {
+fn times_of(costs: &[Cost], loops: &[Loop], reading: &Reading) -> Table {
     let title = "CPU seconds a step, one thread";
-    let mut grid = Grid::new("times", title, ["program", "steps", "first step", "per later step", "over immersa's"]);
+    let mut table = Table::new("times", title, ["program", "steps", "first step", "per later step", "over immersa's"]);
     let ours = costs.first().map_or(f64::NAN, |c| c.per_step);
     for (k, c) in costs.iter().enumerate() {
         // Seconds of another machine say nothing about ours.
         let ratio = if k > 0 && reading.recorded.is_some() { f64::NAN } else { c.per_step / ours };
-        let number = |v: f64| Cell::Number(v, 3);
-        grid.rows.push(vec![
+        let number = |v: f64| Cell::number(v, 3);
+        table.rows.push(vec![
             Cell::text(&c.who),
-            Cell::Number(c.steps, 6),
+            Cell::number(c.steps, 6),
             number(c.first),
             number(c.per_step),
             number(ratio),
         ]);
     }
-    grid.caption = "The least of the repetitions, which were run in turn. Set-up and output are left out; the first step factors, and ours \
+    table.caption = "The least of the repetitions, which were run in turn. Set-up and output are left out; the first step factors, and ours \
                     counts its energy balance in every step."
         .into();
     for work in loops.iter().filter(|l| !l.words.is_empty()) {
-        grid.caption += &format!(" FreeFEM's {} loop: {}.", work.name, work.words);
+        table.caption += &format!(" FreeFEM's {} loop: {}.", work.name, work.words);
     }
     if reading.recorded.is_some() {
-        grid.caption += " FreeFEM's seconds are those of the machine where they were recorded.";
+        table.caption += " FreeFEM's seconds are those of the machine where they were recorded.";
     }
-    grid
+    table
 }
 
-fn drawings(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Vec<Drawing> {
+fn drawings(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Vec<Figure> {
     let theirs = if reading.recorded.is_some() { "FreeFEM (recorded)" } else { "FreeFEM" };
     let mut all = Vec::new();
     for p in pairs {
@@ -316,7 +311,7 @@ fn drawings(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Vec<Drawing
         let curves = vec![curve("immersa", &p.ours, Stroke::Line), curve(theirs, &p.theirs, Stroke::Points)];
         let chart = Chart { x_label: "time", y_label: p.name, curves, ..Chart::default() };
         let caption = format!("The largest difference is {} of the largest value.", rounded(p.relative(), 2));
-        all.push(Drawing { name: p.name.replace('.', "_"), title: format!("{}.", p.name), svg: chart.svg(), caption });
+        all.push(Figure::chart(p.name.replace('.', "_"), p.name, chart.svg(), caption));
     }
     let relative: Vec<Vec<f64>> = pairs
         .iter()
@@ -329,12 +324,8 @@ fn drawings(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Vec<Drawing
         pairs.iter().zip(&relative).map(|(p, y)| Curve { name: p.name, x: times, y, ..Curve::default() }).collect();
     let chart =
         Chart { x_label: "time", y_label: "difference over largest value", log_y: true, curves, ..Chart::default() };
-    all.push(Drawing {
-        name: "differences".into(),
-        title: "Differences.".into(),
-        svg: chart.svg(),
-        caption: "Relative to FreeFEM's largest value of the quantity.".into(),
-    });
+    let caption = "Relative to FreeFEM's largest value of the quantity.";
+    all.push(Figure::chart("differences", "Differences", chart.svg(), caption));
     all
 }
 
@@ -415,10 +406,10 @@ fn notes(case: &Case<'_>, twin: &Twin, reading: &Reading, pairs: &[Pair<'_>], ou
     notes
 }
 
-fn headline(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) -> Vec<Number> {
+fn headline(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) -> Vec<KeyNumber> {
     let worst = pairs.iter().map(Pair::relative).fold(0.0, f64::max);
     let made = if reading.recorded.is_some() { "FreeFEM's results are recorded" } else { "both run now" };
-    let number = |label: &str, value: String, note: &str| Number { label: label.into(), value, note: note.into() };
+    let number = |label: &str, value: String, note: &str| KeyNumber { label: label.into(), value, note: note.into() };
     let mut all = vec![number("Largest difference", rounded(worst, 2), made)];
     if let [ours, theirs @ ..] = costs {
         all.push(number("CPU seconds a step", rounded(ours.per_step, 3), "immersa, one thread"));

@@ -3,7 +3,7 @@
 use super::twin::{Loop, Twin};
 use crate::base::{Error, Result, fnv1a};
 use crate::mesh::freefem;
-use crate::output::{Table, read_text, write_file};
+use crate::output::{Series, read_text, write_file};
 use crate::scene::{Scene, problem};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -13,10 +13,10 @@ use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How to get FreeFEM.
+/// Advice on the installation of FreeFEM.
 pub const INSTALL: &str = "install FreeFEM (Debian and Ubuntu: apt-get install freefem++)";
 const PROGRAM: &str = "FreeFem++";
-/// Why a run failed, in its folder.
+/// File in the folder of a run with the reason of its failure.
 const FAILED: &str = "failed.txt";
 /// Lines of its output that an error shows.
 const SHOWN: usize = 8;
@@ -27,24 +27,24 @@ pub struct Case<'a> {
     scene: &'a Scene,
     switches: Vec<(String, String)>,
     mesh: String,
-    /// What the mesh is, in words.
+    /// Description of the mesh.
     pub size: String,
     /// Boundaries and their labels in the mesh file.
     pub labels: Vec<(String, u32)>,
 }
 
-/// What FreeFEM gave.
+/// A result of FreeFEM.
 #[derive(Clone, Debug)]
 pub struct Reading {
     /// Columns named as in the series.
-    pub table: Table,
-    /// How it was made, and what it cost.
+    pub table: Series,
+    /// Its origin and cost.
     pub about: About,
     /// The file it was read from, if it was not computed now.
     pub recorded: Option<PathBuf>,
 }
 
-/// How a result of FreeFEM was made, and what it cost. The file `NAME.json` beside `NAME.csv` holds it.
+/// Origin and cost of a result of FreeFEM. The file `NAME.json` beside `NAME.csv` holds it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct About {
     /// The program and its version.
@@ -213,12 +213,12 @@ impl<'a> Case<'a> {
             .remedy(format!("{INSTALL}, or compare with the values that were recorded: {found}")))
     }
 
-    /// Whether a result was made with the mesh, step and values of this case.
+    /// True for a result with the mesh, step and values of this case.
     fn fits(&self, about: &About) -> bool {
         about.mesh_hash == format!("{:016x}", fnv1a(self.mesh.as_bytes()))
             && self.switches.iter().all(|s| Self::agrees(s, about))
     }
-    /// Whether a result was made with this value of a switch.
+    /// True for a result with this value of a switch.
     fn agrees((switch, value): &(String, String), about: &About) -> bool {
         let same = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
             (Ok(a), Ok(b)) => (a - b).abs() <= 1e-12 * a.abs(),
@@ -254,10 +254,10 @@ fn read(csv: &Path) -> Result<Reading> {
 }
 
 /// The table of a twin; its times may be called `t`.
-fn table(path: &Path) -> Result<Table> {
+fn table(path: &Path) -> Result<Series> {
     let at = path.display().to_string();
     let mut table =
-        Table::read(path).map_err(|e| Error::computation("FreeFEM wrote no table").at(&at).value(e.what()))?;
+        Series::read(path).map_err(|e| Error::computation("FreeFEM wrote no table").at(&at).value(e.what()))?;
     if let Some(t) = table.names.iter_mut().find(|n| *n == "t") {
         *t = "time".into();
     }

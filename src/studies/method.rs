@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Method {
     /// The name; may be empty.
     pub name: String,
-    /// What is set, each `key=value`.
+    /// Assignments in the scene, each `key=value`.
     pub set: Vec<String>,
     /// Its meshes, if they are not those of the study.
     pub cells: Option<Vec<usize>>,
@@ -85,7 +85,7 @@ fn numbers<T: FromStr + PartialOrd + Default>(list: &str) -> std::result::Result
     list.split(',').map(|v| number(v).ok_or_else(|| format!("`{v}` is not a positive number"))).collect()
 }
 
-/// Whether all brackets of a word are closed.
+/// True if all brackets of a word are closed.
 fn is_whole(word: &str) -> bool {
     let count = |brackets: &[char]| word.chars().filter(|c| brackets.contains(c)).count();
     count(&['[', '{']) == count(&[']', '}'])

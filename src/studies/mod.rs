@@ -1,15 +1,15 @@
-//! Studies: the same scene run many times, and what the runs say together.
+//! Studies: the same scene run many times, and the results of all runs on one page.
 //!
 //! A study makes [`Trial`]s, a scene with some values set each; a [`Campaign`] runs them into folders of their own, once:
 //! the same study started again goes on where it stopped. A trial that blows up is a result, not the end of the study. What
-//! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
+//! comes of it are [`Page`]: tables, charts and sentences, for the terminal, other programs and a page.
 
 mod axis;
 mod campaign;
 mod compare;
 mod compare_meshes;
 pub mod convergence;
-mod findings;
+pub mod files;
 mod freefem;
 mod front;
 mod method;
@@ -22,7 +22,6 @@ pub use axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
 pub use campaign::{Campaign, Listener};
 pub use compare::{Bound, Comparison, compare};
 pub use compare_meshes::compare_meshes;
-pub use findings::{Drawing, Findings};
 pub use freefem::{About, Case, Reading};
 pub use method::Method;
 pub use trial::{End, Outcome, Trial};

@@ -4,7 +4,6 @@ mod report;
 
 use super::axis::{self, Axis, Choice};
 use super::campaign::Campaign;
-use super::findings::Findings;
 use super::freefem::Case;
 use super::front::Offer;
 use super::method::Method;
@@ -12,11 +11,11 @@ pub use super::method::Quantity;
 use super::trial::{Outcome, Trial};
 use super::twin::Twin;
 use crate::base::{Error, Kind, Result};
-use crate::output::Table;
+use crate::output::{Page, Series};
 use crate::scene::keys::advice;
 use crate::scene::{Scene, problem};
 
-/// What a study of precision is told.
+/// Options of a precision study.
 #[derive(Clone, Debug, Default)]
 pub struct Precision {
     /// The methods; none stands for the scene as it is.
@@ -27,17 +26,17 @@ pub struct Precision {
     pub cells: Vec<usize>,
     /// Time steps; none stands for that of the scene.
     pub steps: Vec<f64>,
-    /// What is measured.
+    /// The quantities that are measured.
     pub quantities: Vec<Quantity>,
     /// What is right.
     pub truth: Truth,
-    /// Errors for which the cheapest setting is told.
+    /// Errors for which the cheapest setting is reported.
     pub tolerances: Vec<f64>,
     /// FreeFEM's script, to be run on the same meshes with the same steps.
     pub twin: Option<Twin>,
     /// Settings for the twin; none stands for those of the study.
     pub twin_methods: Vec<Method>,
-    /// How often everything is run; of the times the least counts.
+    /// Repetitions of all runs; of the times the least counts.
     pub repeat: usize,
 }
 
@@ -96,9 +95,9 @@ struct Reference {
     values: Vec<f64>,
     /// Estimated relative error of each value.
     own: Vec<f64>,
-    /// How it was made.
+    /// Its origin.
     words: String,
-    /// How its own error was estimated, and what could not be.
+    /// Notes on the estimate of its own error.
     notes: Vec<String>,
 }
 
@@ -121,12 +120,12 @@ struct Setting {
     step: Option<f64>,
 }
 
-/// Runs all methods on all meshes with all steps, and says what an error costs.
+/// Runs all methods on all meshes with all steps; the result is a page of errors and costs.
 ///
 /// # Errors
 /// A value that the scene does not take, a quantity that the series has not; a reference run that failed; and those of
 /// [`Campaign::run`].
-pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Findings> {
+pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Page> {
     let end = campaign.scene().time.end;
     let quantities: Vec<(String, f64)> =
         told.quantities.iter().map(|q| (q.column.clone(), q.time.unwrap_or(end))).collect();
@@ -260,7 +259,7 @@ fn twin_methods(told: &Precision, setting: &Setting) -> impl Iterator<Item = Met
     all.into_iter().filter(move |m| fits(m, told, setting))
 }
 
-/// Whether a method is run in a setting: one that has no meshes or steps of its own takes those of the study.
+/// True if a method is run in a setting: one that has no meshes or steps of its own takes those of the study.
 fn fits(method: &Method, told: &Precision, setting: &Setting) -> bool {
     let cells = method.cells.as_ref().unwrap_or(&told.cells);
     let steps = method.steps.as_ref().unwrap_or(&told.steps);
@@ -323,7 +322,7 @@ fn reference(campaign: &mut Campaign<'_>, truth: &Truth, quantities: &[(String, 
 }
 
 /// The quantities of a run that reached its end.
-fn measured(series: &Table, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
+fn measured(series: &Series, quantities: &[(String, f64)]) -> Result<Vec<f64>> {
     let value = |(column, t): &(String, f64)| {
         let missing = || {
             Error::scene(format!("the series has no row at t = {t:?}, where {column} is asked for"))
@@ -416,7 +415,7 @@ fn of_freefem(
     Ok(point)
 }
 
-/// What the twin's scene keeps of the study: all but the scheme, which is the twin's.
+/// Assignments of the study that the twin's scene keeps: all but the scheme, which is the twin's.
 fn keep(scene: &Scene, setting: &Setting) -> Vec<String> {
     let grad_div = scene.numerics.grad_div.map_or("auto".to_string(), |v| format!("{v:?}"));
     let mut set = vec![

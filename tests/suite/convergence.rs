@@ -1,10 +1,10 @@
 //! Studies: their trials are run once, go on after an interruption and may fail; and the study of convergence.
 
 use crate::program::immersa;
-use immersa::output::{Cell, Grid, Table};
+use immersa::output::{Cell, Page, Series, Table};
 use immersa::scene::{ImmersedFlow, Scene};
 use immersa::studies::convergence::{Halved, Settings, convergence};
-use immersa::studies::{Campaign, End, Findings, Listener, Outcome, Trial};
+use immersa::studies::{Campaign, End, Listener, Outcome, Trial};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -91,23 +91,23 @@ fn a_trial_that_fails_is_a_data_point() {
     }
 }
 
-fn study(scene: &Scene, folder: &Path, settings: Settings) -> Findings {
+fn study(scene: &Scene, folder: &Path, settings: Settings) -> Page {
     let stop = AtomicBool::new(false);
     let mut counter = Counter::default();
     let found = convergence(&mut Campaign::new(scene, folder, &stop, &mut counter), &settings);
     found.unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn grid<'a>(found: &'a Findings, name: &str) -> &'a Grid {
-    found.grids.iter().chain(&found.details).find(|g| g.name == name).unwrap()
+fn table<'a>(found: &'a Page, name: &str) -> &'a Table {
+    found.table(name).unwrap()
 }
 
 /// Numbers of a column in the rows of a quantity.
-fn column(found: &Findings, quantity: &str, name: &str) -> Vec<f64> {
-    let grid = grid(found, "convergence");
-    let k = grid.header.iter().position(|h| h == name).unwrap();
-    let rows = grid.rows.iter().filter(|r| r[0] == Cell::text(quantity));
-    rows.map(|r| r[k].number().unwrap()).collect()
+fn column(found: &Page, quantity: &str, name: &str) -> Vec<f64> {
+    let table = table(found, "convergence");
+    let k = table.position(name).unwrap();
+    let rows = table.rows.iter().filter(|r| r[0] == Cell::text(quantity));
+    rows.map(|r| r[k].value().unwrap()).collect()
 }
 
 /// The travelling vortex of Taylor and Green: an exact solution of the Navier-Stokes equations.
@@ -146,8 +146,8 @@ fn errors_against_an_exact_solution_fall_with_their_orders() {
         assert!(errors.len() == 3 && errors[2] < bound, "{name}: {errors:?}");
         assert!(seen[0].is_nan() && seen[1..].iter().all(|p| orders.contains(p)), "{name}: {seen:?}");
     }
-    assert!(found.grids.iter().all(|g| g.name != "limits"), "errors have no limit but zero");
-    found.write(folder.path()).unwrap();
+    assert!(found.table("limits").is_none(), "errors have no limit but zero");
+    immersa::studies::files::write(&found, folder.path(), "").unwrap();
     let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("error_pressure_l2") && page.contains(">2</text>"), "no slope triangle");
 }
@@ -274,7 +274,7 @@ fn the_program_studies_says_what_it_knows_and_refuses_what_it_does_not() {
     // Two times, three levels, a half-chord and two distances.
     assert_eq!(json["tables"]["convergence"].as_array().unwrap().len(), 18);
     assert!(json["command"].as_str().unwrap().contains("--quantity membrane.horizontal,interface"));
-    let limits = Table::read(&folder.path().join("here/by_time.csv")).unwrap();
+    let limits = Series::read(&folder.path().join("here/by_time.csv")).unwrap();
     assert_eq!(limits.column("time").unwrap(), [0.05, 0.1]);
     assert_eq!(limits.column("membrane.horizontal.bar").unwrap().len(), 2);
     for file in

@@ -6,7 +6,7 @@ use crate::studies::convergence::{Halved, Settings, convergence};
 use clap::ValueEnum;
 use std::path::PathBuf;
 
-/// What the mesh does when the thickness is halved.
+/// Treatment of the mesh when the thickness is halved.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Thickness {
     /// Its size is halved too

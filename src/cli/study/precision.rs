@@ -32,7 +32,7 @@ pub(in crate::cli) struct Arguments {
     /// The exact value of a quantity; once for each, in their order
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     exact: Vec<f64>,
-    /// Errors for which the cheapest setting is told, as in 1e-2,1e-3
+    /// Errors for which the cheapest setting is reported, as in 1e-2,1e-3
     #[arg(long, value_name = "E1,E2", value_delimiter = ',', value_parser = positive, default_value = "0.01,0.001")]
     tolerance: Vec<f64>,
     /// Run the FreeFEM twin, twin.edp beside the scene, on the same meshes with the same steps
@@ -41,7 +41,7 @@ pub(in crate::cli) struct Arguments {
     /// The same with settings of its own, as in "FreeFEM, thin: cells=60 steps=0.005 numerics.thickness=0.05"; once for each
     #[arg(long, value_name = "NAME: KEY=VALUE ...")]
     twin_method: Vec<Method>,
-    /// How often everything is run; of the times the least counts
+    /// Repetitions of all runs; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
 }

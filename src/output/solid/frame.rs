@@ -12,7 +12,7 @@ use crate::mesh::Point;
 pub(super) struct Frame<'a> {
     camera: &'a Camera,
     corners: [Point<3>; 2],
-    /// Whether the lower and the upper wall across each axis is at the back: seen from inside of the box.
+    /// True for the lower and the upper wall across each axis that is at the back: seen from inside of the box.
     back: [[bool; 2]; 3],
 }
 
@@ -142,7 +142,7 @@ impl<'a> Frame<'a> {
             p
         })
     }
-    /// How many of the two walls that meet in an edge are at the back: with one it lies at the rim.
+    /// Number of the two walls that meet in an edge and are at the back: with one it lies at the rim.
     fn walls_at_back(&self, edge: Edge) -> usize {
         (0..2).filter(|&k| self.back[(edge.axis + 1 + k) % 3][edge.sides[k]]).count()
     }
@@ -152,7 +152,7 @@ fn edges() -> impl Iterator<Item = Edge> {
     (0..12).map(|k| Edge { axis: k / 4, sides: [k & 1, (k >> 1) & 1] })
 }
 
-/// Where a text stands.
+/// Place of a text.
 struct Place {
     size: f64,
     /// Left, top, right and bottom.

@@ -47,7 +47,7 @@ pub struct SolidPicture<'a> {
     pub scale: Scale,
     /// Lower and upper corner of the part of the domain that is shown, if not all of it: slices end there, surfaces do not.
     pub window: Option<[Point<3>; 2]>,
-    /// Where the viewer stands.
+    /// Position of the viewer.
     pub view: View,
     /// Title, with the unit if there is one.
     pub title: &'a str,
@@ -121,7 +121,7 @@ impl<'a> SolidPicture<'a> {
             .value(format!("from {:?} to {:?}", low.as_slice(), high.as_slice()))
             .remedy("give the lower corner, then the upper one"))
     }
-    /// Whether anything is coloured by numbers.
+    /// True if a surface is coloured by numbers.
     fn has_bar(&self) -> bool {
         !self.slices.is_empty() || self.surfaces.iter().any(|s| matches!(s.paint, Paint::Scalar(_)))
     }

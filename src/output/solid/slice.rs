@@ -16,7 +16,7 @@ pub struct Slice<'a> {
     pub axis: usize,
     /// The value of that coordinate.
     pub position: f64,
-    /// What is coloured; a vector field by its length.
+    /// The field that is coloured; a vector field by its length.
     pub field: FieldData<'a, 3>,
 }
 

@@ -1,8 +1,8 @@
-//! What a run has left in its folder.
+//! The folder of a run, read for its page.
 
 use super::summary::Summary;
 use crate::base::{Error, Result, Warning};
-use crate::output::{Table, read_pvd};
+use crate::output::{Series, read_pvd};
 use crate::scene::Scene;
 use crate::scene::charts::Columns;
 use crate::scene::schema::Profile;
@@ -14,11 +14,11 @@ pub(super) struct RunFolder {
     pub path: PathBuf,
     pub scene: Scene,
     pub summary: Summary,
-    pub series: Table,
+    pub series: Series,
     /// Stored fields, in the order of time.
     pub frames: Vec<Frame>,
     /// Profiles, those that were reached.
-    pub profiles: Vec<(Profile, Table)>,
+    pub profiles: Vec<(Profile, Series)>,
     pub warnings: Vec<Warning>,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Frame {
     pub time: f64,
     /// The VTU file.
     pub file: PathBuf,
-    /// What its picture is called, without ending.
+    /// Name of its picture, without ending.
     pub name: String,
 }
 
@@ -42,7 +42,7 @@ impl RunFolder {
         let mut run = RunFolder {
             path: path.to_path_buf(),
             summary: Summary::read(&summary)?,
-            series: Table::read(&path.join("series.csv"))?,
+            series: Series::read(&path.join("series.csv"))?,
             frames: frames(path)?,
             profiles: Vec::new(),
             warnings: Vec::new(),
@@ -58,7 +58,7 @@ impl RunFolder {
         for profile in &self.scene.output.profiles {
             let file = self.path.join("profiles").join(format!("{}.csv", profile.name));
             if file.is_file() {
-                let table = Table::read(&file)?;
+                let table = Series::read(&file)?;
                 table.column("distance").map_err(|e| e.at(file.display().to_string()))?;
                 self.profiles.push((profile.clone(), table));
             } else {

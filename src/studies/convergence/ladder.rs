@@ -7,7 +7,7 @@ use crate::scene::schema::MeshSource;
 use crate::studies::Trial;
 use std::path::Path;
 
-/// What is halved from level to level.
+/// Parameters that are halved from level to level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Halved {
     /// The mesh size.

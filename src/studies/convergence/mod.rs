@@ -9,9 +9,9 @@ pub use interface::{Distance, distance};
 pub use ladder::Halved;
 pub use sequence::{Basis, Limit, Sequence, orders_of_changes, orders_of_errors};
 
-use super::{Campaign, Findings, Outcome};
+use super::{Campaign, Outcome};
 use crate::base::{Error, Kind, Result};
-use crate::output::Snapshot;
+use crate::output::{Page, Snapshot};
 use crate::scene::keys::advice;
 use crate::scene::schema::MeshSource;
 use crate::scene::{Scene, problem};
@@ -19,10 +19,10 @@ use interface::fields_at;
 use ladder::Ladder;
 use std::path::PathBuf;
 
-/// What a convergence study is asked.
+/// Options of a convergence study.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// What is halved.
+    /// The parameters that are halved.
     pub halved: Halved,
     /// Levels, the scene being the coarsest one.
     pub levels: usize,
@@ -34,11 +34,11 @@ pub struct Settings {
     pub times: Vec<f64>,
     /// The order that theory gives, where it does: extrapolation is with that one.
     pub order: Option<f64>,
-    /// Whether what is not refined is halved, on the coarsest level, to see what it does.
+    /// Adds runs on the coarsest level with the parameters halved that the levels keep, to measure their effect.
     pub checks: bool,
 }
 
-/// What a quantity is.
+/// Kind of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
     /// A number that tends to a limit that is not known.
@@ -74,11 +74,11 @@ const INTERFACE: &str = "interface";
 /// The ends of its columns.
 const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
 
-/// Runs the levels of a study and says what they show.
+/// Runs the levels of a study; the result is its page.
 ///
 /// # Errors
 /// A quantity or a time that the scene does not have; whatever [`Campaign::run`] gives. A level that fails is left out.
-pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Findings> {
+pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Page> {
     let scene = campaign.scene().clone();
     // The model of the coarsest level knows the columns, and the band that the mesh would choose.
     let coarsest = problem(&scene)?;
@@ -167,7 +167,7 @@ impl Row {
         self.sequence.values.iter().rev().find(|v| v.is_finite()).copied().unwrap_or(f64::NAN)
     }
 
-    /// What tends to zero with the level: the error, or the change from the level before.
+    /// The values that tend to zero with the level: the error, or the change from the level before.
     fn shrinking(&self) -> Vec<f64> {
         match self.quantity.meaning {
             Meaning::Value => self.sequence.changes().into_iter().map(f64::abs).collect(),
@@ -259,7 +259,7 @@ fn times(scene: &Scene, asked: &[f64]) -> Result<Vec<f64>> {
     Ok(times)
 }
 
-/// What all trials share: they end at the last of the times, and have rows, and fields if asked for, at all of them.
+/// Assignments of all trials: they end at the last of the times, with rows, and fields if asked for, at all of them.
 fn common(scene: &Scene, times: &[f64], fields: bool) -> Vec<String> {
     let step = scene.time.step;
     let end = times.last().copied().unwrap_or(scene.time.end);
@@ -279,7 +279,7 @@ fn divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { divisor(b, a % b) }
 }
 
-/// What makes each level fine.
+/// Mesh size, step or thickness of each level.
 fn sizes(scene: &Scene, settings: &Settings, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
     let halving = |first: f64| (0..levels.len()).map(|k| first / 2f64.powi(k as i32)).collect();
     if settings.halved.thickness {

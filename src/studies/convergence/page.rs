@@ -3,9 +3,9 @@
 use super::ladder::Ladder;
 use super::sequence::{Basis, WHOLE};
 use super::{Limit, Meaning, Row, Settings};
-use crate::output::{Cell, Chart, Curve, Grid, Number, Slope, Stroke, rounded};
+use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Slope, Stroke, Table, rounded};
 use crate::scene::Scene;
-use crate::studies::{Drawing, End, Findings, Outcome};
+use crate::studies::{End, Outcome};
 
 /// What a study came to.
 pub(super) struct Study<'a> {
@@ -28,21 +28,21 @@ const HEADLINES: usize = 4;
 const FALL: f64 = 0.5;
 
 /// All that is shown.
-pub(super) fn findings(study: &Study<'_>) -> Findings {
-    let mut grids = vec![study.runs(), study.convergence()];
-    grids.extend(study.limits());
-    let mut drawings = study.changes();
-    drawings.extend(study.towards_zero());
-    Findings {
+pub(super) fn findings(study: &Study<'_>) -> Page {
+    let mut tables = vec![study.runs(), study.convergence()];
+    tables.extend(study.limits());
+    let mut charts = study.changes();
+    charts.extend(study.towards_zero());
+    Page {
         title: format!("Convergence: {}", study.scene.title),
         subtitle: study.what_is_halved(),
         statements: study.statements(),
         notes: study.notes(),
-        headline: study.headline(),
-        grids,
+        key_numbers: study.headline(),
+        tables,
         details: vec![study.by_time()],
-        drawings,
-        ..Findings::default()
+        charts,
+        ..Page::default()
     }
 }
 
@@ -73,28 +73,27 @@ impl Study<'_> {
     }
 
     /// The runs, the checks last.
-    fn runs(&self) -> Grid {
-        let header = ["level", "cells", "edge", "steps", "unknowns", "CPU s", "end"];
-        let mut grid = Grid::new("levels", "Runs", header);
+    fn runs(&self) -> Table {
+        let header = ["level", "cells", "edge", "steps", "unknowns", "CPU", "end"];
+        let mut table = Table::new("levels", "Runs", header).with_unit("CPU", "s");
         for o in self.outcomes {
-            let count = |n: Option<u64>| Cell::Number(n.map_or(f64::NAN, |n| n as f64), 9);
-            grid.rows.push(vec![
+            table.rows.push(vec![
                 Cell::text(&o.trial.label),
-                count(o.summary.cells),
-                Cell::Number(o.summary.edge.unwrap_or(f64::NAN), 4),
-                count(o.summary.steps),
-                count((o.unknowns() > 0).then(|| o.unknowns())),
-                Cell::Number(o.cpu_seconds(), 3),
+                Cell::count(o.summary.cells),
+                Cell::optional(o.summary.edge, 4),
+                Cell::count(o.summary.steps),
+                Cell::count((o.unknowns() > 0).then(|| o.unknowns())),
+                Cell::number(o.cpu_seconds(), 3),
                 Cell::text(o.end.in_words()),
             ]);
         }
-        grid
+        table
     }
 
     /// Every quantity on every level.
-    fn convergence(&self) -> Grid {
+    fn convergence(&self) -> Table {
         let header = ["quantity", "time", self.size_name(), "value", "change", "error", "order"];
-        let mut grid = Grid::new("convergence", "Level by level", header);
+        let mut table = Table::new("convergence", "Level by level", header);
         for row in self.rows {
             let changes = row.sequence.changes();
             for (k, &size) in self.sizes.iter().enumerate() {
@@ -104,73 +103,73 @@ impl Study<'_> {
                     Meaning::Error => (f64::NAN, f64::NAN, value),
                     Meaning::Change => (f64::NAN, value, f64::NAN),
                 };
-                grid.rows.push(vec![
+                table.rows.push(vec![
                     Cell::text(&row.quantity.name),
-                    Cell::Number(row.time, 6),
-                    Cell::Number(size, 5),
-                    Cell::Number(value, DIGITS),
-                    Cell::Number(change, 3),
-                    Cell::Number(error, 3),
-                    Cell::Number(row.orders[k], 3),
+                    Cell::number(row.time, 6),
+                    Cell::number(size, 5),
+                    Cell::number(value, DIGITS),
+                    Cell::number(change, 3),
+                    Cell::number(error, 3),
+                    Cell::number(row.orders[k], 3),
                 ]);
             }
         }
-        grid.caption = "Change: from the level before (of an interface: its distance from there). Error: against the exact \
+        table.caption = "Change: from the level before (of an interface: its distance from there). Error: against the exact \
                         solution, or else against the limit below. Order: from a level and those before it; - where none is seen."
             .into();
-        grid
+        table
     }
 
     /// The limits of all values; none if every quantity is an error or a distance.
-    fn limits(&self) -> Option<Grid> {
+    fn limits(&self) -> Option<Table> {
         let zero = format!("{} -> 0", self.size_name());
         let mut header = vec!["quantity", "time", "finest", "order", zero.as_str(), "error bar", "taken"];
         header.extend(self.ladder.checks.iter().map(|c| c.0));
-        let mut grid = Grid::new("limits", "What the values tend to", header);
+        let mut table = Table::new("limits", "What the values tend to", header);
         for row in self.rows.iter().filter(|r| r.quantity.meaning == Meaning::Value) {
             let digits = row.limit.map_or(DIGITS, |l| digits(&l));
             let mut cells = vec![
                 Cell::text(&row.quantity.name),
-                Cell::Number(row.time, 6),
-                Cell::Number(row.finest(), DIGITS),
-                Cell::Number(row.order(), 3),
-                Cell::Number(row.limit.map_or(f64::NAN, |l| l.value), digits),
-                Cell::Number(row.limit.map_or(f64::NAN, |l| l.bar), 2),
+                Cell::number(row.time, 6),
+                Cell::number(row.finest(), DIGITS),
+                Cell::number(row.order(), 3),
+                Cell::optional(row.limit.map(|l| l.value), digits),
+                Cell::optional(row.limit.map(|l| l.bar), 2),
                 Cell::text(row.limit.map_or("no limit seen".into(), |l| basis(&l))),
             ];
-            cells.extend(row.checks.iter().map(|&moved| Cell::Number(moved, 2)));
-            grid.rows.push(cells);
+            cells.extend(row.checks.iter().map(|&moved| Cell::number(moved, 2)));
+            table.rows.push(cells);
         }
-        grid.caption = "Extrapolated from the two finest levels with a whole order, the bar is the distance from the same \
+        table.caption = "Extrapolated from the two finest levels with a whole order, the bar is the distance from the same \
                         extrapolation a level earlier, or with the order as seen; with an observed order that is no whole one, it is all that the extrapolation \
                         adds; where no order is seen but the values settle, the finest value stands, and the spread of the last three."
             .into();
         if !self.ladder.checks.is_empty() {
-            grid.caption += " The last columns: by how much halving what is not refined moves the coarsest level.";
+            table.caption += " The last columns: by how much halving what is not refined moves the coarsest level.";
         }
-        (!grid.rows.is_empty()).then_some(grid)
+        (!table.rows.is_empty()).then_some(table)
     }
 
     /// Limits, bars, orders and finest values as numbers alone, a row a time.
-    fn by_time(&self) -> Grid {
+    fn by_time(&self) -> Table {
         let times = self.times();
-        let mut grid = Grid::new("by_time", "Findings by time", ["time"]);
-        grid.rows = times.iter().map(|t| vec![Cell::Number(*t, DIGITS)]).collect();
+        let mut table = Table::new("by_time", "Page by time", ["time"]);
+        table.rows = times.iter().map(|t| vec![Cell::number(*t, DIGITS)]).collect();
         for row in self.rows {
             let limit = row.limit.map_or([f64::NAN; 2], |l| [l.value, l.bar]);
             let columns = [("limit", limit[0]), ("bar", limit[1]), ("order", row.order()), ("finest", row.finest())];
             let skipped = if row.quantity.meaning == Meaning::Value { 0 } else { 2 };
             for (end, value) in columns.into_iter().skip(skipped) {
                 let name = format!("{}.{end}", row.quantity.name);
-                if !grid.header.contains(&name) {
-                    grid.header.push(name);
+                if table.position(&name).is_none() {
+                    table.columns.push(name.into());
                 }
                 if let Some(k) = times.iter().position(|t| *t == row.time) {
-                    grid.rows[k].push(Cell::Number(value, DIGITS));
+                    table.rows[k].push(Cell::number(value, DIGITS));
                 }
             }
         }
-        grid
+        table
     }
 
     fn statements(&self) -> Vec<String> {
@@ -198,9 +197,9 @@ impl Study<'_> {
         self.rows.iter().map(say).collect()
     }
 
-    fn headline(&self) -> Vec<Number> {
+    fn headline(&self) -> Vec<KeyNumber> {
         let last = self.rows.iter().map(|r| r.time).fold(f64::NEG_INFINITY, f64::max);
-        let show = |row: &Row| Number {
+        let show = |row: &Row| KeyNumber {
             label: format!("{} at t = {}", row.quantity.name, row.time),
             value: row.limit.map_or_else(|| rounded(row.finest(), 3), |l| with_bar(&l)),
             note: if row.order().is_nan() { "no order seen".into() } else { format!("order {:.2}", row.order()) },
@@ -283,7 +282,7 @@ impl Study<'_> {
     }
 
     /// A chart a time: what tends to zero, over the size.
-    fn changes(&self) -> Vec<Drawing> {
+    fn changes(&self) -> Vec<Figure> {
         let times = self.times();
         let draw = |&time: &f64| {
             let rows: Vec<&Row> = self.rows.iter().filter(|r| r.time == time).collect();
@@ -312,20 +311,16 @@ impl Study<'_> {
                 curves: curves.collect(),
                 slopes: slopes(self.sizes, &y, rows.iter().map(|r| r.order())),
             };
-            Drawing {
-                name: format!("convergence-t{time}"),
-                svg: chart.svg(),
-                caption: "Errors against the exact solution; of other quantities the change from the level before, which falls with the same \
-                          order and needs no limit. The triangles have the slope of the whole orders nearest to those seen."
-                    .into(),
-                title,
-            }
+            let caption = "Errors against the exact solution; of other quantities the change from the level before, which \
+                           falls with the same order and needs no limit. The triangles have the slope of the whole orders \
+                           nearest to those seen.";
+            Figure::chart(format!("convergence-t{time}"), title.as_str(), chart.svg(), caption)
         };
         times.iter().map(draw).collect()
     }
 
     /// Where the thickness is refined, a chart a quantity: its values over the thickness, and the limits with their bars.
-    fn towards_zero(&self) -> Vec<Drawing> {
+    fn towards_zero(&self) -> Vec<Figure> {
         if !self.settings.halved.thickness {
             return Vec::new();
         }
@@ -338,7 +333,7 @@ impl Study<'_> {
         names.iter().map(|name| self.over_thickness(name)).collect()
     }
 
-    fn over_thickness(&self, name: &str) -> Drawing {
+    fn over_thickness(&self, name: &str) -> Figure {
         let of: Vec<&Row> = self.rows.iter().filter(|r| r.quantity.name == name).take(MOST_CURVES / 2).collect();
         let names: Vec<String> = of.iter().map(|r| format!("t = {}", r.time)).collect();
         // The limit and its bar, and the line from the finest level that leads there.
@@ -365,8 +360,8 @@ impl Study<'_> {
         }
         let title = format!("{name} over the thickness");
         let svg = Chart { title: &title, x_label: "eps", y_label: name, curves, ..Chart::default() }.svg();
-        let caption = "At eps = 0 the sharp-interface limits, each with its error bar.".into();
-        Drawing { name: format!("limit-{name}"), title, svg, caption }
+        let caption = "At eps = 0 the sharp-interface limits, each with its error bar.";
+        Figure::chart(format!("limit-{name}"), title.as_str(), svg, caption)
     }
 
     fn times(&self) -> Vec<f64> {

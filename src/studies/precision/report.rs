@@ -1,9 +1,8 @@
-//! What a study of precision says.
+//! The page of a precision study.
 
 use super::{Point, Precision, Reference};
-use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
+use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Stroke, Table, rounded};
 use crate::scene::Scene;
-use crate::studies::findings::{Drawing, Findings};
 use crate::studies::front::{Offer, cheapest, front};
 use crate::studies::per_cent;
 
@@ -16,7 +15,7 @@ pub(super) fn findings(
     quantities: &[(String, f64)],
     reference: &Reference,
     points: &[Point],
-) -> Findings {
+) -> Page {
     let names: Vec<String> = quantities.iter().map(|(c, t)| format!("{c} at t = {t:?}")).collect();
     let what = match quantities.first() {
         Some((_, t)) if quantities.iter().all(|q| q.1 == *t) => {
@@ -25,18 +24,18 @@ pub(super) fn findings(
         }
         _ => names.join(", "),
     };
-    let mut found = Findings {
+    let mut found = Page {
         title: format!("{}: error and cost", scene.title),
         subtitle: format!("Error of {what}, against CPU seconds of the time steps"),
-        ..Findings::default()
+        ..Page::default()
     };
-    found.grids.push(all(points, &names));
-    found.grids.push(best(points, &told.tolerances));
+    found.tables.push(all(points, &names));
+    found.tables.push(best(points, &told.tolerances));
     found.statements = told.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
     found.notes = notes(scene, told, reference, points);
     let methods: Vec<&str> = told.methods.iter().map(|m| m.name.as_str()).collect();
-    found.drawings = drawings(points, &methods, &what, reference);
-    found.headline = told.tolerances.iter().filter_map(|t| number(points, *t)).collect();
+    found.charts = drawings(points, &methods, &what, reference);
+    found.key_numbers = told.tolerances.iter().filter_map(|t| number(points, *t)).collect();
     found
 }
 
@@ -44,34 +43,37 @@ fn offers(points: &[Point]) -> Vec<Offer> {
     points.iter().map(Point::offer).collect()
 }
 
-fn all(points: &[Point], names: &[String]) -> Grid {
+fn all(points: &[Point], names: &[String]) -> Table {
     let front = front(&offers(points));
     let values: Vec<&str> = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
-    let fixed = ["error", "CPU s", "unknowns", "memory MB", "front", "end"];
+    let fixed = ["error", "CPU", "unknowns", "memory", "front", "end"];
     let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
-    let mut grid = Grid::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat());
+    let mut table = Table::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat())
+        .with_unit("CPU", "s")
+        .with_unit("memory", "MB");
     for (i, p) in points.iter().enumerate() {
         let mut row = vec![Cell::text(&p.method)];
-        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::Number(v, 6))));
+        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::number(v, 6))));
         row.extend([
-            Cell::Number(p.error(), 3),
-            Cell::Number(p.cpu, 3),
-            Cell::Number(p.unknowns, 7),
-            Cell::Number(p.memory / 1e6, 3),
+            Cell::number(p.error(), 3),
+            Cell::number(p.cpu, 3),
+            Cell::number(p.unknowns, 7),
+            Cell::number(p.memory / 1e6, 3),
             Cell::text(if front.contains(&i) { "yes" } else { "" }),
             Cell::text(&p.end),
         ]);
-        row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::Number(*e, 3)));
-        grid.rows.push(row);
+        row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::number(*e, 3)));
+        table.rows.push(row);
     }
-    grid.caption = "The error is relative, the largest of the quantities; `front` marks the runs that no other beats in both error and CPU time."
+    table.caption = "The error is relative, the largest of the quantities; `front` marks the runs that no other beats in both error and CPU time."
         .into();
-    grid
+    table
 }
 
-fn best(points: &[Point], tolerances: &[f64]) -> Grid {
-    let mut grid =
-        Grid::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU s"]);
+fn best(points: &[Point], tolerances: &[f64]) -> Table {
+    let mut table =
+        Table::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU"])
+            .with_unit("CPU", "s");
     for &tolerance in tolerances {
         let mut row = vec![Cell::text(per_cent(tolerance))];
         match cheapest(&offers(points), tolerance) {
@@ -81,17 +83,17 @@ fn best(points: &[Point], tolerances: &[f64]) -> Grid {
                     Cell::text(&p.method),
                     Cell::text(&p.setting),
                     Cell::text(per_cent(p.error())),
-                    Cell::Number(p.cpu, 3),
+                    Cell::number(p.cpu, 3),
                 ]);
             }
-            _ => row.extend([Cell::text("none"), Cell::text(""), Cell::text("-"), Cell::Number(f64::NAN, 3)]),
+            _ => row.extend([Cell::text("none"), Cell::text(""), Cell::text("-"), Cell::optional(None, 3)]),
         }
-        grid.rows.push(row);
+        table.rows.push(row);
     }
-    grid
+    table
 }
 
-/// What an error costs, in a sentence.
+/// The cost of an error, in a sentence.
 fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference) -> String {
     let told = |p: &Point| {
         [p.setting.as_str(), &p.method, &format!("{} s", rounded(p.cpu, 2))]
@@ -116,9 +118,9 @@ fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference)
     text + "."
 }
 
-fn number(points: &[Point], tolerance: f64) -> Option<Number> {
+fn number(points: &[Point], tolerance: f64) -> Option<KeyNumber> {
     let Some(Ok(i)) = cheapest(&offers(points), tolerance) else { return None };
-    Some(Number {
+    Some(KeyNumber {
         label: format!("{} costs", per_cent(tolerance)),
         value: format!("{} s", rounded(points[i].cpu, 2)),
         note: format!("{}, {}", points[i].method, points[i].setting),
@@ -160,7 +162,7 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         })
         .collect();
     if !failed.is_empty() {
-        notes.push(format!("Runs that are drawn nowhere: {}.", failed.join("; ")));
+        notes.push(format!("Runs that are not drawn: {}.", failed.join("; ")));
     }
     notes
 }
@@ -191,7 +193,7 @@ fn rows<'a>(points: &'a [Point], methods: &[&str]) -> Vec<Row<'a>> {
     rows
 }
 
-fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Reference) -> Vec<Drawing> {
+fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Reference) -> Vec<Figure> {
     let known = match reference.error() {
         e if e > 0.0 => format!(" The reference is known to {}.", per_cent(e)),
         _ => String::new(),
@@ -223,7 +225,7 @@ fn drawing(
     methods: &[&str],
     cost: impl Fn(&Point) -> f64,
     with_front: bool,
-) -> Drawing {
+) -> Figure {
     let [name, title, x_label, what, caption] = words;
     let values = |row: &Row, f: &dyn Fn(&Point) -> f64| -> Vec<f64> {
         row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
@@ -244,7 +246,7 @@ fn drawing(
     let y_label = if what.len() > 40 { "relative error" } else { what };
     let y_label = if y_label == what { format!("error of {what}") } else { y_label.to_string() };
     let chart = Chart { x_label, y_label: &y_label, log_x: true, log_y: true, curves, ..Chart::default() };
-    Drawing { name: name.into(), title: title.into(), svg: chart.svg(), caption: caption.into() }
+    Figure::chart(name, title, chart.svg(), caption)
 }
 
 #[cfg(test)]

@@ -1,12 +1,11 @@
 //! The limits over a value that was varied.
 
 use super::limits::{Limit, is_scheme};
-use crate::output::{Chart, Curve, Stroke};
-use crate::studies::Drawing;
+use crate::output::{Chart, Curve, Figure, Stroke};
 use crate::studies::axis::{Axis, Choice, in_words};
 
 /// The limits over axis number `k`, if it has two numbers or more: over the edge of the mesh for the number of cells.
-pub(super) fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing> {
+pub(super) fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Figure> {
     let axis = axes.get(k)?;
     if is_scheme(&axis.name) || axis.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
         return None;
@@ -36,14 +35,10 @@ pub(super) fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing
         curves: curves.collect(),
         ..Chart::default()
     };
-    Some(Drawing {
-        name: format!("limit-over-{}", view.name.replace('.', "-")),
-        svg: chart.svg(),
-        caption:
-            "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at the largest step tried."
-                .into(),
-        title,
-    })
+    let name = format!("limit-over-{}", view.name.replace('.', "-"));
+    let caption =
+        "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at the largest step tried.";
+    Some(Figure::chart(name, title.as_str(), chart.svg(), caption))
 }
 
 /// The axis that a chart is over.
@@ -71,7 +66,7 @@ struct Row {
     stroke: Stroke,
     colour: usize,
     points: Vec<[f64; 2]>,
-    /// Whether no step was found unstable at any of its points.
+    /// True if no step was found unstable at any of its points.
     open: bool,
 }
 

@@ -5,10 +5,10 @@ use super::search::{Bracket, largest_stable_step, short};
 use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
-use crate::output::{Cell, Grid, Number, rounded};
+use crate::output::{Cell, KeyNumber, Page, Table, rounded};
 use crate::scene::problem;
 use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
-use crate::studies::{Campaign, Findings, Trial};
+use crate::studies::{Campaign, Trial};
 
 /// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
 /// the relaxing ellipse never rises); beyond the limit it grows by a factor in each step, so that a tolerance of 0.5 % and one of
@@ -16,16 +16,16 @@ use crate::studies::{Campaign, Findings, Trial};
 pub const TOLERANCE: f64 = 0.02;
 /// The smallest and the largest step tried, over the formula, when none are given.
 const RANGE: [f64; 2] = [0.05, 20.0];
-/// The same over the step of the scene, where the formula says nothing.
+/// The same over the step of the scene, where the formula does not apply.
 const RANGE_OF_STEP: [f64; 2] = [0.01, 100.0];
 
-/// Growth in a run of the largest stable step, over the tolerance, that is worth a word.
+/// Growth in a run of the largest stable step, over the tolerance, that is noted.
 const SLOW: f64 = 0.05;
 
 /// The search for the largest stable steps of a scene.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// What differs: coupling, order, cells, other values.
+    /// The parameters that differ: coupling, order, cells, other values.
     pub axes: Vec<Axis>,
     /// Steps of a run.
     pub steps: usize,
@@ -39,7 +39,7 @@ pub struct Limits {
     pub tolerance: f64,
 }
 
-/// What was found for a combination.
+/// Bounds of the stable step of a combination.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Limit {
     pub combination: Vec<Choice>,
@@ -54,11 +54,11 @@ pub(super) struct Limit {
 }
 
 impl Limits {
-    /// Finds the limits and says what they are.
+    /// Finds the limits; the result is a page.
     ///
     /// # Errors
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
-    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
+    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
         check(campaign, &self.axes, &["time.step", "time.end"])?;
         if campaign.scene().acting().next().is_none() {
             return Err(Error::scene("the scene has no membrane, whose coupling could be unstable")
@@ -66,7 +66,7 @@ impl Limits {
                 .remedy("add one, or ask with --scan which values of another key are stable"));
         }
         let all = combinations(&self.axes);
-        let mut probes = Grid::new("probes", "Runs", columns(&self.axes, &PROBES));
+        let mut probes = Table::new("probes", "Runs", columns(&self.axes, &PROBES));
         let mut limits = Vec::new();
         for (k, combination) in all.iter().enumerate() {
             limits.push(self.limit(campaign, combination, [k + 1, all.len()], &mut probes)?);
@@ -77,16 +77,16 @@ impl Limits {
                 .remedy("correct the scene or the values: `immersa explain SCENE` with them as --set says more"));
         }
         let title = &campaign.scene().title;
-        Ok(Findings {
+        Ok(Page {
             title: format!("Stability: {title}"),
             subtitle: format!("Largest stable steps of {} combinations, by bisection", all.len()),
             statements: limits.iter().map(|l| statement(l, &limits)).collect(),
             notes: self.notes(&limits),
-            headline: limits.iter().take(4).map(headline).collect(),
-            grids: vec![self.table(&limits)],
+            key_numbers: limits.iter().take(4).map(headline).collect(),
+            tables: vec![self.table(&limits)],
             details: vec![probes],
-            drawings: (0..self.axes.len()).filter_map(|k| chart(&self.axes, k, &limits)).collect(),
-            ..Findings::default()
+            charts: (0..self.axes.len()).filter_map(|k| chart(&self.axes, k, &limits)).collect(),
+            ..Page::default()
         })
     }
 
@@ -95,7 +95,7 @@ impl Limits {
         campaign: &mut Campaign<'_>,
         combination: &[Choice],
         [k, of]: [usize; 2],
-        probes: &mut Grid,
+        probes: &mut Table,
     ) -> Result<Limit> {
         let mut limit = Limit { combination: combination.to_vec(), ..Limit::default() };
         let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
@@ -131,30 +131,29 @@ impl Limits {
         Ok(limit)
     }
 
-    fn table(&self, limits: &[Limit]) -> Grid {
+    fn table(&self, limits: &[Limit]) -> Table {
         let header = ["edge", "stable", "unstable", "formula", "ratio", "growth", "rate", "remark"];
-        let mut grid = Grid::new("limits", "Largest stable steps", columns(&self.axes, &header));
+        let mut table = Table::new("limits", "Largest stable steps", columns(&self.axes, &header));
         for l in limits {
-            let number = |v: Option<f64>, digits| Cell::Number(v.unwrap_or(f64::NAN), digits);
             let of_stable = |v: f64| l.bracket.stable.map(|_| v);
             let mut row = cells(&l.combination);
             row.extend([
-                number(l.edge, 4),
-                number(l.bracket.stable, 4),
-                number(l.bracket.unstable, 4),
-                number(l.formula, 4),
-                number(l.ratio(), 3),
-                number(of_stable(l.verdict.growth), 2),
-                number(of_stable(l.verdict.rate), 2),
+                Cell::optional(l.edge, 4),
+                Cell::optional(l.bracket.stable, 4),
+                Cell::optional(l.bracket.unstable, 4),
+                Cell::optional(l.formula, 4),
+                Cell::optional(l.ratio(), 3),
+                Cell::optional(of_stable(l.verdict.growth), 2),
+                Cell::optional(of_stable(l.verdict.rate), 2),
                 Cell::text(l.remark()),
             ]);
-            grid.rows.push(row);
+            table.rows.push(row);
         }
-        grid.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
+        table.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
                         the measured limit over it. Growth: of the energy beyond the balance at the largest stable step, the most in the \
                         run. Rate: its change per time in the second half of that run, negative while energy is lost."
             .into();
-        grid
+        table
     }
 
     fn notes(&self, limits: &[Limit]) -> Vec<String> {
@@ -191,11 +190,11 @@ fn range(least: Option<f64>, most: Option<f64>, unit: f64, factors: [f64; 2]) ->
     [least.unwrap_or_else(low), most.unwrap_or_else(high)]
 }
 
-/// What follows the names of the axes in the table of all runs.
+/// Columns after those of the axes in the table of all runs.
 const PROBES: [&str; 6] = ["step", "growth", "energy_from_nowhere", "rate", "area_change", "outcome"];
 
 fn probe(combination: &[Choice], dt: f64, v: &Verdict) -> Vec<Cell> {
-    let numbers = [dt, v.growth, v.from_nowhere, v.rate, v.area].map(|v| Cell::Number(v, 4));
+    let numbers = [dt, v.growth, v.residual, v.rate, v.area].map(|v| Cell::number(v, 4));
     [cells(combination), numbers.to_vec(), vec![Cell::text(v.in_words())]].concat()
 }
 
@@ -208,7 +207,7 @@ impl Limit {
     pub fn limit(&self) -> Option<f64> {
         self.bracket.stable.and_then(|_| self.bracket.limit())
     }
-    /// What kept the search from finding both ends.
+    /// Reason for which the search did not find both ends.
     fn remark(&self) -> &'static str {
         match (&self.refused, self.bracket.stable, self.bracket.unstable) {
             (Some(_), ..) => "refused",
@@ -218,7 +217,7 @@ impl Limit {
             (None, Some(_), Some(_)) => "",
         }
     }
-    /// What the combination says apart from the scheme.
+    /// The choices of the combination apart from the scheme.
     fn physics(&self) -> Vec<Choice> {
         self.combination.iter().filter(|c| !is_scheme(&c.name)).cloned().collect()
     }
@@ -261,7 +260,7 @@ fn statement(limit: &Limit, all: &[Limit]) -> String {
     text + "."
 }
 
-fn headline(limit: &Limit) -> Number {
+fn headline(limit: &Limit) -> KeyNumber {
     let number = |v: f64| rounded(v, 3);
     let value = match (limit.bracket.stable, limit.bracket.unstable) {
         (Some(s), None) => format!("at least {}", number(s)),
@@ -269,7 +268,7 @@ fn headline(limit: &Limit) -> Number {
         _ => limit.limit().map_or_else(|| "refused".into(), number),
     };
     let note = limit.formula.map_or_else(String::new, |f| format!("(1.54): {}", number(f)));
-    Number { label: in_words(&limit.combination), value, note }
+    KeyNumber { label: in_words(&limit.combination), value, note }
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ fn columns<'a>(axes: &'a [Axis], more: &'a [&str]) -> impl Iterator<Item = &'a s
 
 /// A combination as the first cells of a row.
 fn cells(combination: &[Choice]) -> Vec<Cell> {
-    combination.iter().map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::Number(v, 6))).collect()
+    combination.iter().map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::number(v, 6))).collect()
 }
 
 /// A combination as the beginning of a sentence.
@@ -67,7 +67,7 @@ fn heading(combination: &[Choice]) -> String {
     }
 }
 
-/// What was refused and why, a line a reason.
+/// Refused combinations, a line for each reason.
 fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<String> {
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for (combination, reason) in refused {

@@ -2,7 +2,8 @@
 
 use super::physics::Spring as Pulled;
 use crate::base::Result;
-use crate::scene::charts::{Columns, Drawn};
+use crate::output::Figure;
+use crate::scene::charts::Columns;
 use crate::scene::cuts::Cuts;
 use crate::scene::keys::{Absent::*, Context, Item, Keys, Kind::*, Writer, identifier, number, row, text, vector};
 use crate::scene::points::point;
@@ -82,7 +83,7 @@ impl StructureKind for Spring {
     fn words(&self) -> Vec<String> {
         vec![format!("spring `{}`: stiffness {}, pulls to {:?}", self.name, self.stiffness, self.anchor)]
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
         let mut sheet = of.sheet();
         sheet.line("path", of.column_of(&self.name, "path"));
         let title = format!("Path of {}", self.name);
