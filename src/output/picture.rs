@@ -81,33 +81,33 @@ impl<'a> Picture<'a> {
     /// # Errors
     /// A field has a wrong number of values (a defect of the caller).
     pub fn draw(&self) -> Result<Image> {
-        let frame = Frame::of(self);
-        let mut image = Image::white(frame.image[0], frame.image[1]);
+        let area = PlotArea::of(self);
+        let mut image = Image::white(area.image[0], area.image[1]);
         let colours = Colours::with(self.scale, self.grey);
-        self.colour(&frame, &colours, &mut image)?;
+        self.colour(&area, &colours, &mut image)?;
         if self.mesh {
-            image.stroke(&self.edges(&frame, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
+            image.stroke(&self.edges(&area, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
         }
         if let Some(arrows) = &self.arrows {
-            self.draw_arrows(&frame, arrows, colours.signed, &mut image)?;
+            self.draw_arrows(&area, arrows, colours.signed, &mut image)?;
         }
         for phi in &self.interfaces {
-            self.draw_interface(&frame, &on_nodes(self.space, "level set", phi)?, &mut image);
+            self.draw_interface(&area, &on_nodes(self.space, "level set", phi)?, &mut image);
         }
-        image.stroke(&self.edges(&frame, true), 1.2, QUIET);
-        self.draw_axes(&frame, &mut image);
-        let bar = [frame.image[0] - RIGHT as usize + 24, TOP as usize];
-        draw_bar(&mut image, &colours, bar, frame.size[1].max(SMALLEST as usize));
+        image.stroke(&self.edges(&area, true), 1.2, QUIET);
+        self.draw_axes(&area, &mut image);
+        let bar = [area.image[0] - RIGHT as usize + 24, TOP as usize];
+        draw_bar(&mut image, &colours, bar, area.size[1].max(SMALLEST as usize));
         draw_title(&mut image, self.title, self.time, LEFT);
         Ok(image)
     }
     /// Fills the domain with colours.
-    fn colour(&self, frame: &Frame, colours: &Colours, image: &mut Image) -> Result<()> {
+    fn colour(&self, area: &PlotArea, colours: &Colours, image: &mut Image) -> Result<()> {
         let opaque = |v: f64| {
             let [r, g, b] = colours.of(v);
             [r, g, b, 255]
         };
-        let (mesh, lattice) = (self.space.mesh(), frame.lattice(2.0));
+        let (mesh, lattice) = (self.space.mesh(), area.lattice(2.0));
         let samples = match self.field {
             FieldData::Scalar(f) => {
                 let f = on_nodes(self.space, self.title, f)?;
@@ -118,22 +118,22 @@ impl<'a> Picture<'a> {
                 lattice.sample(mesh, [0u8; 4], |c, l| opaque(self.space.value(&f, c, l).norm()))
             }
         };
-        for y in 0..frame.size[1] {
-            for x in 0..frame.size[0] {
+        for y in 0..area.size[1] {
+            for x in 0..area.size[0] {
                 let four =
                     [0, 1, lattice.columns, lattice.columns + 1].map(|k| samples[2 * y * lattice.columns + 2 * x + k]);
                 let inside = four.iter().filter(|s| s[3] > 0).count() as u16;
                 if inside > 0 {
                     let mean = |i: usize| (four.iter().map(|s| u16::from(s[i])).sum::<u16>() / inside) as u8;
                     let ink = Ink::solid([mean(0), mean(1), mean(2)]);
-                    image.blend(frame.corner[0] + x, frame.corner[1] + y, ink, f32::from(inside) / 4.0);
+                    image.blend(area.corner[0] + x, area.corner[1] + y, ink, f32::from(inside) / 4.0);
                 }
             }
         }
         Ok(())
     }
     /// Edges of the mesh, or only those on its boundary.
-    fn edges(&self, frame: &Frame, boundary: bool) -> Vec<Segment> {
+    fn edges(&self, area: &PlotArea, boundary: bool) -> Vec<Segment> {
         let mesh = self.space.mesh();
         let mut edges = Vec::new();
         for c in 0..mesh.cell_count() {
@@ -141,33 +141,33 @@ impl<'a> Picture<'a> {
             for (k, &other) in mesh.neighbours(c).iter().enumerate() {
                 let open = other == crate::mesh::NONE;
                 if open || (!boundary && (other as usize) < c) {
-                    edges.push([(k + 1) % 3, (k + 2) % 3].map(|v| frame.pixel(&mesh.points()[cell[v] as usize])));
+                    edges.push([(k + 1) % 3, (k + 2) % 3].map(|v| area.pixel(&mesh.points()[cell[v] as usize])));
                 }
             }
         }
         edges
     }
     /// The zero line: a pixel is covered by its distance |phi| / |grad phi| to it. White beside it sets it off.
-    fn draw_interface(&self, frame: &Frame, phi: &[f64], image: &mut Image) {
-        let lattice = frame.lattice(1.0);
+    fn draw_interface(&self, area: &PlotArea, phi: &[f64], image: &mut Image) {
+        let lattice = area.lattice(1.0);
         let distance = lattice.sample(self.space.mesh(), f32::NAN, |c, l| {
             let value = self.space.value(phi, c, l).abs();
-            (value / self.space.gradient(phi, c, l).norm() * frame.scale) as f32
+            (value / self.space.gradient(phi, c, l).norm() * area.scale) as f32
         });
         let line = if self.grey { LINE_ON_GREY } else { LINE };
         for (width, ink) in [(4.6, Ink { rgb: [255; 3], opacity: 0.7 }), (2.2, line)] {
             for (i, d) in distance.iter().enumerate().filter(|(_, d)| **d < 0.5 * width + 0.5) {
                 let (x, y) = (i % lattice.columns, i / lattice.columns);
-                image.blend(frame.corner[0] + x, frame.corner[1] + y, ink, (0.5 * width + 0.5 - d).min(1.0));
+                image.blend(area.corner[0] + x, area.corner[1] + y, ink, (0.5 * width + 0.5 - d).min(1.0));
             }
         }
     }
-    fn draw_arrows(&self, frame: &Frame, arrows: &Arrows, dark: bool, image: &mut Image) -> Result<()> {
+    fn draw_arrows(&self, area: &PlotArea, arrows: &Arrows, dark: bool, image: &mut Image) -> Result<()> {
         let u = on_nodes(self.space, "velocity", arrows.velocity)?;
         if !(arrows.fastest > 0.0 && arrows.fastest.is_finite()) {
             return Ok(());
         }
-        let lattice = frame.lattice(1.0 / SPACING);
+        let lattice = area.lattice(1.0 / SPACING);
         let zero = SVector::<f64, 2>::zeros();
         let samples = lattice.sample(self.space.mesh(), zero, |c, l| self.space.value(&u, c, l));
         let mut segments = Vec::new();
@@ -175,7 +175,7 @@ impl<'a> Picture<'a> {
             // By the root, so that slow parts have their direction too; the colours show how slow they are.
             let length = 0.92 * SPACING * (v.norm() / arrows.fastest).min(1.0).sqrt();
             if length >= 4.0 {
-                let middle = frame.pixel(&lattice.point(i % lattice.columns, i / lattice.columns));
+                let middle = area.pixel(&lattice.point(i % lattice.columns, i / lattice.columns));
                 let d = [v[0] / v.norm(), -v[1] / v.norm()];
                 segments.extend(arrow(middle, d, length));
             }
@@ -186,16 +186,16 @@ impl<'a> Picture<'a> {
         image.stroke(&segments, 1.3, Ink { rgb: arrow, opacity: 0.9 });
         Ok(())
     }
-    fn draw_axes(&self, frame: &Frame, image: &mut Image) {
+    fn draw_axes(&self, area: &PlotArea, image: &mut Image) {
         let size = 8.5;
         for axis in 0..2 {
-            let (low, high) = (frame.low[axis], frame.low[axis] + frame.length[axis]);
-            let room = frame.size[axis] as f64 / 90.0;
+            let (low, high) = (area.low[axis], area.low[axis] + area.length[axis]);
+            let room = area.size[axis] as f64 / 90.0;
             for v in ticks(low, high, room.clamp(2.0, 8.0)) {
                 let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
-                let mut at = SVector::<f64, 2>::from(frame.low);
+                let mut at = SVector::<f64, 2>::from(area.low);
                 at[axis] = v;
-                let [x, y] = frame.pixel(&at);
+                let [x, y] = area.pixel(&at);
                 if axis == 0 {
                     image.stroke(&[[[x, y + 2.0], [x, y + 6.0]]], 1.0, QUIET);
                     lettering::draw(image, &text, [x, y + 11.0 + size], size, Align::Centre, QUIET);
@@ -217,7 +217,7 @@ fn arrow(middle: [f64; 2], d: [f64; 2], length: f64) -> [Segment; 3] {
 }
 
 /// Area of the picture that shows the domain.
-struct Frame {
+struct PlotArea {
     /// Width and height of the picture.
     image: [usize; 2],
     /// Upper left corner of the drawing.
@@ -231,8 +231,8 @@ struct Frame {
     scale: f64,
 }
 
-impl Frame {
-    fn of(picture: &Picture) -> Frame {
+impl PlotArea {
+    fn of(picture: &Picture) -> PlotArea {
         let (low, high) = picture.space.mesh().bounding_box();
         let length = [high[0] - low[0], high[1] - low[1]];
         let room = [picture.size[0] as f64 - LEFT - RIGHT, picture.size[1] as f64 - TOP - BOTTOM];
@@ -241,7 +241,7 @@ impl Frame {
         let place = size.map(|s| s.max(SMALLEST));
         // Films in H.264 want even numbers.
         let even = |n: f64| 2 * (0.5 * n).ceil() as usize;
-        Frame {
+        PlotArea {
             image: [even(LEFT + place[0] + RIGHT), even(TOP + place[1] + BOTTOM)],
             corner: [(LEFT + 0.5 * (place[0] - size[0])) as usize, (TOP + 0.5 * (place[1] - size[1])) as usize],
             size: size.map(|s| s as usize),
@@ -284,7 +284,7 @@ mod tests {
 
     /// Column and row of the pixel that a point of the domain is in.
     fn at(picture: &Picture, x: [f64; 2]) -> (usize, usize) {
-        let [a, b] = Frame::of(picture).pixel(&SVector::<f64, 2>::from(x));
+        let [a, b] = PlotArea::of(picture).pixel(&SVector::<f64, 2>::from(x));
         (a as usize, b as usize)
     }
 
@@ -325,12 +325,12 @@ mod tests {
         // Quadratic, so that the zero line is a circle to rounding; its slope is not 1.
         let phi = space.interpolate(|x| (x[0] - 1.0).powi(2) + (x[1] - 1.0).powi(2) - radius * radius);
         let picture = Picture { interfaces: vec![&phi], ..Picture::new(&space, FieldData::Scalar(&flat), "") };
-        let (image, frame) = (picture.draw().unwrap(), Frame::of(&picture));
+        let (image, area) = (picture.draw().unwrap(), PlotArea::of(&picture));
         let ground = Picture { interfaces: Vec::new(), ..picture.clone() }.draw().unwrap();
-        let (mut ink, centre) = (0.0, frame.pixel(&SVector::<f64, 2>::new(1.0, 1.0)));
+        let (mut ink, centre) = (0.0, area.pixel(&SVector::<f64, 2>::new(1.0, 1.0)));
         for y in 0..image.height() {
             for x in 0..image.width() {
-                let d = ((x as f64 + 0.5 - centre[0]).hypot(y as f64 + 0.5 - centre[1]) - radius * frame.scale).abs();
+                let d = ((x as f64 + 0.5 - centre[0]).hypot(y as f64 + 0.5 - centre[1]) - radius * area.scale).abs();
                 if d < 0.5 {
                     assert!(close(image.pixel(x, y), LINE.rgb), "({x}, {y}) at {d} is {:?}", image.pixel(x, y));
                 } else if d > 3.2 {
@@ -339,7 +339,7 @@ mod tests {
                 ink += f64::from(u8::from(image.pixel(x, y)[1] < 100 && ground.pixel(x, y) != image.pixel(x, y)));
             }
         }
-        let length = std::f64::consts::TAU * radius * frame.scale;
+        let length = std::f64::consts::TAU * radius * area.scale;
         assert!((ink / length - 2.2).abs() < 1.2, "width {}", ink / length);
     }
 

@@ -131,7 +131,7 @@ pub fn in_words(combination: &[Choice]) -> String {
 }
 
 /// Assignments of a combination in the scene.
-pub fn settings(combination: &[Choice]) -> Vec<String> {
+pub fn assignments(combination: &[Choice]) -> Vec<String> {
     combination.iter().map(|c| c.set.clone()).collect()
 }
 
@@ -184,7 +184,7 @@ mod tests {
             all.iter().map(|c| in_words(c)).collect::<Vec<_>>(),
             ["explicit coupling, thickness = 0.1", "explicit coupling, thickness = 0.2"]
         );
-        assert_eq!(settings(&all[0]), ["numerics.coupling=explicit", "numerics.thickness=0.1"]);
+        assert_eq!(assignments(&all[0]), ["numerics.coupling=explicit", "numerics.thickness=0.1"]);
         for text in ["thickness", "=1", "a.b=", "a.b=1,,2"] {
             let e = Axis::parse(text, "--vary").unwrap_err();
             assert!(e.wrong_value() == text && e.advice().contains("--vary KEY"), "{e}");

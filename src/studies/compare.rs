@@ -93,20 +93,24 @@ impl Pair<'_> {
 /// # Errors
 /// A scene or a twin that cannot be run, or whose run failed; no quantity that both give; FreeFEM not installed and nothing recorded that
 /// fits.
-pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<Page> {
-    compare_and_cost(campaign, twin, told).map(|(found, _)| found)
+pub fn compare(campaign: &mut Campaign<'_>, twin: &Twin, options: &Comparison) -> Result<Page> {
+    compare_and_cost(campaign, twin, options).map(|(found, _)| found)
 }
 
 /// [`compare`], and what the programs cost.
-pub(super) fn compare_and_cost(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison) -> Result<(Page, Costs)> {
+pub(super) fn compare_and_cost(
+    campaign: &mut Campaign<'_>,
+    twin: &Twin,
+    options: &Comparison,
+) -> Result<(Page, Costs)> {
     let scene = campaign.scene();
     let case = Case::new(twin, scene)?;
-    let (ours, readings) = runs(campaign, &case, twin.loops(), told.repeat.max(1))?;
+    let (ours, readings) = runs(campaign, &case, twin.loops(), options.repeat.max(1))?;
     let (Some(outcome), Some(reading)) = (ours.first(), readings.first().and_then(|r| r.first())) else {
         return Err(Error::internal("a comparison without runs"));
     };
     let (times, pairs) = common(&outcome.series, &reading.table, twin.path())?;
-    if let Some(name) = &told.record {
+    if let Some(name) = &options.record {
         record(reading, twin, name)?;
     }
     write_both(campaign.folder(), &times, &pairs)?;
@@ -125,7 +129,7 @@ pub(super) fn compare_and_cost(campaign: &mut Campaign<'_>, twin: &Twin, told: &
         vec![differences(&times, &pairs), side_by_side(&times, &pairs), times_of(&costs, twin.loops(), reading)];
     found.charts = drawings(&times, &pairs, reading);
     found.statements = statements(&pairs, &costs, reading);
-    found.alarms = alarms(&pairs, &told.bounds);
+    found.alarms = alarms(&pairs, &options.bounds);
     found.notes = notes(&case, twin, reading, &pairs, outcome);
     found.key_numbers = headline(&pairs, &costs, reading);
     let costs = Costs { unknowns: outcome.unknowns() as f64, recorded: reading.recorded.is_some(), of: costs };

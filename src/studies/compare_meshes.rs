@@ -13,7 +13,7 @@ use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Stroke, Table, 
 ///
 /// # Errors
 /// As [`compare`](super::compare) and [`Axis::cells`].
-pub fn compare_meshes(campaign: &mut Campaign<'_>, twin: &Twin, told: &Comparison, cells: &[usize]) -> Result<Page> {
+pub fn compare_meshes(campaign: &mut Campaign<'_>, twin: &Twin, options: &Comparison, cells: &[usize]) -> Result<Page> {
     let (scene, stop, folder) = (campaign.scene(), campaign.stop(), campaign.folder().to_path_buf());
     let mut all: Vec<(Choice, Page, Costs)> = Vec::new();
     for choice in Axis::cells(scene, cells)?.choices {
@@ -21,7 +21,7 @@ pub fn compare_meshes(campaign: &mut Campaign<'_>, twin: &Twin, told: &Compariso
         let folder = folder.join(format!("n{}", choice.value));
         campaign.listener().note(&choice.label);
         let mut one = Campaign::new(&scene, &folder, stop, campaign.listener());
-        let (found, costs) = compare_and_cost(&mut one, twin, told)?;
+        let (found, costs) = compare_and_cost(&mut one, twin, options)?;
         files::write(&found, &folder, "")?;
         all.push((choice, found, costs));
     }

@@ -18,7 +18,7 @@ pub mod stability;
 mod trial;
 mod twin;
 
-pub use axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
+pub use axis::{Axis, Choice, assignments, check_distinct, combinations, in_words};
 pub use campaign::{Campaign, Listener};
 pub use compare::{Bound, Comparison, compare};
 pub use compare_meshes::compare_meshes;

@@ -6,8 +6,8 @@ use super::axis::{self, Axis, Choice};
 use super::campaign::Campaign;
 use super::freefem::Case;
 use super::front::Offer;
+pub use super::method::Measurement;
 use super::method::Method;
-pub use super::method::Quantity;
 use super::trial::{Outcome, Trial};
 use super::twin::Twin;
 use crate::base::{Error, Kind, Result};
@@ -27,7 +27,7 @@ pub struct Precision {
     /// Time steps; none stands for that of the scene.
     pub steps: Vec<f64>,
     /// The quantities that are measured.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<Measurement>,
     /// What is right.
     pub truth: Truth,
     /// Errors for which the cheapest setting is reported.
@@ -57,7 +57,7 @@ impl Default for Truth {
 
 /// A setting, what it cost and how far off it was.
 #[derive(Clone, Debug)]
-struct Point {
+struct CostPoint {
     method: String,
     /// Mesh, step and other values, in words.
     setting: String,
@@ -75,7 +75,7 @@ struct Point {
     ours: bool,
 }
 
-impl Point {
+impl CostPoint {
     /// The largest of its errors; NaN if one is.
     fn error(&self) -> f64 {
         if self.errors.iter().any(|e| e.is_nan()) { f64::NAN } else { self.errors.iter().copied().fold(0.0, f64::max) }
@@ -109,7 +109,7 @@ impl Reference {
 
 /// A combination of mesh, step and factors; methods are run in it one after the other.
 #[derive(Clone, Debug, Default)]
-struct Setting {
+struct Combination {
     words: String,
     /// The same by name.
     values: Vec<(String, String)>,
@@ -125,26 +125,26 @@ struct Setting {
 /// # Errors
 /// A value that the scene does not take, a quantity that the series has not; a reference run that failed; and those of
 /// [`Campaign::run`].
-pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Page> {
+pub fn precision(campaign: &mut Campaign<'_>, options: &Precision) -> Result<Page> {
     let end = campaign.scene().time.end;
     let quantities: Vec<(String, f64)> =
-        told.quantities.iter().map(|q| (q.column.clone(), q.time.unwrap_or(end))).collect();
-    check(campaign, told, &quantities)?;
-    let settings = settings(campaign, told)?;
+        options.quantities.iter().map(|q| (q.column.clone(), q.time.unwrap_or(end))).collect();
+    check(campaign, options, &quantities)?;
+    let settings = settings(campaign, options)?;
     for setting in &settings {
-        for method in methods(told, setting) {
+        for method in methods(options, setting) {
             axis::check_distinct(setting.set.iter().chain(&method.set).map(String::as_str))?;
         }
     }
-    let reference = reference(campaign, &told.truth, &quantities)?;
-    let mut points: Vec<Point> = Vec::new();
-    let repeat = told.repeat.max(1);
-    let of = repeat * settings.iter().map(|s| methods(told, s).len()).sum::<usize>();
-    let twin = told.twin.as_ref();
+    let reference = reference(campaign, &options.truth, &quantities)?;
+    let mut points: Vec<CostPoint> = Vec::new();
+    let repeat = options.repeat.max(1);
+    let of = repeat * settings.iter().map(|s| methods(options, s).len()).sum::<usize>();
+    let twin = options.twin.as_ref();
     let mut k = 0;
     for repetition in 0..repeat {
         for setting in &settings {
-            for method in methods(told, setting) {
+            for method in methods(options, setting) {
                 k += 1;
                 let label = [method.name.as_str(), &setting.words].join(", ");
                 let set = [setting.set.clone(), method.set.clone()].concat();
@@ -152,17 +152,18 @@ pub fn precision(campaign: &mut Campaign<'_>, told: &Precision) -> Result<Page> 
                 let outcome = campaign.run(&trial, k, of)?;
                 merge(&mut points, of_ours(&method.name, setting, &outcome, &quantities, &reference)?);
             }
-            for (twin, method) in twin.into_iter().flat_map(|twin| twin_methods(told, setting).map(move |m| (twin, m)))
+            for (twin, method) in
+                twin.into_iter().flat_map(|twin| twin_methods(options, setting).map(move |m| (twin, m)))
             {
                 merge(&mut points, of_freefem(campaign, twin, setting, &method, repetition, &quantities, &reference)?);
             }
         }
     }
-    Ok(report::findings(campaign.scene(), told, &quantities, &reference, &points))
+    Ok(report::findings(campaign.scene(), options, &quantities, &reference, &points))
 }
 
 /// Checks what can be known before the first run.
-fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]) -> Result<()> {
+fn check(campaign: &Campaign<'_>, options: &Precision, quantities: &[(String, f64)]) -> Result<()> {
     let scene = campaign.scene();
     if quantities.is_empty() {
         return Err(Error::scene("a study of precision needs a quantity")
@@ -182,7 +183,7 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
             .value(t)
             .remedy(format!("give a time from 0 to time.end = {:?}", scene.time.end)));
     }
-    if let Truth::Exact(values) = &told.truth
+    if let Truth::Exact(values) = &options.truth
         && values.len() != quantities.len()
     {
         return Err(Error::scene("an exact value is needed for every quantity")
@@ -190,7 +191,7 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
             .value(format!("{} values for {} quantities", values.len(), quantities.len()))
             .remedy("give --exact once for each --quantity, in the same order, or --reference"));
     }
-    let mut names: Vec<&str> = told.methods.iter().chain(&told.twin_methods).map(|m| m.name.as_str()).collect();
+    let mut names: Vec<&str> = options.methods.iter().chain(&options.twin_methods).map(|m| m.name.as_str()).collect();
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|w| w[0] == w[1]) {
         return Err(Error::scene("two methods have the same name")
@@ -202,12 +203,12 @@ fn check(campaign: &Campaign<'_>, told: &Precision, quantities: &[(String, f64)]
 }
 
 /// The combinations of meshes, factors and steps, as they were given.
-fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
-    let all = || told.methods.iter().chain(&told.twin_methods);
+fn settings(campaign: &Campaign<'_>, options: &Precision) -> Result<Vec<Combination>> {
+    let all = || options.methods.iter().chain(&options.twin_methods);
     let own_cells = all().flat_map(|m| m.cells.iter().flatten().copied());
     let own_steps = all().flat_map(|m| m.steps.iter().flatten().copied());
-    let cells = distinct(told.cells.iter().copied().chain(own_cells));
-    let steps = distinct(told.steps.iter().copied().chain(own_steps));
+    let cells = distinct(options.cells.iter().copied().chain(own_cells));
+    let steps = distinct(options.steps.iter().copied().chain(own_steps));
     let step = |dt: &f64| Choice {
         name: "dt".into(),
         value: format!("{dt:?}"),
@@ -215,7 +216,7 @@ fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
         set: format!("time.step={dt:?}"),
     };
     let mut axes = vec![Axis::cells(campaign.scene(), &cells)?];
-    axes.extend(told.factors.iter().cloned());
+    axes.extend(options.factors.iter().cloned());
     axes.push(Axis { name: "dt".into(), choices: steps.iter().map(step).collect() });
     // An axis without values leaves what the scene has.
     axes.retain(|a| !a.choices.is_empty());
@@ -223,11 +224,11 @@ fn settings(campaign: &Campaign<'_>, told: &Precision) -> Result<Vec<Setting>> {
         let number = |name: &str| choices.iter().find(|c| c.name == name).and_then(Choice::number);
         let step = number("dt");
         let family = if step.is_some() { choices.len() - 1 } else { choices.len() };
-        Setting {
+        Combination {
             words: axis::in_words(choices),
             values: choices.iter().map(|c| (c.name.clone(), c.value.clone())).collect(),
             family: axis::in_words(&choices[..family]),
-            set: axis::settings(choices),
+            set: axis::assignments(choices),
             cells: number("n").map(|n| n as usize),
             step,
         }
@@ -245,24 +246,24 @@ fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
 }
 
 /// The methods that are run in a setting.
-fn methods(told: &Precision, setting: &Setting) -> Vec<Method> {
-    if told.methods.is_empty() {
+fn methods(options: &Precision, setting: &Combination) -> Vec<Method> {
+    if options.methods.is_empty() {
         return vec![Method::default()];
     }
-    told.methods.iter().filter(|m| fits(m, told, setting)).cloned().collect()
+    options.methods.iter().filter(|m| fits(m, options, setting)).cloned().collect()
 }
 
 /// The settings that the twin is run with in a setting.
-fn twin_methods(told: &Precision, setting: &Setting) -> impl Iterator<Item = Method> {
+fn twin_methods(options: &Precision, setting: &Combination) -> impl Iterator<Item = Method> {
     let plain = Method { name: "FreeFEM".into(), ..Method::default() };
-    let all = if told.twin_methods.is_empty() { vec![plain] } else { told.twin_methods.clone() };
-    all.into_iter().filter(move |m| fits(m, told, setting))
+    let all = if options.twin_methods.is_empty() { vec![plain] } else { options.twin_methods.clone() };
+    all.into_iter().filter(move |m| fits(m, options, setting))
 }
 
 /// True if a method is run in a setting: one that has no meshes or steps of its own takes those of the study.
-fn fits(method: &Method, told: &Precision, setting: &Setting) -> bool {
-    let cells = method.cells.as_ref().unwrap_or(&told.cells);
-    let steps = method.steps.as_ref().unwrap_or(&told.steps);
+fn fits(method: &Method, options: &Precision, setting: &Combination) -> bool {
+    let cells = method.cells.as_ref().unwrap_or(&options.cells);
+    let steps = method.steps.as_ref().unwrap_or(&options.steps);
     setting.cells.is_none_or(|n| cells.is_empty() || cells.contains(&n))
         && setting.step.is_none_or(|dt| steps.is_empty() || steps.contains(&dt))
 }
@@ -278,7 +279,7 @@ fn reference(campaign: &mut Campaign<'_>, truth: &Truth, quantities: &[(String, 
     };
     let mut set = settings.set.clone();
     let n = settings.cells.as_ref().and_then(|c| c.last()).copied();
-    let cells = |n: usize| Ok::<_, Error>(axis::settings(&Axis::cells(campaign.scene(), &[n])?.choices));
+    let cells = |n: usize| Ok::<_, Error>(axis::assignments(&Axis::cells(campaign.scene(), &[n])?.choices));
     let [chosen, coarser_mesh] = [n, n.map(|n| n / 2).filter(|n| *n > 0)].map(|n| n.map(cells).transpose());
     set.extend(chosen?.unwrap_or_default());
     set.extend(settings.steps.iter().flatten().last().map(|dt| format!("time.step={dt:?}")));
@@ -346,17 +347,17 @@ fn relative(values: &[f64], right: &[f64]) -> Vec<f64> {
 
 fn of_ours(
     method: &str,
-    setting: &Setting,
+    setting: &Combination,
     outcome: &Outcome,
     quantities: &[(String, f64)],
     reference: &Reference,
-) -> Result<Point> {
+) -> Result<CostPoint> {
     let errors = match outcome.finished() {
         true => relative(&measured(&outcome.series, quantities)?, &reference.values),
         false => vec![f64::NAN; quantities.len()],
     };
     let number = |v: Option<u64>| v.map_or(f64::NAN, |v| v as f64);
-    Ok(Point {
+    Ok(CostPoint {
         method: method.into(),
         setting: setting.words.clone(),
         values: setting.values.clone(),
@@ -374,17 +375,17 @@ fn of_ours(
 fn of_freefem(
     campaign: &mut Campaign<'_>,
     twin: &Twin,
-    setting: &Setting,
+    setting: &Combination,
     method: &Method,
     again: usize,
     quantities: &[(String, f64)],
     reference: &Reference,
-) -> Result<Point> {
+) -> Result<CostPoint> {
     let scene = campaign.scene().with(&[twin.settings(), &keep(campaign.scene(), setting), &method.set].concat())?;
     let runs = campaign.folder().join("runs");
     let work = twin.loops().first().cloned().unwrap_or_default();
     let run = Case::new(twin, &scene).and_then(|c| c.run(&work, scene.time.end, again, &runs, campaign.stop()));
-    let mut point = Point {
+    let mut point = CostPoint {
         method: method.name.clone(),
         setting: setting.words.clone(),
         values: setting.values.clone(),
@@ -416,7 +417,7 @@ fn of_freefem(
 }
 
 /// Assignments of the study that the twin's scene keeps: all but the scheme, which is the twin's.
-fn keep(scene: &Scene, setting: &Setting) -> Vec<String> {
+fn keep(scene: &Scene, setting: &Combination) -> Vec<String> {
     let grad_div = scene.numerics.grad_div.map_or("auto".to_string(), |v| format!("{v:?}"));
     let mut set = vec![
         format!("time.end={:?}", scene.time.end),
@@ -429,7 +430,7 @@ fn keep(scene: &Scene, setting: &Setting) -> Vec<String> {
 }
 
 /// Adds a point, or takes the lesser cost of two that are the same run.
-fn merge(points: &mut Vec<Point>, point: Point) {
+fn merge(points: &mut Vec<CostPoint>, point: CostPoint) {
     match points.iter_mut().find(|p| p.method == point.method && p.setting == point.setting) {
         Some(known) => known.cpu = known.cpu.min(point.cpu),
         None => points.push(point),
@@ -446,7 +447,7 @@ mod tests {
             relative(&[1.1, 0.2], &[1.0, 0.0]).iter().map(|e| (e * 1e6).round()).collect::<Vec<_>>(),
             [1e5, 2e5]
         );
-        let point = |errors: &[f64]| Point { errors: errors.to_vec(), ..bare() };
+        let point = |errors: &[f64]| CostPoint { errors: errors.to_vec(), ..bare() };
         assert_eq!(point(&[0.1, 0.3, 0.2]).error(), 0.3);
         assert!(point(&[1.0, 0.3]).usable().is_nan() && point(&[0.3]).usable() == 0.3);
         assert!(point(&[f64::NAN, 0.3]).error().is_nan() && point(&[0.3, f64::NAN]).error().is_nan());
@@ -456,7 +457,7 @@ mod tests {
     fn a_repetition_lowers_the_cost_only() {
         let mut points = Vec::new();
         for cpu in [2.0, 1.0, 3.0] {
-            merge(&mut points, Point { cpu, ..bare() });
+            merge(&mut points, CostPoint { cpu, ..bare() });
         }
         assert_eq!((points.len(), points[0].cpu), (1, 1.0));
     }
@@ -464,21 +465,21 @@ mod tests {
     #[test]
     fn methods_may_have_steps_of_their_own() {
         let method = |text: &str| text.parse::<Method>().unwrap();
-        let told = Precision {
+        let options = Precision {
             methods: vec![method("a: time.order=1 steps=0.1"), method("b: time.order=2")],
             steps: vec![0.2, 0.1],
             ..Precision::default()
         };
         let names = |dt: f64| {
-            let setting = Setting { step: Some(dt), ..Setting::default() };
-            methods(&told, &setting).iter().map(|m| m.name.clone()).collect::<Vec<_>>().concat()
+            let setting = Combination { step: Some(dt), ..Combination::default() };
+            methods(&options, &setting).iter().map(|m| m.name.clone()).collect::<Vec<_>>().concat()
         };
         assert_eq!((names(0.2), names(0.1)), ("b".to_string(), "ab".to_string()));
     }
 
-    fn bare() -> Point {
+    fn bare() -> CostPoint {
         let text = String::new;
-        Point {
+        CostPoint {
             method: text(),
             setting: text(),
             values: vec![],

@@ -2,7 +2,7 @@
 
 use immersa::output::Table;
 use immersa::scene::Scene;
-use immersa::studies::convergence::{Halved, Settings, convergence};
+use immersa::studies::convergence::{Convergence, Halved, convergence};
 use immersa::studies::{Campaign, Listener, Outcome, Trial};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -50,7 +50,7 @@ fn study(example: &str, halved: Halved, levels: usize, set: &[&str]) -> Found {
     let scene = Scene::load(&path, &set.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let stop = AtomicBool::new(false);
-    let settings = Settings { halved, levels, times: vec![0.4], ..Settings::default() };
+    let settings = Convergence { halved, levels, times: vec![0.4], ..Convergence::default() };
     let found = convergence(&mut Campaign::new(&scene, folder.path(), &stop, &mut Deaf), &settings).unwrap();
     println!("{example}, {}", found.subtitle);
     Found(found.table("convergence").unwrap().clone(), found.table("limits").cloned())

@@ -3,7 +3,7 @@
 use crate::program::immersa;
 use immersa::output::{Cell, Page, Series, Table};
 use immersa::scene::{ImmersedFlow, Scene};
-use immersa::studies::convergence::{Halved, Settings, convergence};
+use immersa::studies::convergence::{Convergence, Halved, convergence};
 use immersa::studies::{Campaign, End, Listener, Outcome, Trial};
 use serde_json::Value;
 use std::fs;
@@ -91,7 +91,7 @@ fn a_trial_that_fails_is_a_data_point() {
     }
 }
 
-fn study(scene: &Scene, folder: &Path, settings: Settings) -> Page {
+fn study(scene: &Scene, folder: &Path, settings: Convergence) -> Page {
     let stop = AtomicBool::new(false);
     let mut counter = Counter::default();
     let found = convergence(&mut Campaign::new(scene, folder, &stop, &mut counter), &settings);
@@ -133,8 +133,11 @@ pressure = "0.25 * (cos(2*(x - t)) + cos(2*y - t)) * exp(-4*nu*t)"
 #[test]
 fn errors_against_an_exact_solution_fall_with_their_orders() {
     let folder = tempfile::tempdir().unwrap();
-    let settings =
-        Settings { halved: Halved { space: true, time: true, thickness: false }, levels: 3, ..Settings::default() };
+    let settings = Convergence {
+        halved: Halved { space: true, time: true, thickness: false },
+        levels: 3,
+        ..Convergence::default()
+    };
     let found = study(&scene(VORTEX, &[]), folder.path(), settings);
     // Third order in space and second in time make 2.6 on these levels; the bounds are 1.2 times what is measured.
     for (name, orders, bound) in [
@@ -205,8 +208,11 @@ fn a_mesh_file_is_refined_onto_its_circle() {
         assert!(error.to_string().contains(words) && error.place().contains("mesh.geometry"), "{error}");
     }
     let folder = tempfile::tempdir().unwrap();
-    let settings =
-        Settings { halved: Halved { space: true, time: false, thickness: false }, levels: 3, ..Settings::default() };
+    let settings = Convergence {
+        halved: Halved { space: true, time: false, thickness: false },
+        levels: 3,
+        ..Convergence::default()
+    };
     let found = study(&scene(DISC, &[]), folder.path(), settings);
     for (name, order, bound) in [("error_velocity_l2", 3.0, 9.2e-6), ("error_pressure_l2", 2.0, 2.5e-4)] {
         let (errors, seen) = (column(&found, name, "error"), column(&found, name, "order"));
@@ -241,11 +247,11 @@ fn a_list_of_meshes_needs_no_ratio_of_two() {
     let rest = DISC.split_once("[fluid]").unwrap().1.replace("boundary.wall]", "boundary.walls]");
     let file = format!("mesh.file='{}'", meshes[0].display());
     let scene = scene(&format!("{text}[fluid]{rest}"), &[&file]);
-    let settings = Settings {
+    let settings = Convergence {
         halved: Halved { space: true, time: false, thickness: false },
         meshes,
         quantities: vec!["error_velocity_l2".into(), "error_velocity_h1".into()],
-        ..Settings::default()
+        ..Convergence::default()
     };
     let found = study(&scene, folder.path(), settings);
     let (sizes, orders) = (column(&found, "error_velocity_l2", "h"), column(&found, "error_velocity_l2", "order"));

@@ -2,7 +2,7 @@
 
 use super::Common;
 use crate::base::{Error, Result};
-use crate::studies::precision::{self as study, Precision, Quantity, Truth};
+use crate::studies::precision::{self as study, Measurement, Precision, Truth};
 use crate::studies::{Axis, Method, Twin};
 use std::num::NonZeroUsize;
 
@@ -25,7 +25,7 @@ pub(in crate::cli) struct Arguments {
     steps: Vec<f64>,
     /// A column of series.csv at a time, the end without it; of several the largest relative error counts
     #[arg(long, value_name = "COLUMN[@T]", required = true)]
-    quantity: Vec<Quantity>,
+    quantity: Vec<Measurement>,
     /// The run that errors are taken against, as in "cells=120 step=0.0025 time.order=2"; it should be the finest of all
     #[arg(long, value_name = "KEY=VALUE ...")]
     reference: Option<String>,
@@ -48,11 +48,11 @@ pub(in crate::cli) struct Arguments {
 
 /// Does the study.
 pub(super) fn precision(arguments: &Arguments) -> Result<()> {
-    let told = told(arguments)?;
-    arguments.common.conduct("precision", |campaign| study::precision(campaign, &told))
+    let options = options(arguments)?;
+    arguments.common.conduct("precision", |campaign| study::precision(campaign, &options))
 }
 
-fn told(a: &Arguments) -> Result<Precision> {
+fn options(a: &Arguments) -> Result<Precision> {
     let truth = match &a.reference {
         Some(text) => Truth::Reference(Method::settings(text).map_err(|what| {
             let remedy = "write for example --reference \"cells=120 step=0.0025 time.order=2\"";

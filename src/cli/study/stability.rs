@@ -76,7 +76,7 @@ impl Arguments {
         }
         let (least, most, accuracy) = (self.min_step, self.max_step, self.accuracy);
         let steps = self.steps.map_or(STEPS, NonZeroUsize::get);
-        stability::Limits { axes, steps, least, most, accuracy, tolerance }.conduct(campaign)
+        stability::LimitSearch { axes, steps, least, most, accuracy, tolerance }.conduct(campaign)
     }
 
     /// Refuses numbers that make no sense.

@@ -9,7 +9,7 @@ use super::canvas::Stroke;
 use crate::mesh::Point;
 
 /// A box as the camera sees it.
-pub(super) struct Frame<'a> {
+pub(super) struct BoxEdges<'a> {
     camera: &'a Camera,
     corners: [Point<3>; 2],
     /// True for the lower and the upper wall across each axis that is at the back: seen from inside of the box.
@@ -29,8 +29,8 @@ const GRID: [u8; 3] = [196, 202, 210];
 const SIZE: f64 = 8.5;
 const TICK: f64 = 6.0;
 
-impl<'a> Frame<'a> {
-    pub fn new(camera: &'a Camera, corners: [Point<3>; 2]) -> Frame<'a> {
+impl<'a> BoxEdges<'a> {
+    pub fn new(camera: &'a Camera, corners: [Point<3>; 2]) -> BoxEdges<'a> {
         let middle = (corners[0] + corners[1]) * 0.5;
         let back = |axis: usize, side: usize| {
             let mut wall = middle;
@@ -39,7 +39,7 @@ impl<'a> Frame<'a> {
             // A wall seen from its edge is at the back: rounding must not decide where the axes are.
             camera.to_eye(&wall)[axis] * outward < 1e-9
         };
-        Frame { camera, corners, back: std::array::from_fn(|axis| [back(axis, 0), back(axis, 1)]) }
+        BoxEdges { camera, corners, back: std::array::from_fn(|axis| [back(axis, 0), back(axis, 1)]) }
     }
     /// The corners of a box.
     pub fn vertices(corners: [Point<3>; 2]) -> [Point<3>; 8] {

@@ -16,7 +16,7 @@ pub(super) struct RunFolder {
     pub summary: Summary,
     pub series: Series,
     /// Stored fields, in the order of time.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<StoredFields>,
     /// Profiles, those that were reached.
     pub profiles: Vec<(Profile, Series)>,
     pub warnings: Vec<Warning>,
@@ -24,7 +24,7 @@ pub(super) struct RunFolder {
 
 /// Fields at one time.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct StoredFields {
     pub time: f64,
     /// The VTU file.
     pub file: PathBuf,
@@ -134,7 +134,7 @@ fn not_finished(path: &Path) -> Error {
 }
 
 /// The stored fields; none if there is no list of them.
-fn frames(path: &Path) -> Result<Vec<Frame>> {
+fn frames(path: &Path) -> Result<Vec<StoredFields>> {
     let list = path.join("fields.pvd");
     if !list.is_file() {
         return Ok(Vec::new());
@@ -142,7 +142,7 @@ fn frames(path: &Path) -> Result<Vec<Frame>> {
     let frame = |(time, file): (f64, String)| {
         let file = path.join(file);
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Frame { time, file, name }
+        StoredFields { time, file, name }
     };
     Ok(read_pvd(&list)?.into_iter().map(frame).collect())
 }

@@ -1,6 +1,6 @@
 //! Pictures of the stored fields, and the film they make.
 
-use super::folder::{Frame, RunFolder};
+use super::folder::{RunFolder, StoredFields};
 use crate::base::{Error, Result, Warning};
 use crate::mesh::Point;
 use crate::output::solid::{Coat, Pattern, Slice, SolidPicture, Surface, View};
@@ -35,13 +35,13 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
 }
 
 /// Makes the picture of a frame.
-type Paint = fn(&Painter, &Frame) -> Result<Image>;
+type Paint = fn(&Painter, &StoredFields) -> Result<Image>;
 
 fn draw_with<const D: usize>(run: &mut RunFolder, picture: Paint) -> Result<Gallery> {
     let folder = run.folder("pictures")?;
     let painter = Painter::new::<D>(run)?;
-    let file = |f: &Frame| folder.join(format!("{}.png", f.name));
-    let paint = |frame: &Frame| -> Result<Image> {
+    let file = |f: &StoredFields| folder.join(format!("{}.png", f.name));
+    let paint = |frame: &StoredFields| -> Result<Image> {
         let image = picture(&painter, frame)?;
         write_file(&file(frame), &image.png()?)?;
         Ok(image)
@@ -89,12 +89,12 @@ fn film_figure(film: &Film, caption: String) -> Result<Figure> {
 }
 
 /// The first, the middle and the last picture.
-fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure>> {
+fn shown(run: &RunFolder, file: impl Fn(&StoredFields) -> PathBuf) -> Result<Vec<Figure>> {
     let last = run.frames.len().saturating_sub(1);
     let mut chosen = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
     chosen.dedup_by_key(|c| c.0);
     let chosen = chosen.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when)));
-    let figure = |(frame, when): (&Frame, &str)| {
+    let figure = |(frame, when): (&StoredFields, &str)| {
         let title = format!("{when}, t = {}.", rounded(frame.time, 6));
         let content = Content::Png(read_file(&file(frame))?);
         Ok(Figure { name: String::new(), title, content, caption: String::new() })
@@ -150,7 +150,7 @@ impl Painter {
         Ok(painter)
     }
 
-    fn range<const D: usize>(&self, frame: &Frame) -> Result<Scale> {
+    fn range<const D: usize>(&self, frame: &StoredFields) -> Result<Scale> {
         let snapshot = read_vtu::<D>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         match self.field(&snapshot).map_err(place)? {
@@ -214,7 +214,7 @@ impl Painter {
         level_set(snapshot, self.interfaces.first().map_or("", |name| name))
     }
 
-    fn paint(&self, frame: &Frame) -> Result<Image> {
+    fn paint(&self, frame: &StoredFields) -> Result<Image> {
         let snapshot = read_vtu::<2>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
@@ -239,7 +239,7 @@ impl Painter {
     }
 
     /// The picture of a frame of space: the interfaces, or without any two slices through the middle.
-    fn paint_solid(&self, frame: &Frame) -> Result<Image> {
+    fn paint_solid(&self, frame: &StoredFields) -> Result<Image> {
         let snapshot = read_vtu::<3>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 
 /// Options of a convergence study.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct Convergence {
     /// The parameters that are halved.
     pub halved: Halved,
     /// Levels, the scene being the coarsest one.
@@ -51,15 +51,15 @@ enum Meaning {
 
 /// A quantity that is studied.
 #[derive(Clone, Debug, PartialEq)]
-struct Quantity {
+struct Observable {
     name: String,
     meaning: Meaning,
 }
 
 /// A quantity at a time, on all levels.
 #[derive(Clone, Debug)]
-struct Row {
-    quantity: Quantity,
+struct Observation {
+    quantity: Observable,
     time: f64,
     sequence: Sequence,
     /// The order seen on each level and those before it.
@@ -78,7 +78,7 @@ const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
 ///
 /// # Errors
 /// A quantity or a time that the scene does not have; whatever [`Campaign::run`] gives. A level that fails is left out.
-pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Page> {
+pub fn convergence(campaign: &mut Campaign<'_>, settings: &Convergence) -> Result<Page> {
     let scene = campaign.scene().clone();
     // The model of the coarsest level knows the columns, and the band that the mesh would choose.
     let coarsest = problem(&scene)?;
@@ -117,7 +117,7 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<P
                 Meaning::Change => vec![f64::NAN; checks.len()],
                 _ => checks.iter().map(moved).collect::<Result<_>>()?,
             };
-            rows.push(Row::new(
+            rows.push(Observation::new(
                 quantity.clone(),
                 time,
                 Sequence { sizes: sizes.clone(), values },
@@ -137,18 +137,18 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<P
 }
 
 /// The order that is known beforehand: that of the thickness is one.
-fn known(settings: &Settings) -> Option<f64> {
+fn known(settings: &Convergence) -> Option<f64> {
     settings.order.or(settings.halved.thickness.then_some(1.0))
 }
 
-impl Row {
-    fn new(quantity: Quantity, time: f64, sequence: Sequence, checks: Vec<f64>, known: Option<f64>) -> Row {
+impl Observation {
+    fn new(quantity: Observable, time: f64, sequence: Sequence, checks: Vec<f64>, known: Option<f64>) -> Observation {
         let (orders, limit) = match quantity.meaning {
             Meaning::Value => (sequence.orders(), sequence.limit(known)),
             Meaning::Error => (orders_of_errors(&sequence.sizes, &sequence.values), None),
             Meaning::Change => (orders_of_changes(&sequence.sizes, &sequence.values), None),
         };
-        Row { quantity, time, sequence, orders, limit, checks }
+        Observation { quantity, time, sequence, orders, limit, checks }
     }
 
     /// The order seen on the finest level that gave a value; NaN if none is.
@@ -177,7 +177,7 @@ impl Row {
 }
 
 /// The quantities that are asked for, or a choice of those that the scene has.
-fn quantities(scene: &Scene, asked: &[String], columns: &[String]) -> Result<Vec<Quantity>> {
+fn quantities(scene: &Scene, asked: &[String], columns: &[String]) -> Result<Vec<Observable>> {
     // Surfaces in space are not compared.
     let compared: Vec<&str> = match scene.dimension() {
         2 => scene.acting().map(|s| s.name()).collect(),
@@ -205,10 +205,10 @@ fn quantities(scene: &Scene, asked: &[String], columns: &[String]) -> Result<Vec
                 .remedy(advice(&name, columns.iter().map(String::as_str).chain(interface))));
         }
     }
-    let mut unique: Vec<Quantity> = Vec::new();
+    let mut unique: Vec<Observable> = Vec::new();
     for name in names {
         if !unique.iter().any(|q| q.name == name) {
-            unique.push(Quantity { meaning: meaning(&name), name });
+            unique.push(Observable { meaning: meaning(&name), name });
         }
     }
     Ok(unique)
@@ -280,7 +280,7 @@ fn divisor(a: u64, b: u64) -> u64 {
 }
 
 /// Mesh size, step or thickness of each level.
-fn sizes(scene: &Scene, settings: &Settings, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
+fn sizes(scene: &Scene, settings: &Convergence, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
     let halving = |first: f64| (0..levels.len()).map(|k| first / 2f64.powi(k as i32)).collect();
     if settings.halved.thickness {
         return halving(ladder.thickness.unwrap_or(f64::NAN));
@@ -303,7 +303,7 @@ fn sizes(scene: &Scene, settings: &Settings, ladder: &Ladder, levels: &[Outcome]
 fn distances(
     campaign: &Campaign<'_>,
     scene: &Scene,
-    quantities: &[Quantity],
+    quantities: &[Observable],
     levels: &[Outcome],
     time: f64,
 ) -> Result<Vec<Vec<(String, f64)>>> {

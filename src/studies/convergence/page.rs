@@ -2,7 +2,7 @@
 
 use super::ladder::Ladder;
 use super::sequence::{Basis, WHOLE};
-use super::{Limit, Meaning, Row, Settings};
+use super::{Convergence, Limit, Meaning, Observation};
 use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Slope, Stroke, Table, rounded};
 use crate::scene::Scene;
 use crate::studies::{End, Outcome};
@@ -10,12 +10,12 @@ use crate::studies::{End, Outcome};
 /// What a study came to.
 pub(super) struct Study<'a> {
     pub scene: &'a Scene,
-    pub settings: &'a Settings,
+    pub settings: &'a Convergence,
     pub ladder: &'a Ladder,
     /// Of the levels, then of the checks.
     pub outcomes: &'a [Outcome],
     pub sizes: &'a [f64],
-    pub rows: &'a [Row],
+    pub rows: &'a [Observation],
 }
 
 /// Digits of values that people are shown.
@@ -177,7 +177,7 @@ impl Study<'_> {
             (true, _) => "sharp-interface limit".to_string(),
             (false, size) => format!("limit {size} -> 0"),
         };
-        let say = |row: &Row| {
+        let say = |row: &Observation| {
             let (name, order, at) = (&row.quantity.name, row.order(), format!("t = {}", row.time));
             let seen = if order.is_nan() { "no order seen".to_string() } else { format!("order {order:.2}") };
             match (row.quantity.meaning, row.limit) {
@@ -199,7 +199,7 @@ impl Study<'_> {
 
     fn headline(&self) -> Vec<KeyNumber> {
         let last = self.rows.iter().map(|r| r.time).fold(f64::NEG_INFINITY, f64::max);
-        let show = |row: &Row| KeyNumber {
+        let show = |row: &Observation| KeyNumber {
             label: format!("{} at t = {}", row.quantity.name, row.time),
             value: row.limit.map_or_else(|| rounded(row.finest(), 3), |l| with_bar(&l)),
             note: if row.order().is_nan() { "no order seen".into() } else { format!("order {:.2}", row.order()) },
@@ -259,7 +259,7 @@ impl Study<'_> {
     }
 
     /// That the order which is known beforehand is not seen yet.
-    fn not_yet(&self, row: &Row) -> Option<String> {
+    fn not_yet(&self, row: &Observation) -> Option<String> {
         let (Some(Basis::Whole(taken)), seen) = (row.limit.map(|l| l.basis), row.order()) else { return None };
         ((seen - taken).abs() > WHOLE).then(|| {
             format!(
@@ -270,7 +270,7 @@ impl Study<'_> {
     }
 
     /// That the order of an error falls on the finest level.
-    fn flattening(&self, row: &Row) -> Option<String> {
+    fn flattening(&self, row: &Observation) -> Option<String> {
         let orders: Vec<f64> = row.orders.iter().copied().filter(|p| p.is_finite()).collect();
         let (Meaning::Error, [.., before, after]) = (row.quantity.meaning, &orders[..]) else { return None };
         (before - after > FALL).then(|| {
@@ -285,9 +285,9 @@ impl Study<'_> {
     fn changes(&self) -> Vec<Figure> {
         let times = self.times();
         let draw = |&time: &f64| {
-            let rows: Vec<&Row> = self.rows.iter().filter(|r| r.time == time).collect();
-            let drawn = |r: &&Row| r.shrinking().iter().any(|v| *v > 0.0);
-            let rows: Vec<&Row> = rows.into_iter().filter(drawn).take(MOST_CURVES).collect();
+            let rows: Vec<&Observation> = self.rows.iter().filter(|r| r.time == time).collect();
+            let drawn = |r: &&Observation| r.shrinking().iter().any(|v| *v > 0.0);
+            let rows: Vec<&Observation> = rows.into_iter().filter(drawn).take(MOST_CURVES).collect();
             let y: Vec<Vec<f64>> = rows.iter().map(|r| r.shrinking()).collect();
             let curves = rows.iter().zip(&y).map(|(r, y)| Curve {
                 name: &r.quantity.name,
@@ -334,7 +334,8 @@ impl Study<'_> {
     }
 
     fn over_thickness(&self, name: &str) -> Figure {
-        let of: Vec<&Row> = self.rows.iter().filter(|r| r.quantity.name == name).take(MOST_CURVES / 2).collect();
+        let of: Vec<&Observation> =
+            self.rows.iter().filter(|r| r.quantity.name == name).take(MOST_CURVES / 2).collect();
         let names: Vec<String> = of.iter().map(|r| format!("t = {}", r.time)).collect();
         // The limit and its bar, and the line from the finest level that leads there.
         let limits: Vec<(usize, [f64; 2], [f64; 2], Limit)> = of

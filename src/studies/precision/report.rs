@@ -1,6 +1,6 @@
 //! The page of a precision study.
 
-use super::{Point, Precision, Reference};
+use super::{CostPoint, Precision, Reference};
 use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Stroke, Table, rounded};
 use crate::scene::Scene;
 use crate::studies::front::{Offer, cheapest, front};
@@ -11,10 +11,10 @@ const GREY: usize = 6;
 
 pub(super) fn findings(
     scene: &Scene,
-    told: &Precision,
+    options: &Precision,
     quantities: &[(String, f64)],
     reference: &Reference,
-    points: &[Point],
+    points: &[CostPoint],
 ) -> Page {
     let names: Vec<String> = quantities.iter().map(|(c, t)| format!("{c} at t = {t:?}")).collect();
     let what = match quantities.first() {
@@ -30,20 +30,20 @@ pub(super) fn findings(
         ..Page::default()
     };
     found.tables.push(all(points, &names));
-    found.tables.push(best(points, &told.tolerances));
-    found.statements = told.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
-    found.notes = notes(scene, told, reference, points);
-    let methods: Vec<&str> = told.methods.iter().map(|m| m.name.as_str()).collect();
+    found.tables.push(best(points, &options.tolerances));
+    found.statements = options.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
+    found.notes = notes(scene, options, reference, points);
+    let methods: Vec<&str> = options.methods.iter().map(|m| m.name.as_str()).collect();
     found.charts = drawings(points, &methods, &what, reference);
-    found.key_numbers = told.tolerances.iter().filter_map(|t| number(points, *t)).collect();
+    found.key_numbers = options.tolerances.iter().filter_map(|t| number(points, *t)).collect();
     found
 }
 
-fn offers(points: &[Point]) -> Vec<Offer> {
-    points.iter().map(Point::offer).collect()
+fn offers(points: &[CostPoint]) -> Vec<Offer> {
+    points.iter().map(CostPoint::offer).collect()
 }
 
-fn all(points: &[Point], names: &[String]) -> Table {
+fn all(points: &[CostPoint], names: &[String]) -> Table {
     let front = front(&offers(points));
     let values: Vec<&str> = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
     let fixed = ["error", "CPU", "unknowns", "memory", "front", "end"];
@@ -70,7 +70,7 @@ fn all(points: &[Point], names: &[String]) -> Table {
     table
 }
 
-fn best(points: &[Point], tolerances: &[f64]) -> Table {
+fn best(points: &[CostPoint], tolerances: &[f64]) -> Table {
     let mut table =
         Table::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU"])
             .with_unit("CPU", "s");
@@ -94,15 +94,15 @@ fn best(points: &[Point], tolerances: &[f64]) -> Table {
 }
 
 /// The cost of an error, in a sentence.
-fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference) -> String {
-    let told = |p: &Point| {
+fn sentence(points: &[CostPoint], tolerance: f64, what: &str, reference: &Reference) -> String {
+    let told = |p: &CostPoint| {
         [p.setting.as_str(), &p.method, &format!("{} s", rounded(p.cpu, 2))]
             .iter()
             .filter(|w| !w.is_empty())
             .fold(String::new(), |s, w| if s.is_empty() { w.to_string() } else { format!("{s}, {w}") })
     };
-    let (ours, theirs): (Vec<Point>, Vec<Point>) = points.iter().cloned().partition(|p| p.ours);
-    let of = |points: &[Point]| match cheapest(&offers(points), tolerance) {
+    let (ours, theirs): (Vec<CostPoint>, Vec<CostPoint>) = points.iter().cloned().partition(|p| p.ours);
+    let of = |points: &[CostPoint]| match cheapest(&offers(points), tolerance) {
         Some(Ok(i)) => format!("{} (error {})", told(&points[i]), per_cent(points[i].error())),
         Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), per_cent(points[i].error())),
         None => "no run finished".into(),
@@ -118,7 +118,7 @@ fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference)
     text + "."
 }
 
-fn number(points: &[Point], tolerance: f64) -> Option<KeyNumber> {
+fn number(points: &[CostPoint], tolerance: f64) -> Option<KeyNumber> {
     let Some(Ok(i)) = cheapest(&offers(points), tolerance) else { return None };
     Some(KeyNumber {
         label: format!("{} costs", per_cent(tolerance)),
@@ -127,8 +127,8 @@ fn number(points: &[Point], tolerance: f64) -> Option<KeyNumber> {
     })
 }
 
-fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point]) -> Vec<String> {
-    let mut notes = vec![match &told.truth {
+fn notes(scene: &Scene, options: &Precision, reference: &Reference, points: &[CostPoint]) -> Vec<String> {
+    let mut notes = vec![match &options.truth {
         super::Truth::Exact(_) => "Errors are against exact values.".to_string(),
         super::Truth::Reference(_) => format!(
             "Errors are against a reference run ({}). Its own error is about {}, estimated {}; errors below it mean nothing.",
@@ -138,10 +138,10 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         ),
     }];
     // Exact values are those of whatever thickness they were made for.
-    let by_run = matches!(told.truth, super::Truth::Reference(_));
-    let all_methods = told.methods.iter().chain(&told.twin_methods).flat_map(|m| &m.set);
+    let by_run = matches!(options.truth, super::Truth::Reference(_));
+    let all_methods = options.methods.iter().chain(&options.twin_methods).flat_map(|m| &m.set);
     let varies = |set: &String| set.starts_with("numerics.thickness") || set.contains(".force");
-    let same = told.factors.iter().all(|f| f.name != "thickness") && !all_methods.into_iter().any(varies);
+    let same = options.factors.iter().all(|f| f.name != "thickness") && !all_methods.into_iter().any(varies);
     if by_run && same && scene.acting().next().is_some() {
         let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
         notes.push(format!(
@@ -168,21 +168,21 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
 }
 
 /// A method's points, with a gap between one mesh and the next.
-struct Row<'a> {
+struct MethodCurve<'a> {
     name: &'a str,
-    points: Vec<Option<&'a Point>>,
+    points: Vec<Option<&'a CostPoint>>,
     colour: usize,
 }
 
 /// The rows in the order of `methods`, and then of the points.
-fn rows<'a>(points: &'a [Point], methods: &[&str]) -> Vec<Row<'a>> {
-    let mut order: Vec<&Point> = points.iter().collect();
+fn rows<'a>(points: &'a [CostPoint], methods: &[&str]) -> Vec<MethodCurve<'a>> {
+    let mut order: Vec<&CostPoint> = points.iter().collect();
     order.sort_by_key(|p| methods.iter().position(|m| *m == p.method).unwrap_or(methods.len()));
-    let mut rows: Vec<Row<'_>> = Vec::new();
+    let mut rows: Vec<MethodCurve<'_>> = Vec::new();
     for p in order {
         if rows.iter().all(|r| r.name != p.method) {
             let ours = rows.iter().filter(|r| r.colour != GREY).count();
-            rows.push(Row { name: &p.method, points: vec![], colour: if p.ours { ours % GREY } else { GREY } });
+            rows.push(MethodCurve { name: &p.method, points: vec![], colour: if p.ours { ours % GREY } else { GREY } });
         }
         let Some(row) = rows.iter_mut().find(|r| r.name == p.method) else { continue };
         if row.points.last().copied().flatten().is_some_and(|last| last.family != p.family) {
@@ -193,7 +193,7 @@ fn rows<'a>(points: &'a [Point], methods: &[&str]) -> Vec<Row<'a>> {
     rows
 }
 
-fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Reference) -> Vec<Figure> {
+fn drawings(points: &[CostPoint], methods: &[&str], what: &str, reference: &Reference) -> Vec<Figure> {
     let known = match reference.error() {
         e if e > 0.0 => format!(" The reference is known to {}.", per_cent(e)),
         _ => String::new(),
@@ -221,18 +221,18 @@ fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Referenc
 /// A chart of the errors; `words` are its name, title, horizontal axis, quantities and caption.
 fn drawing(
     words: [&str; 5],
-    points: &[Point],
+    points: &[CostPoint],
     methods: &[&str],
-    cost: impl Fn(&Point) -> f64,
+    cost: impl Fn(&CostPoint) -> f64,
     with_front: bool,
 ) -> Figure {
     let [name, title, x_label, what, caption] = words;
-    let values = |row: &Row, f: &dyn Fn(&Point) -> f64| -> Vec<f64> {
+    let values = |row: &MethodCurve, f: &dyn Fn(&CostPoint) -> f64| -> Vec<f64> {
         row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
     };
     let rows = rows(points, methods);
-    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &Point::usable)]).collect();
-    let best: Vec<&Point> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
+    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &CostPoint::usable)]).collect();
+    let best: Vec<&CostPoint> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
     let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.usable())).unzip();
     let mut curves: Vec<Curve<'_>> = Vec::new();
     if with_front && best.len() > 1 {
@@ -253,9 +253,9 @@ fn drawing(
 mod tests {
     use super::*;
 
-    fn point(method: &str, setting: &str, error: f64, cpu: f64, ours: bool) -> Point {
+    fn point(method: &str, setting: &str, error: f64, cpu: f64, ours: bool) -> CostPoint {
         let end = if error.is_nan() { "blew up at t = 0.1" } else { "finished" };
-        Point {
+        CostPoint {
             method: method.into(),
             setting: setting.into(),
             values: vec![],
@@ -269,7 +269,7 @@ mod tests {
         }
     }
 
-    fn points() -> Vec<Point> {
+    fn points() -> Vec<CostPoint> {
         vec![
             point("BDF1", "n = 30, dt = 0.02", 2e-2, 0.5, true),
             point("BDF2", "n = 30, dt = 0.02", 3e-3, 0.6, true),

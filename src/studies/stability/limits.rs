@@ -7,7 +7,7 @@ use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
 use crate::output::{Cell, KeyNumber, Page, Table, rounded};
 use crate::scene::problem;
-use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
+use crate::studies::axis::{Axis, Choice, assignments, combinations, in_words};
 use crate::studies::{Campaign, Trial};
 
 /// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
@@ -24,7 +24,7 @@ const SLOW: f64 = 0.05;
 
 /// The search for the largest stable steps of a scene.
 #[derive(Clone, Debug)]
-pub struct Limits {
+pub struct LimitSearch {
     /// The parameters that differ: coupling, order, cells, other values.
     pub axes: Vec<Axis>,
     /// Steps of a run.
@@ -41,7 +41,7 @@ pub struct Limits {
 
 /// Bounds of the stable step of a combination.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Limit {
+pub(super) struct StepLimit {
     pub combination: Vec<Choice>,
     /// Shortest edge in the bands.
     pub edge: Option<f64>,
@@ -53,7 +53,7 @@ pub(super) struct Limit {
     refused: Option<String>,
 }
 
-impl Limits {
+impl LimitSearch {
     /// Finds the limits; the result is a page.
     ///
     /// # Errors
@@ -96,16 +96,16 @@ impl Limits {
         combination: &[Choice],
         [k, of]: [usize; 2],
         probes: &mut Table,
-    ) -> Result<Limit> {
-        let mut limit = Limit { combination: combination.to_vec(), ..Limit::default() };
-        let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
+    ) -> Result<StepLimit> {
+        let mut limit = StepLimit { combination: combination.to_vec(), ..StepLimit::default() };
+        let scene = campaign.scene_of(&Trial::new("", assignments(combination)))?;
         match problem(&scene).map(|p| p.limits()) {
             Ok(found) => {
                 (limit.edge, limit.formula) = (found.band_edges.map(|e| e[0]), found.explicit_limit);
             }
             Err(e) if e.kind() == Kind::Scene => {
                 campaign.listener().note(&format!("[{k}/{of}] {}: refused", in_words(combination)));
-                return Ok(Limit { refused: Some(e.to_string()), ..limit });
+                return Ok(StepLimit { refused: Some(e.to_string()), ..limit });
             }
             Err(e) => return Err(e),
         }
@@ -131,7 +131,7 @@ impl Limits {
         Ok(limit)
     }
 
-    fn table(&self, limits: &[Limit]) -> Table {
+    fn table(&self, limits: &[StepLimit]) -> Table {
         let header = ["edge", "stable", "unstable", "formula", "ratio", "growth", "rate", "remark"];
         let mut table = Table::new("limits", "Largest stable steps", columns(&self.axes, &header));
         for l in limits {
@@ -156,7 +156,7 @@ impl Limits {
         table
     }
 
-    fn notes(&self, limits: &[Limit]) -> Vec<String> {
+    fn notes(&self, limits: &[StepLimit]) -> Vec<String> {
         let mut notes = vec![format!(
             "A run of {} steps is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the \
              work put in by more than {}. Steps are known to {}.",
@@ -198,7 +198,7 @@ fn probe(combination: &[Choice], dt: f64, v: &Verdict) -> Vec<Cell> {
     [cells(combination), numbers.to_vec(), vec![Cell::text(v.in_words())]].concat()
 }
 
-impl Limit {
+impl StepLimit {
     /// The measured limit over the formula.
     fn ratio(&self) -> Option<f64> {
         Some(self.limit()? / self.formula?)
@@ -228,11 +228,11 @@ pub(super) fn is_scheme(name: &str) -> bool {
 }
 
 /// The limit of the explicit coupling where all but the scheme is the same, of the same order if it was asked for.
-fn explicit<'a>(limit: &Limit, all: &'a [Limit]) -> Option<&'a Limit> {
-    let has = |l: &Limit, of: &Limit, name: &str| {
+fn explicit<'a>(limit: &StepLimit, all: &'a [StepLimit]) -> Option<&'a StepLimit> {
+    let has = |l: &StepLimit, of: &StepLimit, name: &str| {
         l.combination.iter().find(|c| c.name == name) == of.combination.iter().find(|c| c.name == name)
     };
-    let mut found: Vec<&Limit> = all
+    let mut found: Vec<&StepLimit> = all
         .iter()
         .filter(|l| l.physics() == limit.physics() && l.bracket.stable.is_some())
         .filter(|l| l.combination.iter().any(|c| c.name == "coupling" && c.value == "explicit"))
@@ -241,7 +241,7 @@ fn explicit<'a>(limit: &Limit, all: &'a [Limit]) -> Option<&'a Limit> {
     found.first().copied().filter(|l| l.combination != limit.combination)
 }
 
-fn statement(limit: &Limit, all: &[Limit]) -> String {
+fn statement(limit: &StepLimit, all: &[StepLimit]) -> String {
     let number = |v: f64| rounded(v, 3);
     let b = &limit.bracket;
     let found = match (&limit.refused, b.stable, b.unstable) {
@@ -260,7 +260,7 @@ fn statement(limit: &Limit, all: &[Limit]) -> String {
     text + "."
 }
 
-fn headline(limit: &Limit) -> KeyNumber {
+fn headline(limit: &StepLimit) -> KeyNumber {
     let number = |v: f64| rounded(v, 3);
     let value = match (limit.bracket.stable, limit.bracket.unstable) {
         (Some(s), None) => format!("at least {}", number(s)),

@@ -9,12 +9,12 @@ mod scan;
 mod search;
 mod verdict;
 
-pub use limits::{Limits, TOLERANCE};
+pub use limits::{LimitSearch, TOLERANCE};
 pub use scan::Scan;
 pub use search::{Bracket, largest_stable_step};
 pub use verdict::Verdict;
 
-use super::axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
+use super::axis::{Axis, Choice, assignments, check_distinct, combinations, in_words};
 use crate::base::{Error, Result};
 use crate::output::Cell;
 use crate::studies::{Campaign, Trial, per_cent};
@@ -28,7 +28,7 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
             .remedy("study its errors with `immersa study convergence`"));
     }
     combinations(axes).iter().try_for_each(|c| {
-        let set = settings(c);
+        let set = assignments(c);
         check_distinct(set.iter().map(String::as_str).chain(own.iter().copied()))?;
         campaign.scene_of(&Trial::new("", set)).map(drop)
     })
@@ -36,7 +36,7 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
 
 /// The run of a combination with `steps` steps of length `dt`, each with its row in the series.
 fn trial(combination: &[Choice], dt: f64, steps: usize) -> Trial {
-    let mut set = settings(combination);
+    let mut set = assignments(combination);
     // The end must be a multiple of the step: both are set.
     set.extend([format!("time.step={dt}"), format!("time.end={}", dt * steps as f64), format!("output.every={dt}")]);
     let label = [in_words(combination), format!("dt = {dt}")];

@@ -5,7 +5,7 @@ use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::Result;
 use crate::output::{Cell, Chart, Curve, Figure, Page, Stroke, Table, rounded};
 use crate::scene::problem;
-use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
+use crate::studies::axis::{Axis, Choice, assignments, combinations, in_words};
 use crate::studies::{Campaign, Trial};
 
 /// A scan of values that are not the step.
@@ -20,14 +20,14 @@ pub struct Scan {
 }
 
 /// Outcome of a combination.
-struct Point {
+struct ScanPoint {
     combination: Vec<Choice>,
     /// Half-width of the band over the longest edge in it; NaN where the scene cannot be run.
     resolution: f64,
     verdict: Verdict,
 }
 
-impl Point {
+impl ScanPoint {
     /// The value on the first axis.
     fn first(&self) -> Option<&Choice> {
         self.combination.first()
@@ -60,7 +60,7 @@ impl Scan {
         let all = combinations(&self.axes);
         let mut points = Vec::new();
         for (k, combination) in all.iter().enumerate() {
-            let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
+            let scene = campaign.scene_of(&Trial::new("", assignments(combination)))?;
             let run = trial(combination, scene.time.step, self.steps.unwrap_or(scene.time.steps()));
             let outcome = campaign.run(&run, k + 1, all.len())?;
             let verdict = Verdict::of(&outcome, self.tolerance)?;
@@ -68,7 +68,7 @@ impl Scan {
             let limits = problem(&scene).map(|p| p.limits()).ok();
             let resolution = limits.and_then(|l| Some(l.thickness? / l.band_edges?[1]));
             let resolution = resolution.unwrap_or(f64::NAN);
-            points.push(Point { combination: combination.clone(), resolution, verdict });
+            points.push(ScanPoint { combination: combination.clone(), resolution, verdict });
         }
         let mut tables = vec![self.table(&points)];
         tables.extend(self.map(&points));
@@ -83,7 +83,7 @@ impl Scan {
         })
     }
 
-    fn table(&self, points: &[Point]) -> Table {
+    fn table(&self, points: &[ScanPoint]) -> Table {
         let header = ["band/edge", "growth", "from_nowhere", "area", "outcome"];
         let mut table = Table::new("scan", "Outcomes", columns(&self.axes, &header));
         for p in points {
@@ -99,7 +99,7 @@ impl Scan {
     }
 
     /// The outcomes with the values of the first axis side by side.
-    fn map(&self, points: &[Point]) -> Option<Table> {
+    fn map(&self, points: &[ScanPoint]) -> Option<Table> {
         let [first, others @ ..] = &self.axes[..] else { return None };
         let rows = combinations(others);
         if rows.len() < 2 {
@@ -120,7 +120,7 @@ impl Scan {
         Some(table)
     }
 
-    fn statements(&self, points: &[Point]) -> Vec<String> {
+    fn statements(&self, points: &[ScanPoint]) -> Vec<String> {
         let Some(first) = self.axes.first() else { return Vec::new() };
         let sentence = |rest: Vec<Choice>| {
             let of = points.iter().filter(|p| p.is_of(&rest));
@@ -145,7 +145,7 @@ impl Scan {
         combinations(self.axes.get(1..).unwrap_or_default()).into_iter().map(sentence).collect()
     }
 
-    fn notes(&self, points: &[Point]) -> Vec<String> {
+    fn notes(&self, points: &[ScanPoint]) -> Vec<String> {
         let mut notes = vec![format!(
             "A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put \
              in by more than {}.",
@@ -157,7 +157,7 @@ impl Scan {
 
     /// Residual of the energy balance and change of the area over the first axis, if it has two numbers or more, a curve for each value of the
     /// second and charts of their own for those of the others.
-    fn charts(&self, points: &[Point]) -> Vec<Figure> {
+    fn charts(&self, points: &[ScanPoint]) -> Vec<Figure> {
         let [first, others @ ..] = &self.axes[..] else { return Vec::new() };
         if first.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
             return Vec::new();
@@ -192,10 +192,11 @@ type Value = fn(&Verdict) -> f64;
 type Line = (String, Vec<f64>, Vec<f64>);
 
 /// A curve over the first axis, in per cent up to [`CEILING`].
-fn curve<'a>(name: String, points: impl Iterator<Item = &'a Point>, value: &dyn Fn(&Verdict) -> f64) -> Line {
+fn curve<'a>(name: String, points: impl Iterator<Item = &'a ScanPoint>, value: &dyn Fn(&Verdict) -> f64) -> Line {
     let shown = |v: f64| if v > CEILING { CEILING } else { v };
-    let at =
-        |p: &Point| [p.first().and_then(Choice::number).unwrap_or(f64::NAN), shown((100.0 * value(&p.verdict)).abs())];
+    let at = |p: &ScanPoint| {
+        [p.first().and_then(Choice::number).unwrap_or(f64::NAN), shown((100.0 * value(&p.verdict)).abs())]
+    };
     let mut row: Vec<[f64; 2]> = points.map(at).collect();
     row.sort_by(|a, b| a[0].total_cmp(&b[0]));
     (name, row.iter().map(|p| p[0]).collect(), row.iter().map(|p| p[1]).collect())
