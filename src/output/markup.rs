@@ -19,7 +19,8 @@ pub(super) fn escape(text: &str) -> String {
     out
 }
 
-/// `text` [escaped](escape), with the numbers that have an exponent kept whole: a browser would break them at its sign.
+/// `text` [escaped](escape), with the numbers that have an exponent kept whole: a browser would
+/// break them at its sign.
 pub(super) fn prose(text: &str) -> String {
     let exponent = |w: &str| {
         w.split_once("e-").is_some_and(|(before, after)| {

@@ -1,7 +1,9 @@
-//! Files for readers and for other programs: VTU and PVD, CSV series, SVG charts, PNG pictures, films, tables and pages.
+//! Files for readers and for other programs: VTU and PVD, CSV series, SVG charts, PNG pictures,
+//! films, tables and pages.
 //!
-//! All functions take plain data, so that a run and a later `render` of its folder call the same ones. A file that
-//! replaces an older one is written beside it and renamed: a stop at any moment leaves the old or the new one.
+//! All functions take plain data, so that a run and a later `render` of its folder call the same
+//! ones. A file that replaces an older one is written beside it and renamed: a stop at any moment
+//! leaves the old or the new one.
 
 mod chart;
 mod colours;

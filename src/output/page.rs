@@ -1,4 +1,5 @@
-//! Pages: the results of a run or a study as one HTML file for any browser, offline and on paper, and as text for a terminal.
+//! Pages: the results of a run or a study as one HTML file for any browser, offline and on paper,
+//! and as text for a terminal.
 
 use super::figure::Figure;
 use super::markup::{escape, prose};

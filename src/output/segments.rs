@@ -1,4 +1,5 @@
-//! Segmentation of an image by a level set: the side of each pixel, and the contours in the coordinates of the image.
+//! Segmentation of an image by a level set: the side of each pixel, and the contours in the
+//! coordinates of the image.
 
 use super::sampling::Lattice;
 use super::series::Series;
@@ -17,7 +18,8 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// True for pixels with `phi < 0` in their middle, row by row from the top; false outside of the mesh.
+    /// True for pixels with `phi < 0` in their middle, row by row from the top; false outside of
+    /// the mesh.
     pub fn inside(&self, space: &Space<2>, phi: &[f64]) -> Vec<bool> {
         let [columns, rows] = self.size;
         let lattice = Lattice {

@@ -30,7 +30,8 @@ impl SeriesWriter {
         series.write(&header(names))?;
         Ok(series)
     }
-    /// Reopens a series to continue after its first `rows` rows; later rows, and one that was cut off, are dropped.
+    /// Reopens a series to continue after its first `rows` rows; later rows, and one that was cut
+    /// off, are dropped.
     ///
     /// # Errors
     /// The file cannot be opened, its columns are others, or it has fewer rows.

@@ -13,7 +13,8 @@ use std::path::Path;
 pub enum Cell {
     /// A text.
     Text(String),
-    /// A number and its notation for readers; files hold all of its digits. NaN stands for no value.
+    /// A number and its notation for readers; files hold all of its digits. NaN stands for no
+    /// value.
     Number(f64, Notation),
 }
 

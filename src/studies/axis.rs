@@ -1,4 +1,5 @@
-//! Parameters that differ between the trials of a study: keys of the scene, and the values they take.
+//! Parameters that differ between the trials of a study: keys of the scene, and the values they
+//! take.
 
 use crate::base::{Error, Result};
 use crate::scene::Scene;
@@ -61,7 +62,8 @@ impl Axis {
         let choices = values.iter().map(|v| Choice::new(&name, v, format!("{key}={v}"))).collect();
         Ok(Axis { name, choices })
     }
-    /// Coupling of the force of a membrane to a step: `explicit`, `implicit`, or others that the scene knows.
+    /// Coupling of the force of a membrane to a step: `explicit`, `implicit`, or others that the
+    /// scene knows.
     pub fn coupling(values: &[String]) -> Axis {
         let choice = |v: &String| Choice {
             label: format!("{v} coupling"),

@@ -5,7 +5,8 @@ use crate::output::{Figure, Page, Table, write_file};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Content of `study.json`: title, statements, notes, alarms, and the tables by name; `command` makes the study again.
+/// Content of `study.json`: title, statements, notes, alarms, and the tables by name; `command`
+/// makes the study again.
 pub fn json(page: &Page, command: &str) -> Value {
     let tables: serde_json::Map<String, Value> = page.all_tables().map(|t| (t.name.clone(), t.json())).collect();
     json!({
@@ -19,8 +20,9 @@ pub fn json(page: &Page, command: &str) -> Value {
     })
 }
 
-/// Writes `study.json`, `NAME.csv` and `NAME.md` for each table, `charts/NAME.svg` for each chart and `report.html` into
-/// the folder of a study, replacing those that are there; the result is the path of the report.
+/// Writes `study.json`, `NAME.csv` and `NAME.md` for each table, `charts/NAME.svg` for each chart
+/// and `report.html` into the folder of a study, replacing those that are there; the result is the
+/// path of the report.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -1,8 +1,9 @@
 //! Studies: the same scene run many times, and the results of all runs on one page.
 //!
-//! A study makes [`Trial`]s, a scene with some values set each; a [`Campaign`] runs them into folders of their own, once:
-//! the same study started again goes on where it stopped. A trial that blows up is a result, not the end of the study. What
-//! comes of it are [`Page`]: tables, charts and sentences, for the terminal, other programs and a page.
+//! A study makes [`Trial`]s, each the scene with some values set; a [`Campaign`] runs them into
+//! folders of their own, once: the same study started again continues. A trial that blows up is a
+//! result, not the end of the study. The result is a [`Page`](crate::output::Page) of tables, charts
+//! and sentences, which [`files`] writes for readers and for other programs.
 
 mod axis;
 mod campaign;

@@ -8,13 +8,15 @@
 //! //@ loop expert  matrix factored once
 //! ```
 //!
-//! The first line says which value of the scene a switch takes, the second with which value the scene has the scheme of the twin, the third
-//! that `-loop expert` is a variant of its time loop, with a description.
+//! The first line names the value of the scene that a switch takes, the second a value with which
+//! the scene has the scheme of the twin, the third a variant of its time loop, `-loop expert`, with a
+//! description.
 //!
-//! Every twin takes `-mesh` (a mesh file, see [`mesh::freefem`](crate::mesh::freefem)), `-dt`, `-tmax`, `-every` (time between two rows) and
-//! `-out`, the name of the CSV file that it writes: a column `time`, and others named as in `series.csv`. On standard output it
-//! says what it cost, in lines of a name and a number: `steps`, `unknowns`, `first_step` and `per_step`, the CPU seconds of the first and of
-//! a later step; and `freefem`, the version.
+//! Every twin takes `-mesh` (a mesh file, see [`mesh::freefem`](crate::mesh::freefem)), `-dt`,
+//! `-tmax`, `-every` (time between two rows) and `-out`, the name of the CSV file that it writes: a
+//! column `time`, and others named as in `series.csv`. On standard output it prints its cost, in
+//! lines of a name and a number: `steps`, `unknowns`, `first_step` and `per_step`, the CPU seconds of
+//! the first and of a later step; and `freefem`, the version.
 
 use crate::base::{Error, Result};
 use crate::output::read_text;

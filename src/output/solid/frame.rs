@@ -12,7 +12,8 @@ use crate::mesh::Point;
 pub(super) struct BoxEdges<'a> {
     camera: &'a Camera,
     corners: [Point<3>; 2],
-    /// True for the lower and the upper wall across each axis that is at the back: seen from inside of the box.
+    /// True for the lower and the upper wall across each axis that is at the back: seen from inside
+    /// of the box.
     back: [[bool; 2]; 3],
 }
 
@@ -142,7 +143,8 @@ impl<'a> BoxEdges<'a> {
             p
         })
     }
-    /// Number of the two walls that meet in an edge and are at the back: with one it lies at the rim.
+    /// Number of the two walls that meet in an edge and are at the back: with one it lies at the
+    /// rim.
     fn walls_at_back(&self, edge: Edge) -> usize {
         (0..2).filter(|&k| self.back[(edge.axis + 1 + k) % 3][edge.sides[k]]).count()
     }

@@ -1,4 +1,5 @@
-//! Tables of the page: quantities that should be zero, the columns of the series, the cost by phase.
+//! Tables of the page: quantities that should be zero, the columns of the series, the cost by
+//! phase.
 
 use super::folder::RunFolder;
 use super::segmentation;
@@ -10,7 +11,8 @@ pub(super) fn per_cent(v: f64) -> String {
     crate::output::per_cent(v, 3)
 }
 
-/// A row of the balances: the quantity, its value at the end and the largest one, and the value that it should have.
+/// A row of the balances: the quantity, its value at the end and the largest one, and the value
+/// that it should have.
 type Check = (String, [Option<f64>; 2], &'static str);
 
 /// Quantities that should be zero or bounded.

@@ -1,4 +1,5 @@
-//! Charts of the series and of the profiles, each with a caption that explains the curves and signs of errors.
+//! Charts of the series and of the profiles, each with a caption that explains the curves and signs
+//! of errors.
 
 use super::folder::RunFolder;
 use super::segmentation;

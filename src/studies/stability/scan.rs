@@ -155,8 +155,9 @@ impl Scan {
         notes
     }
 
-    /// Residual of the energy balance and change of the area over the first axis, if it has two numbers or more, a curve for each value of the
-    /// second and charts of their own for those of the others.
+    /// Residual of the energy balance and change of the area over the first axis, if it has two
+    /// numbers or more, a curve for each value of the second and charts of their own for those of
+    /// the others.
     fn charts(&self, points: &[ScanPoint]) -> Vec<Figure> {
         let [first, others @ ..] = &self.axes[..] else { return Vec::new() };
         if first.choices.iter().filter(|c| c.number().is_some()).count() < 2 {

@@ -13,7 +13,8 @@ pub struct Verdict {
     pub growth: f64,
     /// Time at which the growth first exceeded the tolerance, or the run failed.
     pub unstable_from: Option<f64>,
-    /// Residual of the energy balance (3.23) over the energy in play: the value of the largest magnitude.
+    /// Residual of the energy balance (3.23) over the energy in play: the value of the largest
+    /// magnitude.
     pub residual: f64,
     /// The rate at which the growth changes in the second half of the run, per time: negative where energy is dissipated, positive
     /// where an instability grows that has not come far yet.
