@@ -79,7 +79,7 @@ impl Page {
         out.element("h1", &self.title);
         out.element("p", &self.subtitle);
         out.line("</header><main>");
-        self.alarms.iter().for_each(|a| out.line(&format!("<div class=\"alarm\" role=\"alert\">{}</div>", prose(a))));
+        self.alarms.iter().for_each(|a| out.line(&format!("<div class=\"alarm\" role=\"alert\">{}</div>", escape(a))));
         out.key_numbers(&self.key_numbers);
         out.list("", "remarks", &self.notes);
         out.list("Results", "statements", &self.statements);

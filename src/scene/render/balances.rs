@@ -139,11 +139,11 @@ pub(super) fn phases(run: &RunFolder) -> Table {
 pub(super) fn solves(run: &RunFolder) -> Table {
     let s = &run.summary.solves;
     let rows = [
-        ("factorisations", Cell::count(Some(s.factorisations as u64))),
-        ("solved by iterations with an older factor", Cell::count(Some(s.krylov as u64))),
-        ("iterations given up, then factored", Cell::count(Some(s.given_up as u64))),
+        ("factorisations", Cell::count(Some(s.factorisations))),
+        ("solved by iterations with an older factor", Cell::count(Some(s.krylov))),
+        ("iterations given up, then factored", Cell::count(Some(s.given_up))),
         ("iterations of a solve: mean", Cell::number(s.mean_iterations, 3)),
-        ("iterations of a solve: most", Cell::count(Some(s.most_iterations as u64))),
+        ("iterations of a solve: most", Cell::count(Some(s.most_iterations))),
         ("largest relative residual", Cell::number(s.worst_residual, 2)),
     ];
     let keep = if s.krylov + s.given_up > 0 { rows.len() } else { usize::from(s.factorisations > 0) };
