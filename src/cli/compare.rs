@@ -16,7 +16,7 @@ pub(super) struct Arguments {
     /// Compare on several meshes, with these numbers of cells along the first side, and give the costs of all in one table
     #[arg(long, value_name = "N1,N2,...", value_delimiter = ',', conflicts_with = "record")]
     cells: Vec<NonZeroUsize>,
-    /// How often both are run, in turn; of the times the least counts
+    /// Repetitions of both, in turn; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
     /// Fail when a quantity differs by more than this part of its largest value; with COLUMN= for one quantity
@@ -30,7 +30,7 @@ pub(super) struct Arguments {
 pub(super) fn compare(arguments: &Arguments) -> Result<()> {
     let path = arguments.twin.clone().unwrap_or_else(|| Twin::beside(arguments.common.scene.path()));
     let twin = Twin::read(&path)?;
-    let told = Comparison {
+    let options = Comparison {
         repeat: arguments.repeat.get(),
         bounds: arguments.within.clone(),
         record: arguments.record.clone(),
@@ -40,8 +40,8 @@ pub(super) fn compare(arguments: &Arguments) -> Result<()> {
     cells.sort_unstable();
     cells.dedup();
     let found = arguments.common.conduct_with(&scene, "compare", |campaign| match cells[..] {
-        [] => comparison(campaign, &twin, &told),
-        _ => compare_meshes(campaign, &twin, &told, &cells),
+        [] => comparison(campaign, &twin, &options),
+        _ => compare_meshes(campaign, &twin, &options, &cells),
     })?;
     if found.alarms.is_empty() {
         return Ok(());

@@ -6,15 +6,15 @@ use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// What the scene shows
-    case: Case,
+    /// Problem of the scene
+    case: Template,
     /// The file to write; CASE.toml without it. A file that exists is left alone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Case {
+enum Template {
     /// An elastic membrane that relaxes in a viscous fluid
     Membrane,
     /// A square of fluid driven by its lid
@@ -23,20 +23,20 @@ enum Case {
     Channel,
 }
 
-impl Case {
+impl Template {
     fn name(self) -> &'static str {
         match self {
-            Case::Membrane => "membrane",
-            Case::Cavity => "cavity",
-            Case::Channel => "channel",
+            Template::Membrane => "membrane",
+            Template::Cavity => "cavity",
+            Template::Channel => "channel",
         }
     }
 
     fn text(self) -> &'static str {
         match self {
-            Case::Membrane => include_str!("cases/membrane.toml"),
-            Case::Cavity => include_str!("cases/cavity.toml"),
-            Case::Channel => include_str!("cases/channel.toml"),
+            Template::Membrane => include_str!("cases/membrane.toml"),
+            Template::Cavity => include_str!("cases/cavity.toml"),
+            Template::Channel => include_str!("cases/channel.toml"),
         }
     }
 }

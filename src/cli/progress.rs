@@ -1,4 +1,4 @@
-//! What a run tells the user: a bar on a terminal, plain lines otherwise.
+//! Progress of a run: a bar on a terminal, plain lines otherwise.
 
 use crate::base::Warning;
 use crate::output::rounded;
@@ -35,7 +35,7 @@ impl Progress {
         }
     }
 
-    /// Says where the results are, and what is wrong with them.
+    /// Prints the paths of the results, and the alarms.
     pub(super) fn done(&self, outcome: &Outcome, report: &Path) {
         let seconds = self.start.elapsed().as_secs_f64();
         self.line(&format!("done: {} steps in {seconds:.1} s", outcome.steps));

@@ -1,4 +1,4 @@
-//! Errors as the user sees them.
+//! Messages of errors on the terminal.
 
 use crate::base::{Error, Kind, Snippet};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet as Excerpt, level};
@@ -13,7 +13,7 @@ pub(super) fn error(error: &Error) -> u8 {
     error.kind().exit_code()
 }
 
-/// Prints what clap says of the command line, or its help, and gives the exit code.
+/// Prints the message of clap, or its help, and gives the exit code.
 pub(super) fn usage(error: &clap::Error) -> u8 {
     // Nothing is left to be done when the terminal is gone.
     let _ = error.print();
@@ -43,7 +43,7 @@ fn text(error: &Error, colour: bool) -> String {
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
     let span = whole_characters(snippet);
     let marked = snippet.source.get(span.clone()).unwrap_or("");
-    // What the caret shows need not be said again.
+    // The caret shows this value already.
     let label = Some(error.wrong_value()).filter(|v| !v.is_empty() && *v != marked);
     let annotation = AnnotationKind::Primary.span(span).label(label);
     let excerpt = Excerpt::source(&snippet.source).path(&snippet.path).annotation(annotation);

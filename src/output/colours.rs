@@ -1,4 +1,4 @@
-//! Which colour a value has.
+//! Colours of values.
 
 use super::field::FieldData;
 

@@ -16,7 +16,7 @@ pub struct Film {
     pub gif: PathBuf,
     /// The MP4 file, if `ffmpeg` was there and did its work.
     pub mp4: Option<PathBuf>,
-    /// What went wrong with `ffmpeg`.
+    /// Failure of `ffmpeg`, if it failed.
     pub warning: Option<Warning>,
 }
 

@@ -16,7 +16,7 @@ pub struct GreyImage {
 
 /// More pixels are refused: an image is held in memory, and so is a mesh for it.
 const MOST_PIXELS: usize = 1 << 24;
-/// What red, green and blue add to the grey level (ITU-R BT.601).
+/// Weights of red, green and blue in the grey level (ITU-R BT.601).
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 /// First bytes of other formats that an image is often kept in.
 const OTHERS: [(&[u8], &str); 7] = [

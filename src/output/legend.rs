@@ -1,4 +1,4 @@
-//! What stands beside the drawing of a picture: the title, the time and the colour bar.
+//! Legend beside the drawing of a picture: the title, the time and the colour bar.
 
 use super::colours::Colours;
 use super::lettering::{self, Align};

@@ -6,7 +6,7 @@
 
 use super::raster::{Image, Ink, Segment};
 
-/// Where the given point of a text lies.
+/// Anchor of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,

@@ -1,4 +1,4 @@
-//! What XML and HTML have in common: escaping.
+//! Escaping, common to XML and HTML.
 
 /// `text` with the five characters that XML and HTML reserve replaced, safe as content and inside quoted attributes.
 /// Control characters that XML forbids become the replacement character.
@@ -17,6 +17,22 @@ pub(super) fn escape(text: &str) -> String {
         }
     }
     out
+}
+
+/// `text` [escaped](escape), with the numbers that have an exponent kept whole: a browser would
+/// break them at its sign.
+pub(super) fn prose(text: &str) -> String {
+    let exponent = |w: &str| {
+        w.split_once("e-").is_some_and(|(before, after)| {
+            before.ends_with(|c: char| c.is_ascii_digit()) && after.starts_with(|c: char| c.is_ascii_digit())
+        })
+    };
+    let word = |w: &str| match (exponent(w), w.strip_suffix([' ', '\n'])) {
+        (false, _) => escape(w),
+        (true, None) => format!("<span class=\"whole\">{}</span>", escape(w)),
+        (true, Some(number)) => format!("<span class=\"whole\">{}</span>{}", escape(number), &w[number.len()..]),
+    };
+    text.split_inclusive([' ', '\n']).map(word).collect()
 }
 
 /// The inverse of [`escape`].

@@ -1,4 +1,4 @@
-//! Numbers on axes and colour bars.
+//! Numbers for people: on axes and colour bars, in texts and tables.
 
 /// Round numbers in `[low, high]`, about `count` of them.
 pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
@@ -50,6 +50,11 @@ pub fn rounded(v: f64, digits: usize) -> String {
         }
         _ => format!("{}e{exponent}", trimmed(mantissa)),
     }
+}
+
+/// A fraction in per cent for people, with at most `digits` digits.
+pub fn per_cent(v: f64, digits: usize) -> String {
+    format!("{} %", rounded(100.0 * v, digits))
 }
 
 #[cfg(test)]

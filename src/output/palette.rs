@@ -50,7 +50,7 @@ fn cut(colours: Vec<Colour>) -> Vec<Vec<Colour>> {
     boxes.into_iter().map(|(_, members)| members).filter(|m| !m.is_empty()).collect()
 }
 
-/// How much a group is in need of being cut; 0 for a single colour.
+/// Priority of a group for being split; 0 for a single colour.
 fn weight(group: &[Colour]) -> f64 {
     let pixels: f64 = group.iter().map(|c| c.pixels).sum();
     f64::from(extent(group).1).powi(2) * pixels.sqrt()

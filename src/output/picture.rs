@@ -16,11 +16,11 @@ use nalgebra::SVector;
 pub struct Picture<'a> {
     /// The space of all fields shown; on a P2 space a field may also be P1.
     pub space: &'a Space<2>,
-    /// What is coloured; a vector field by its length.
+    /// The field that is coloured; a vector field by its length.
     pub field: FieldData<'a, 2>,
     /// The range of the colours; [`Scale::of`] the field, or one for all frames of a film.
     pub scale: Scale,
-    /// Whether the colours are greys; level sets are then drawn in a colour.
+    /// True for shades of grey; level sets are then drawn in a colour.
     pub grey: bool,
     /// Title, with the unit if there is one.
     pub title: &'a str,
@@ -30,7 +30,7 @@ pub struct Picture<'a> {
     pub interfaces: Vec<&'a [f64]>,
     /// A velocity drawn as arrows on a coarse lattice.
     pub arrows: Option<Arrows<'a>>,
-    /// Whether the edges of the mesh are drawn.
+    /// Draws the edges of the mesh.
     pub mesh: bool,
     /// Largest width and height in pixels; the picture takes what the shape of the domain needs.
     pub size: [usize; 2],
@@ -81,33 +81,33 @@ impl<'a> Picture<'a> {
     /// # Errors
     /// A field has a wrong number of values (a defect of the caller).
     pub fn draw(&self) -> Result<Image> {
-        let frame = Frame::of(self);
-        let mut image = Image::white(frame.image[0], frame.image[1]);
+        let area = PlotArea::of(self);
+        let mut image = Image::white(area.image[0], area.image[1]);
         let colours = Colours::with(self.scale, self.grey);
-        self.colour(&frame, &colours, &mut image)?;
+        self.colour(&area, &colours, &mut image)?;
         if self.mesh {
-            image.stroke(&self.edges(&frame, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
+            image.stroke(&self.edges(&area, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
         }
         if let Some(arrows) = &self.arrows {
-            self.draw_arrows(&frame, arrows, colours.signed, &mut image)?;
+            self.draw_arrows(&area, arrows, colours.signed, &mut image)?;
         }
         for phi in &self.interfaces {
-            self.draw_interface(&frame, &on_nodes(self.space, "level set", phi)?, &mut image);
+            self.draw_interface(&area, &on_nodes(self.space, "level set", phi)?, &mut image);
         }
-        image.stroke(&self.edges(&frame, true), 1.2, QUIET);
-        self.draw_axes(&frame, &mut image);
-        let bar = [frame.image[0] - RIGHT as usize + 24, TOP as usize];
-        draw_bar(&mut image, &colours, bar, frame.size[1].max(SMALLEST as usize));
+        image.stroke(&self.edges(&area, true), 1.2, QUIET);
+        self.draw_axes(&area, &mut image);
+        let bar = [area.image[0] - RIGHT as usize + 24, TOP as usize];
+        draw_bar(&mut image, &colours, bar, area.size[1].max(SMALLEST as usize));
         draw_title(&mut image, self.title, self.time, LEFT);
         Ok(image)
     }
     /// Fills the domain with colours.
-    fn colour(&self, frame: &Frame, colours: &Colours, image: &mut Image) -> Result<()> {
+    fn colour(&self, area: &PlotArea, colours: &Colours, image: &mut Image) -> Result<()> {
         let opaque = |v: f64| {
             let [r, g, b] = colours.of(v);
             [r, g, b, 255]
         };
-        let (mesh, lattice) = (self.space.mesh(), frame.lattice(2.0));
+        let (mesh, lattice) = (self.space.mesh(), area.lattice(2.0));
         let samples = match self.field {
             FieldData::Scalar(f) => {
                 let f = on_nodes(self.space, self.title, f)?;
@@ -118,22 +118,22 @@ impl<'a> Picture<'a> {
                 lattice.sample(mesh, [0u8; 4], |c, l| opaque(self.space.value(&f, c, l).norm()))
             }
         };
-        for y in 0..frame.size[1] {
-            for x in 0..frame.size[0] {
+        for y in 0..area.size[1] {
+            for x in 0..area.size[0] {
                 let four =
                     [0, 1, lattice.columns, lattice.columns + 1].map(|k| samples[2 * y * lattice.columns + 2 * x + k]);
                 let inside = four.iter().filter(|s| s[3] > 0).count() as u16;
                 if inside > 0 {
                     let mean = |i: usize| (four.iter().map(|s| u16::from(s[i])).sum::<u16>() / inside) as u8;
                     let ink = Ink::solid([mean(0), mean(1), mean(2)]);
-                    image.blend(frame.corner[0] + x, frame.corner[1] + y, ink, f32::from(inside) / 4.0);
+                    image.blend(area.corner[0] + x, area.corner[1] + y, ink, f32::from(inside) / 4.0);
                 }
             }
         }
         Ok(())
     }
     /// Edges of the mesh, or only those on its boundary.
-    fn edges(&self, frame: &Frame, boundary: bool) -> Vec<Segment> {
+    fn edges(&self, area: &PlotArea, boundary: bool) -> Vec<Segment> {
         let mesh = self.space.mesh();
         let mut edges = Vec::new();
         for c in 0..mesh.cell_count() {
@@ -141,33 +141,33 @@ impl<'a> Picture<'a> {
             for (k, &other) in mesh.neighbours(c).iter().enumerate() {
                 let open = other == crate::mesh::NONE;
                 if open || (!boundary && (other as usize) < c) {
-                    edges.push([(k + 1) % 3, (k + 2) % 3].map(|v| frame.pixel(&mesh.points()[cell[v] as usize])));
+                    edges.push([(k + 1) % 3, (k + 2) % 3].map(|v| area.pixel(&mesh.points()[cell[v] as usize])));
                 }
             }
         }
         edges
     }
     /// The zero line: a pixel is covered by its distance |phi| / |grad phi| to it. White beside it sets it off.
-    fn draw_interface(&self, frame: &Frame, phi: &[f64], image: &mut Image) {
-        let lattice = frame.lattice(1.0);
+    fn draw_interface(&self, area: &PlotArea, phi: &[f64], image: &mut Image) {
+        let lattice = area.lattice(1.0);
         let distance = lattice.sample(self.space.mesh(), f32::NAN, |c, l| {
             let value = self.space.value(phi, c, l).abs();
-            (value / self.space.gradient(phi, c, l).norm() * frame.scale) as f32
+            (value / self.space.gradient(phi, c, l).norm() * area.scale) as f32
         });
         let line = if self.grey { LINE_ON_GREY } else { LINE };
         for (width, ink) in [(4.6, Ink { rgb: [255; 3], opacity: 0.7 }), (2.2, line)] {
             for (i, d) in distance.iter().enumerate().filter(|(_, d)| **d < 0.5 * width + 0.5) {
                 let (x, y) = (i % lattice.columns, i / lattice.columns);
-                image.blend(frame.corner[0] + x, frame.corner[1] + y, ink, (0.5 * width + 0.5 - d).min(1.0));
+                image.blend(area.corner[0] + x, area.corner[1] + y, ink, (0.5 * width + 0.5 - d).min(1.0));
             }
         }
     }
-    fn draw_arrows(&self, frame: &Frame, arrows: &Arrows, dark: bool, image: &mut Image) -> Result<()> {
+    fn draw_arrows(&self, area: &PlotArea, arrows: &Arrows, dark: bool, image: &mut Image) -> Result<()> {
         let u = on_nodes(self.space, "velocity", arrows.velocity)?;
         if !(arrows.fastest > 0.0 && arrows.fastest.is_finite()) {
             return Ok(());
         }
-        let lattice = frame.lattice(1.0 / SPACING);
+        let lattice = area.lattice(1.0 / SPACING);
         let zero = SVector::<f64, 2>::zeros();
         let samples = lattice.sample(self.space.mesh(), zero, |c, l| self.space.value(&u, c, l));
         let mut segments = Vec::new();
@@ -175,7 +175,7 @@ impl<'a> Picture<'a> {
             // By the root, so that slow parts have their direction too; the colours show how slow they are.
             let length = 0.92 * SPACING * (v.norm() / arrows.fastest).min(1.0).sqrt();
             if length >= 4.0 {
-                let middle = frame.pixel(&lattice.point(i % lattice.columns, i / lattice.columns));
+                let middle = area.pixel(&lattice.point(i % lattice.columns, i / lattice.columns));
                 let d = [v[0] / v.norm(), -v[1] / v.norm()];
                 segments.extend(arrow(middle, d, length));
             }
@@ -186,16 +186,16 @@ impl<'a> Picture<'a> {
         image.stroke(&segments, 1.3, Ink { rgb: arrow, opacity: 0.9 });
         Ok(())
     }
-    fn draw_axes(&self, frame: &Frame, image: &mut Image) {
+    fn draw_axes(&self, area: &PlotArea, image: &mut Image) {
         let size = 8.5;
         for axis in 0..2 {
-            let (low, high) = (frame.low[axis], frame.low[axis] + frame.length[axis]);
-            let room = frame.size[axis] as f64 / 90.0;
+            let (low, high) = (area.low[axis], area.low[axis] + area.length[axis]);
+            let room = area.size[axis] as f64 / 90.0;
             for v in ticks(low, high, room.clamp(2.0, 8.0)) {
                 let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
-                let mut at = SVector::<f64, 2>::from(frame.low);
+                let mut at = SVector::<f64, 2>::from(area.low);
                 at[axis] = v;
-                let [x, y] = frame.pixel(&at);
+                let [x, y] = area.pixel(&at);
                 if axis == 0 {
                     image.stroke(&[[[x, y + 2.0], [x, y + 6.0]]], 1.0, QUIET);
                     lettering::draw(image, &text, [x, y + 11.0 + size], size, Align::Centre, QUIET);
@@ -216,8 +216,8 @@ fn arrow(middle: [f64; 2], d: [f64; 2], length: f64) -> [Segment; 3] {
     [[along(-0.5 * length, 0.0), tip], wing(1.0), wing(-1.0)]
 }
 
-/// Where the domain lies in the picture.
-struct Frame {
+/// Area of the picture that shows the domain.
+struct PlotArea {
     /// Width and height of the picture.
     image: [usize; 2],
     /// Upper left corner of the drawing.
@@ -231,8 +231,8 @@ struct Frame {
     scale: f64,
 }
 
-impl Frame {
-    fn of(picture: &Picture) -> Frame {
+impl PlotArea {
+    fn of(picture: &Picture) -> PlotArea {
         let (low, high) = picture.space.mesh().bounding_box();
         let length = [high[0] - low[0], high[1] - low[1]];
         let room = [picture.size[0] as f64 - LEFT - RIGHT, picture.size[1] as f64 - TOP - BOTTOM];
@@ -241,7 +241,7 @@ impl Frame {
         let place = size.map(|s| s.max(SMALLEST));
         // Films in H.264 want even numbers.
         let even = |n: f64| 2 * (0.5 * n).ceil() as usize;
-        Frame {
+        PlotArea {
             image: [even(LEFT + place[0] + RIGHT), even(TOP + place[1] + BOTTOM)],
             corner: [(LEFT + 0.5 * (place[0] - size[0])) as usize, (TOP + 0.5 * (place[1] - size[1])) as usize],
             size: size.map(|s| s as usize),
@@ -250,7 +250,7 @@ impl Frame {
             scale,
         }
     }
-    /// Where a point of the domain is in the picture.
+    /// Pixel of a point of the domain.
     fn pixel(&self, x: &SVector<f64, 2>) -> [f64; 2] {
         let at = |axis: usize| (x[axis] - self.low[axis]) / self.length[axis];
         [
@@ -272,114 +272,4 @@ impl Frame {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fem::Element;
-    use crate::mesh::{Diagonals, Mesh, Point, rectangle};
-    use std::sync::Arc;
-
-    fn square() -> Space<2> {
-        Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [10, 10], Diagonals::Right).unwrap()), Element::P2)
-    }
-
-    /// Column and row of the pixel that a point of the domain is in.
-    fn at(picture: &Picture, x: [f64; 2]) -> (usize, usize) {
-        let [a, b] = Frame::of(picture).pixel(&SVector::<f64, 2>::from(x));
-        (a as usize, b as usize)
-    }
-
-    fn close(a: [u8; 3], b: [u8; 3]) -> bool {
-        a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 4)
-    }
-
-    #[test]
-    fn a_linear_field_has_the_colour_of_its_value_at_every_pixel() {
-        let space = square();
-        let f = space.interpolate(|x| x[0] + 10.0 * x[1]);
-        let picture = Picture::new(&space, FieldData::Scalar(&f), "f");
-        let image = picture.draw().unwrap();
-        let viridis = |v: f64| {
-            let c = colorous::VIRIDIS.eval_continuous(v / 22.0);
-            [c.r, c.g, c.b]
-        };
-        for x in [[0.1, 0.1], [1.9, 0.1], [1.0, 1.0], [0.3, 1.7], [1.95, 1.95]] {
-            let (a, b) = at(&picture, x);
-            assert!(close(image.pixel(a, b), viridis(x[0] + 10.0 * x[1])), "{x:?}: {:?}", image.pixel(a, b));
-        }
-        let vectors = space.interpolate(|x| SVector::<f64, 2>::new(0.0, -(x[0] + 10.0 * x[1])));
-        let of_vectors = Picture::new(&space, FieldData::Vector(&vectors), "f").draw().unwrap();
-        assert_eq!(of_vectors, image, "a vector field is shown by its length");
-        let at_points: Vec<f64> = space.mesh().points().iter().map(|x| x[0] + 10.0 * x[1]).collect();
-        assert_eq!(
-            Picture::new(&space, FieldData::Scalar(&at_points), "f").draw().unwrap(),
-            image,
-            "a P1 field on a P2 space"
-        );
-        assert!(Picture::new(&space, FieldData::Scalar(&f[1..]), "f").draw().is_err());
-    }
-
-    #[test]
-    fn the_contour_of_a_circle_is_on_the_circle_and_nowhere_else() {
-        let space = square();
-        let (flat, radius) = (vec![0.0; space.len()], 0.6);
-        // Quadratic, so that the zero line is a circle to rounding; its slope is not 1.
-        let phi = space.interpolate(|x| (x[0] - 1.0).powi(2) + (x[1] - 1.0).powi(2) - radius * radius);
-        let picture = Picture { interfaces: vec![&phi], ..Picture::new(&space, FieldData::Scalar(&flat), "") };
-        let (image, frame) = (picture.draw().unwrap(), Frame::of(&picture));
-        let ground = Picture { interfaces: Vec::new(), ..picture.clone() }.draw().unwrap();
-        let (mut ink, centre) = (0.0, frame.pixel(&SVector::<f64, 2>::new(1.0, 1.0)));
-        for y in 0..image.height() {
-            for x in 0..image.width() {
-                let d = ((x as f64 + 0.5 - centre[0]).hypot(y as f64 + 0.5 - centre[1]) - radius * frame.scale).abs();
-                if d < 0.5 {
-                    assert!(close(image.pixel(x, y), LINE.rgb), "({x}, {y}) at {d} is {:?}", image.pixel(x, y));
-                } else if d > 3.2 {
-                    assert_eq!(image.pixel(x, y), ground.pixel(x, y), "({x}, {y}) at {d}");
-                }
-                ink += f64::from(u8::from(image.pixel(x, y)[1] < 100 && ground.pixel(x, y) != image.pixel(x, y)));
-            }
-        }
-        let length = std::f64::consts::TAU * radius * frame.scale;
-        assert!((ink / length - 2.2).abs() < 1.2, "width {}", ink / length);
-    }
-
-    #[test]
-    fn holes_are_white_and_values_that_are_no_numbers_grey() {
-        let full = rectangle([0.0, 0.0], [3.0, 3.0], [3, 3], Diagonals::Right).unwrap();
-        let keep = |c: &usize| !(8..10).contains(c);
-        let cells = (0..full.cell_count()).filter(keep).flat_map(|c| full.cell(c).to_vec()).collect();
-        let space = Space::new(&Arc::new(Mesh::new(full.points().to_vec(), cells).unwrap()), Element::P1);
-        let mut f = space.interpolate(|x: &Point<2>| x[0]);
-        f[0] = f64::NAN;
-        let picture = Picture::new(&space, FieldData::Scalar(&f), "with a hole");
-        let image = picture.draw().unwrap();
-        let pixel = |x| image.pixel(at(&picture, x).0, at(&picture, x).1);
-        assert_eq!(pixel([1.5, 1.5]), [255; 3]);
-        assert_eq!(pixel([0.3, 0.2]), [128; 3]);
-        assert_ne!(pixel([2.5, 2.5]), [255; 3]);
-    }
-
-    #[test]
-    fn every_shape_of_domain_and_option_gives_a_picture_within_its_size() {
-        for (high, cells) in [([50.0, 0.5], [20, 2]), ([0.01, 4.0], [1, 9]), ([1e-9, 1e-9], [3, 3])] {
-            let space =
-                Space::new(&Arc::new(rectangle([0.0, 0.0], high, cells, Diagonals::Right).unwrap()), Element::P2);
-            let u = space.interpolate(|x| x / high[0]);
-            let phi = space.interpolate(|x| x[0] - 0.5 * high[0]);
-            let picture = Picture {
-                time: Some(1.0 / 3.0),
-                interfaces: vec![&phi],
-                arrows: Some(Arrows { velocity: &u, fastest: 1.0 }),
-                mesh: true,
-                ..Picture::new(
-                    &space,
-                    FieldData::Vector(&u),
-                    "a title that is much longer than a narrow picture is wide",
-                )
-            };
-            let image = picture.draw().unwrap();
-            assert!(image.width() <= 760 && image.height() <= 680, "{} x {}", image.width(), image.height());
-            assert!(image.width().is_multiple_of(2) && image.height().is_multiple_of(2));
-        }
-    }
-}
+mod tests;

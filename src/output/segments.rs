@@ -1,13 +1,14 @@
-//! What a level set says about the pixels of an image, and its contours in the coordinates of the image.
+//! Segmentation of an image by a level set: the side of each pixel, and the contours in the
+//! coordinates of the image.
 
 use super::sampling::Lattice;
-use super::series::Table;
+use super::series::Series;
 use crate::base::Result;
 use crate::fem::Space;
 use crate::levelset::Contour;
 use crate::mesh::Point;
 
-/// Where an image lies: its lower left corner is the origin.
+/// Placement of an image: its lower left corner is the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixels {
     /// Columns and rows.
@@ -17,7 +18,8 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// Whether `phi < 0` in the middle of each pixel, row by row from the top; not where there is no mesh.
+    /// True for pixels with `phi < 0` in their middle, row by row from the top; false outside of
+    /// the mesh.
     pub fn inside(&self, space: &Space<2>, phi: &[f64]) -> Vec<bool> {
         let [columns, rows] = self.size;
         let lattice = Lattice {
@@ -35,7 +37,7 @@ impl Pixels {
     ///
     /// # Errors
     /// None is known.
-    pub fn contours(&self, contour: &Contour) -> Result<Table> {
+    pub fn contours(&self, contour: &Contour) -> Result<Series> {
         let mut columns: [Vec<f64>; 5] = Default::default();
         for (k, line) in contour.lines().iter().enumerate() {
             let points = contour.polyline(line);
@@ -48,7 +50,7 @@ impl Pixels {
         }
         let names = ["contour", "closed", "hole", "column", "row"];
         let named: Vec<(&str, &[f64])> = names.into_iter().zip(columns.iter().map(Vec::as_slice)).collect();
-        Ok(Table::new(&named))
+        Ok(Series::new(&named))
     }
 }
 

@@ -141,10 +141,10 @@ impl Document {
     }
 }
 
-/// How every file begins; the reader asks for exactly this.
+/// Beginning of every file; the reader asks for exactly this.
 pub(super) const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
      byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n";
-/// What stands between the head and the binary data.
+/// The text between the head and the binary data.
 pub(super) const TAIL: &str = "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
 
 fn compress(block: &[u8]) -> std::io::Result<Vec<u8>> {

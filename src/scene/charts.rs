@@ -1,16 +1,7 @@
 //! Charts of columns of a series, each with a caption.
 
 use super::words::{Words, words};
-use crate::output::{Chart, Curve, Stroke, Table};
-
-/// A chart and its words.
-pub struct Drawn {
-    /// Name of its file, without ending.
-    pub name: String,
-    pub title: String,
-    pub svg: String,
-    pub caption: String,
-}
+use crate::output::{Chart, Curve, Figure, Series, Stroke};
 
 /// The curves of a chart in the making.
 pub struct Sheet<'a> {
@@ -38,14 +29,14 @@ impl<'a> Sheet<'a> {
         name: impl Into<String>,
         [title, y_label]: [&str; 2],
         caption: impl Into<String>,
-    ) -> Option<Drawn> {
+    ) -> Option<Figure> {
         if self.curves.is_empty() {
             return None;
         }
         let curves =
             self.curves.iter().map(|(name, y, stroke)| Curve { name, x: self.x, y, stroke: *stroke, colour: None });
         let chart = Chart { title, x_label: self.x_label, y_label, curves: curves.collect(), ..Chart::default() };
-        Some(Drawn { name: name.into(), title: format!("{title}."), svg: chart.svg(), caption: caption.into() })
+        Some(Figure::chart(name, title, chart.svg(), caption))
     }
 }
 
@@ -53,7 +44,7 @@ impl<'a> Sheet<'a> {
 #[derive(Clone, Copy)]
 pub struct Columns<'a> {
     /// The series.
-    pub series: &'a Table,
+    pub series: &'a Series,
     /// Dimensions of space.
     pub dimension: usize,
 }
@@ -83,7 +74,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Semi-axes of a structure, which is round when at rest or not.
-    pub fn axes(&self, name: &str, round_at_rest: bool) -> Option<Drawn> {
+    pub fn axes(&self, name: &str, round_at_rest: bool) -> Option<Figure> {
         let (words, mut sheet) = (self.words(), self.sheet());
         words.axes.iter().for_each(|(column, what)| sheet.line(*what, self.column_of(name, column)));
         if !sheet.curves.is_empty() {
@@ -107,7 +98,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Half-chords of a structure, or else its extents.
-    pub fn chords<'b>(&self, name: &str, chords: impl Iterator<Item = &'b str>) -> Option<Drawn> {
+    pub fn chords<'b>(&self, name: &str, chords: impl Iterator<Item = &'b str>) -> Option<Figure> {
         let (words, mut sheet) = (self.words(), self.sheet());
         chords.for_each(|c| sheet.line(c, self.column_of(name, c)));
         let title = format!("Half-chords of {name}");

@@ -11,7 +11,7 @@ use super::Scene;
 use super::problem::Problem;
 use super::problems::problem;
 use crate::base::{Error, Kind, Result, Warning};
-use crate::output::Series;
+use crate::output::SeriesWriter;
 use cpu_time::ProcessTime;
 use record::Record;
 use std::path::PathBuf;
@@ -94,7 +94,7 @@ struct Run<'a> {
     scene: &'a Scene,
     folder: &'a Folder,
     problem: Box<dyn Problem>,
-    series: Series,
+    series: SeriesWriter,
     record: Record,
     plan: String,
     saved: Instant,
@@ -115,9 +115,9 @@ impl<'a> Run<'a> {
             Some(kept) => {
                 folder.restore(scene, &kept, &mut *problem)?;
                 let rows = kept.record.rows;
-                (Series::resume(&folder.series(), &names, rows)?, kept.record)
+                (SeriesWriter::resume(&folder.series(), &names, rows)?, kept.record)
             }
-            None => (Series::create(&folder.series(), &names)?, Record::default()),
+            None => (SeriesWriter::create(&folder.series(), &names)?, Record::default()),
         };
         let fresh = record.rows == 0;
         let mut run = Run { scene, folder, problem, series, record, plan, saved: Instant::now() };

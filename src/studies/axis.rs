@@ -1,4 +1,5 @@
-//! What differs between the trials of a study: keys of the scene, and the values they take.
+//! Parameters that differ between the trials of a study: keys of the scene, and the values they
+//! take.
 
 use crate::base::{Error, Result};
 use crate::scene::Scene;
@@ -11,9 +12,9 @@ pub struct Choice {
     pub name: String,
     /// The value as it is shown.
     pub value: String,
-    /// What tells it from others in a sentence: `n = 60`, `implicit coupling`.
+    /// Name in a sentence: `n = 60`, `implicit coupling`.
     pub label: String,
-    /// What is set, `key.sub=value`.
+    /// Assignment in the scene, `key.sub=value`.
     pub set: String,
 }
 
@@ -61,7 +62,8 @@ impl Axis {
         let choices = values.iter().map(|v| Choice::new(&name, v, format!("{key}={v}"))).collect();
         Ok(Axis { name, choices })
     }
-    /// How the force of a membrane enters a step: `explicit`, `implicit`, or whatever else the scene knows.
+    /// Coupling of the force of a membrane to a step: `explicit`, `implicit`, or others that the
+    /// scene knows.
     pub fn coupling(values: &[String]) -> Axis {
         let choice = |v: &String| Choice {
             label: format!("{v} coupling"),
@@ -130,8 +132,8 @@ pub fn in_words(combination: &[Choice]) -> String {
     combination.iter().map(|c| c.label.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// What a combination sets in the scene.
-pub fn settings(combination: &[Choice]) -> Vec<String> {
+/// Assignments of a combination in the scene.
+pub fn assignments(combination: &[Choice]) -> Vec<String> {
     combination.iter().map(|c| c.set.clone()).collect()
 }
 
@@ -184,7 +186,7 @@ mod tests {
             all.iter().map(|c| in_words(c)).collect::<Vec<_>>(),
             ["explicit coupling, thickness = 0.1", "explicit coupling, thickness = 0.2"]
         );
-        assert_eq!(settings(&all[0]), ["numerics.coupling=explicit", "numerics.thickness=0.1"]);
+        assert_eq!(assignments(&all[0]), ["numerics.coupling=explicit", "numerics.thickness=0.1"]);
         for text in ["thickness", "=1", "a.b=", "a.b=1,,2"] {
             let e = Axis::parse(text, "--vary").unwrap_err();
             assert!(e.wrong_value() == text && e.advice().contains("--vary KEY"), "{e}");

@@ -7,10 +7,10 @@ use crate::scene::run::{self, Observer, Options};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// What a study does not need of its runs.
+/// Output that a study does not need of its runs.
 const LEAN: [&str; 3] = ["output.pictures=false", "output.film=false", "output.fields=false"];
 
-/// Hears how a study goes.
+/// Receives the progress of a study.
 pub trait Listener {
     /// A trial begins: number `k` of `of`, both from 1, as far as is known by now.
     fn begins(&mut self, k: usize, of: usize, trial: &Trial);
@@ -18,7 +18,7 @@ pub trait Listener {
     fn progress(&mut self, step: usize, steps: usize, time: f64);
     /// A trial ended, or was found to have ended before.
     fn ended(&mut self, outcome: &Outcome);
-    /// Something worth knowing.
+    /// A remark for the user.
     fn note(&mut self, text: &str);
 }
 
@@ -50,7 +50,7 @@ impl<'a> Campaign<'a> {
     pub fn stop(&self) -> &'a AtomicBool {
         self.stop
     }
-    /// Who listens.
+    /// The listener.
     pub fn listener(&mut self) -> &mut dyn Listener {
         self.listener
     }
@@ -115,7 +115,7 @@ impl<'a> Campaign<'a> {
     }
 }
 
-/// What a run that has ended left in its folder.
+/// Outcome of a run that has ended, from its folder.
 fn ended(trial: &Trial, folder: &Path) -> Result<Option<Outcome>> {
     if !folder.join("summary.json").exists() {
         return Ok(None);

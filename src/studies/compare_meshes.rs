@@ -3,37 +3,32 @@
 use super::axis::{Axis, Choice};
 use super::campaign::Campaign;
 use super::compare::{Comparison, Costs, compare_and_cost};
-use super::findings::{Drawing, Findings};
+use super::files;
 use super::twin::Twin;
 use crate::base::Result;
-use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
+use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Stroke, Table, rounded};
 
 /// [`compare`](super::compare) on generated meshes with these `cells` along the first side, each in a folder of its own with all its
 /// tables, and the costs of all in one table.
 ///
 /// # Errors
 /// As [`compare`](super::compare) and [`Axis::cells`].
-pub fn compare_meshes(
-    campaign: &mut Campaign<'_>,
-    twin: &Twin,
-    told: &Comparison,
-    cells: &[usize],
-) -> Result<Findings> {
+pub fn compare_meshes(campaign: &mut Campaign<'_>, twin: &Twin, options: &Comparison, cells: &[usize]) -> Result<Page> {
     let (scene, stop, folder) = (campaign.scene(), campaign.stop(), campaign.folder().to_path_buf());
-    let mut all: Vec<(Choice, Findings, Costs)> = Vec::new();
+    let mut all: Vec<(Choice, Page, Costs)> = Vec::new();
     for choice in Axis::cells(scene, cells)?.choices {
         let scene = scene.with(std::slice::from_ref(&choice.set))?;
         let folder = folder.join(format!("n{}", choice.value));
         campaign.listener().note(&choice.label);
         let mut one = Campaign::new(&scene, &folder, stop, campaign.listener());
-        let (found, costs) = compare_and_cost(&mut one, twin, told)?;
-        found.write(&folder)?;
+        let (found, costs) = compare_and_cost(&mut one, twin, options)?;
+        files::write(&found, &folder, "")?;
         all.push((choice, found, costs));
     }
-    let mut found = Findings {
+    let mut found = Page {
         title: format!("{}: what a step costs", scene.title),
         subtitle: format!("immersa and FreeFEM, dt = {:?}, to t = {:?}", scene.time.step, scene.time.end),
-        ..Findings::default()
+        ..Page::default()
     };
     for (choice, one, _) in &all {
         let said = |texts: &[String]| texts.iter().map(|t| format!("{}: {t}", choice.label)).collect::<Vec<_>>();
@@ -44,13 +39,13 @@ pub fn compare_meshes(
         found.notes.clone_from(&one.notes);
     }
     found.notes.push("The folder of each mesh has the differences and values side by side.".into());
-    found.grids = vec![table(&all)];
-    found.drawings = chart(&all).into_iter().collect();
-    found.headline = headline(&all);
+    found.tables = vec![table(&all)];
+    found.charts = chart(&all).into_iter().collect();
+    found.key_numbers = headline(&all);
     Ok(found)
 }
 
-fn table(all: &[(Choice, Findings, Costs)]) -> Grid {
+fn table(all: &[(Choice, Page, Costs)]) -> Table {
     let mut header = vec!["n".to_string(), "unknowns".into()];
     for (k, cost) in all.first().map_or(&[][..], |(.., c)| &c.of).iter().enumerate() {
         header.push(cost.who.clone());
@@ -58,27 +53,27 @@ fn table(all: &[(Choice, Findings, Costs)]) -> Grid {
             header.push(format!("{} over immersa's", cost.who));
         }
     }
-    let mut grid = Grid::new("costs", "CPU seconds a step after the first, one thread", header);
+    let mut table = Table::new("costs", "CPU seconds a step after the first, one thread", header);
     for (choice, _, costs) in all {
         let ours = costs.of.first().map_or(f64::NAN, |c| c.per_step);
-        let mut row = vec![Cell::text(&choice.value), Cell::Number(costs.unknowns, 7)];
+        let mut row = vec![Cell::text(&choice.value), Cell::number(costs.unknowns, 7)];
         for (k, cost) in costs.of.iter().enumerate() {
-            row.push(Cell::Number(cost.per_step, 3));
+            row.push(Cell::number(cost.per_step, 3));
             if k > 0 {
                 let ratio = if costs.recorded { f64::NAN } else { cost.per_step / ours };
-                row.push(Cell::Number(ratio, 3));
+                row.push(Cell::number(ratio, 3));
             }
         }
-        grid.rows.push(row);
+        table.rows.push(row);
     }
-    grid.caption = "Both programs ran in turn on the same mesh with the same step; the least of the repetitions. Ours counts its energy \
+    table.caption = "Both programs ran in turn on the same mesh with the same step; the least of the repetitions. Ours counts its energy \
                     balance in every step; FreeFEM's rows are not counted."
         .into();
-    grid
+    table
 }
 
 /// Cost over unknowns, both logarithmic.
-fn chart(all: &[(Choice, Findings, Costs)]) -> Option<Drawing> {
+fn chart(all: &[(Choice, Page, Costs)]) -> Option<Figure> {
     let programs = all.first()?.2.of.len();
     let x: Vec<f64> = all.iter().map(|(.., c)| c.unknowns).collect();
     let columns: Vec<Vec<f64>> = (0..programs)
@@ -94,16 +89,12 @@ fn chart(all: &[(Choice, Findings, Costs)]) -> Option<Drawing> {
         curves: curves.collect(),
         ..Chart::default()
     };
-    Some(Drawing {
-        name: "costs".into(),
-        title: "What a step costs.".into(),
-        svg: chart.svg(),
-        caption: "CPU seconds of one step after the first, one thread.".into(),
-    })
+    let caption = "CPU seconds of one step after the first, one thread.";
+    Some(Figure::chart("costs", "Cost of a step", chart.svg(), caption))
 }
 
 /// The least factor between each of FreeFEM's loops and us, over all meshes.
-fn headline(all: &[(Choice, Findings, Costs)]) -> Vec<Number> {
+fn headline(all: &[(Choice, Page, Costs)]) -> Vec<KeyNumber> {
     let Some((.., first)) = all.first().filter(|(.., c)| !c.recorded) else { return Vec::new() };
     let factor = |k: usize| {
         let ratios = all.iter().filter_map(|(.., c)| Some(c.of.get(k)?.per_step / c.of.first()?.per_step));
@@ -112,7 +103,7 @@ fn headline(all: &[(Choice, Findings, Costs)]) -> Vec<Number> {
     let loops = first.of.iter().enumerate().skip(1);
     let number = |(k, cost): (usize, &super::compare::Cost)| {
         let (low, high) = factor(k);
-        Number {
+        KeyNumber {
             label: format!("{}, over immersa's", cost.who),
             value: format!("{} to {} times", rounded(low, 2), rounded(high, 2)),
             note: "CPU time of a step, over the meshes".into(),

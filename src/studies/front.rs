@@ -1,9 +1,9 @@
-//! What is worth its price: the runs that no other run beats in both cost and error.
+//! Pareto front of cost and error: the runs that no other run beats in both.
 
 /// A price and an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offer {
-    /// What it costs.
+    /// Its cost.
     pub cost: f64,
     /// The error; NaN for a run that failed.
     pub error: f64,

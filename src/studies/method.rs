@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Method {
     /// The name; may be empty.
     pub name: String,
-    /// What is set, each `key=value`.
+    /// Assignments in the scene, each `key=value`.
     pub set: Vec<String>,
     /// Its meshes, if they are not those of the study.
     pub cells: Option<Vec<usize>>,
@@ -58,16 +58,16 @@ impl FromStr for Method {
 
 /// A column of the series at a time: `membrane.horizontal@0.4`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quantity {
+pub struct Measurement {
     /// The column.
     pub column: String,
     /// The time; the end of the scene without it.
     pub time: Option<f64>,
 }
 
-impl FromStr for Quantity {
+impl FromStr for Measurement {
     type Err = String;
-    fn from_str(text: &str) -> std::result::Result<Quantity, String> {
+    fn from_str(text: &str) -> std::result::Result<Measurement, String> {
         let (column, time) = match text.split_once('@') {
             Some((column, time)) => (column, Some(time.trim().parse().map_err(|_| format!("`{time}` is no time"))?)),
             None => (text, None),
@@ -75,7 +75,7 @@ impl FromStr for Quantity {
         if column.trim().is_empty() {
             return Err("write a column of series.csv, and a time if it is not the end: membrane.area@0.4".into());
         }
-        Ok(Quantity { column: column.trim().into(), time })
+        Ok(Measurement { column: column.trim().into(), time })
     }
 }
 
@@ -85,7 +85,7 @@ fn numbers<T: FromStr + PartialOrd + Default>(list: &str) -> std::result::Result
     list.split(',').map(|v| number(v).ok_or_else(|| format!("`{v}` is not a positive number"))).collect()
 }
 
-/// Whether all brackets of a word are closed.
+/// True if all brackets of a word are closed.
 fn is_whole(word: &str) -> bool {
     let count = |brackets: &[char]| word.chars().filter(|c| brackets.contains(c)).count();
     count(&['[', '{']) == count(&[']', '}'])
@@ -104,8 +104,8 @@ mod tests {
             ("BDF2 implicit", "time.order=2 mesh.rectangle.cells=[3,4]".into())
         );
         assert_eq!((m.steps, m.cells), (Some(vec![0.02, 0.01]), Some(vec![30])));
-        let q: Quantity = "membrane.area@0.4".parse().unwrap();
-        assert_eq!(q, Quantity { column: "membrane.area".into(), time: Some(0.4) });
+        let q: Measurement = "membrane.area@0.4".parse().unwrap();
+        assert_eq!(q, Measurement { column: "membrane.area".into(), time: Some(0.4) });
     }
 
     #[test]
@@ -113,6 +113,6 @@ mod tests {
         for text in ["time.order=2", ": time.order=2", "a: order", "a: steps=0", "a: cells=x"] {
             assert!(!text.parse::<Method>().unwrap_err().is_empty(), "{text}");
         }
-        assert!("@1".parse::<Quantity>().is_err() && "area@soon".parse::<Quantity>().is_err());
+        assert!("@1".parse::<Measurement>().is_err() && "area@soon".parse::<Measurement>().is_err());
     }
 }

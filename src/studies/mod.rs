@@ -1,15 +1,16 @@
-//! Studies: the same scene run many times, and what the runs say together.
+//! Studies: the same scene run many times, and the results of all runs on one page.
 //!
-//! A study makes [`Trial`]s, a scene with some values set each; a [`Campaign`] runs them into folders of their own, once:
-//! the same study started again goes on where it stopped. A trial that blows up is a result, not the end of the study. What
-//! comes of it are [`Findings`]: tables, charts and sentences, for the terminal, other programs and a page.
+//! A study makes [`Trial`]s, each the scene with some values set; a [`Campaign`] runs them into
+//! folders of their own, once: the same study started again continues. A trial that blows up is a
+//! result, not the end of the study. The result is a [`Page`](crate::output::Page) of tables, charts
+//! and sentences, which [`files`] writes for readers and for other programs.
 
 mod axis;
 mod campaign;
 mod compare;
 mod compare_meshes;
 pub mod convergence;
-mod findings;
+pub mod files;
 mod freefem;
 mod front;
 mod method;
@@ -18,11 +19,10 @@ pub mod stability;
 mod trial;
 mod twin;
 
-pub use axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
+pub use axis::{Axis, Choice, assignments, check_distinct, combinations, in_words};
 pub use campaign::{Campaign, Listener};
 pub use compare::{Bound, Comparison, compare};
 pub use compare_meshes::compare_meshes;
-pub use findings::{Drawing, Findings};
 pub use freefem::{About, Case, Reading};
 pub use method::Method;
 pub use trial::{End, Outcome, Trial};

@@ -1,7 +1,7 @@
-//! A run of a study, and what came of it.
+//! A run of a study and its outcome.
 
 use crate::base::{Result, fnv1a};
-use crate::output::Table;
+use crate::output::Series;
 use crate::scene::Scene;
 use crate::scene::render::Summary;
 use std::path::Path;
@@ -9,11 +9,11 @@ use std::path::Path;
 /// A run of a study: its scene with single values set.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Trial {
-    /// What tells it from the others, for people: `n = 60, dt = 0.01`.
+    /// Its distinction from the others, for readers: `n = 60, dt = 0.01`.
     pub label: String,
-    /// What is set, each `key.sub=value`.
+    /// Assignments in the scene, each `key.sub=value`.
     pub set: Vec<String>,
-    /// Number of the repetition, from 0: the same run again, for its time.
+    /// KeyNumber of the repetition, from 0: the same run again, for its time.
     pub repetition: usize,
 }
 
@@ -32,7 +32,7 @@ impl Trial {
     }
 }
 
-/// How a trial ended.
+/// End of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
     /// It reached its last time.
@@ -41,12 +41,12 @@ pub enum End {
     Failed {
         /// The last good time.
         time: f64,
-        /// What happened.
+        /// The reason.
         reason: String,
     },
     /// The scene with these values cannot be run: a band too thin for its mesh.
     Refused {
-        /// Why.
+        /// The reason.
         reason: String,
     },
 }
@@ -61,7 +61,7 @@ impl End {
             End::Refused { .. } => "refused".into(),
         }
     }
-    /// Why it did not reach its last time; empty if it did.
+    /// Reason for which it did not reach its last time; empty if it did.
     pub fn reason(&self) -> &str {
         match self {
             End::Finished => "",
@@ -70,15 +70,15 @@ impl End {
     }
 }
 
-/// What came of a trial.
+/// Outcome of a trial.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The trial.
     pub trial: Trial,
-    /// How it ended.
+    /// Its end.
     pub end: End,
     /// Its series, up to where it came; without columns if it was refused.
-    pub series: Table,
+    pub series: Series,
     /// Its summary; empty if it was refused.
     pub summary: Summary,
 }
@@ -87,7 +87,7 @@ impl Outcome {
     /// Reads what a run left in its folder.
     pub(super) fn read(trial: &Trial, folder: &Path) -> Result<Outcome> {
         let summary = Summary::read(&folder.join("summary.json"))?;
-        let series = Table::read(&folder.join("series.csv"))?;
+        let series = Series::read(&folder.join("series.csv"))?;
         let end = match &summary.error {
             None => End::Finished,
             Some(reason) => End::Failed { time: summary.end_time.unwrap_or(f64::NAN), reason: reason.clone() },
@@ -97,9 +97,9 @@ impl Outcome {
     /// A trial that could not be run.
     pub(super) fn refused(trial: &Trial, reason: String) -> Outcome {
         let end = End::Refused { reason };
-        Outcome { trial: trial.clone(), end, series: Table::default(), summary: Summary::default() }
+        Outcome { trial: trial.clone(), end, series: Series::default(), summary: Summary::default() }
     }
-    /// Whether it reached its last time.
+    /// True if it reached its last time.
     pub fn finished(&self) -> bool {
         self.end == End::Finished
     }

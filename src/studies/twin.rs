@@ -1,6 +1,6 @@
 //! Twins: FreeFEM scripts that compute the same thing as a scene.
 //!
-//! A twin says in comments what it takes and what it assumes, in itself or in the files it includes:
+//! Comments of a twin, or of the files it includes, declare its arguments and assumptions:
 //!
 //! ```text
 //! //@ -lambda membrane.0.area.linear.modulus
@@ -8,23 +8,25 @@
 //! //@ loop expert  matrix factored once
 //! ```
 //!
-//! The first line says which value of the scene a switch takes, the second with which value the scene has the scheme of the twin, the third
-//! that `-loop expert` is a way to do the work, and which.
+//! The first line names the value of the scene that a switch takes, the second a value with which
+//! the scene has the scheme of the twin, the third a variant of its time loop, `-loop expert`, with a
+//! description.
 //!
-//! Every twin takes `-mesh` (a mesh file, see [`mesh::freefem`](crate::mesh::freefem)), `-dt`, `-tmax`, `-every` (time between two rows) and
-//! `-out`, the name of the CSV file that it writes: a column `time`, and others named as in `series.csv`. On standard output it
-//! says what it cost, in lines of a name and a number: `steps`, `unknowns`, `first_step` and `per_step`, the CPU seconds of the first and of
-//! a later step; and `freefem`, the version.
+//! Every twin takes `-mesh` (a mesh file, see [`mesh::freefem`](crate::mesh::freefem)), `-dt`,
+//! `-tmax`, `-every` (time between two rows) and `-out`, the name of the CSV file that it writes: a
+//! column `time`, and others named as in `series.csv`. On standard output it prints its cost, in
+//! lines of a name and a number: `steps`, `unknowns`, `first_step` and `per_step`, the CPU seconds of
+//! the first and of a later step; and `freefem`, the version.
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
 use crate::scene::{Problem, Scene};
 use std::path::{Path, PathBuf};
 
-/// How deep files may include each other.
+/// Largest depth of nested includes.
 const DEEPEST: usize = 8;
 
-/// A FreeFEM script and what it says of itself.
+/// A FreeFEM script and its declarations.
 #[derive(Clone, Debug)]
 pub struct Twin {
     path: PathBuf,
@@ -36,17 +38,17 @@ pub struct Twin {
     loops: Vec<Loop>,
 }
 
-/// A way in which a twin does its work.
+/// A variant of the time loop of a twin.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Loop {
     /// The value of `-loop`; empty for a twin that has no such switch.
     pub name: String,
-    /// What it does, in words.
+    /// Description of its work.
     pub words: String,
 }
 
 impl Twin {
-    /// Where the twin of a scene is when nothing else is said: `twin.edp` beside it.
+    /// Default path of the twin of a scene: `twin.edp` beside it.
     pub fn beside(scene: &Path) -> PathBuf {
         scene.with_file_name("twin.edp")
     }
@@ -105,11 +107,11 @@ impl Twin {
     pub(super) fn text(&self) -> &str {
         &self.text
     }
-    /// What must be set in a scene for it to have the scheme of the twin, each `key=value`.
+    /// Assignments, each `key=value`, that give a scene the scheme of the twin.
     pub fn settings(&self) -> &[String] {
         &self.settings
     }
-    /// The ways to do the work, one at least; the first is the twin's own.
+    /// The variants of the time loop, one at least; the first is the default.
     pub fn loops(&self) -> &[Loop] {
         &self.loops
     }

@@ -1,8 +1,8 @@
 //! The relaxing ellipse in studies of convergence: orders in step, mesh size and thickness, and the sharp-interface limit.
 
-use immersa::output::Grid;
+use immersa::output::Table;
 use immersa::scene::Scene;
-use immersa::studies::convergence::{Halved, Settings, convergence};
+use immersa::studies::convergence::{Convergence, Halved, convergence};
 use immersa::studies::{Campaign, Listener, Outcome, Trial};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -21,13 +21,13 @@ const MESH: Halved = Halved { space: true, time: false, thickness: false };
 const THICKNESS: Halved = Halved { space: true, time: false, thickness: true };
 
 /// The quantities, with the last change and order of each, and the limits with their bars.
-struct Found(Grid, Option<Grid>);
+struct Found(Table, Option<Table>);
 
 impl Found {
-    fn number(grid: &Grid, quantity: &str, column: &str) -> f64 {
-        let k = grid.header.iter().position(|h| h == column).unwrap();
-        let row = grid.rows.iter().rev().find(|r| r[0].shown() == quantity).unwrap();
-        row[k].number().unwrap()
+    fn number(table: &Table, quantity: &str, column: &str) -> f64 {
+        let k = table.position(column).unwrap();
+        let row = table.rows.iter().rev().find(|r| r[0].shown() == quantity).unwrap();
+        row[k].value().unwrap()
     }
     /// Size of the last change, and the order seen on the finest level.
     fn last(&self, quantity: &str) -> (f64, f64) {
@@ -37,8 +37,8 @@ impl Found {
         (change, order)
     }
     fn limit(&self, quantity: &str) -> (f64, f64) {
-        let grid = self.1.as_ref().unwrap();
-        let (value, bar) = (Found::number(grid, quantity, "eps -> 0"), Found::number(grid, quantity, "error bar"));
+        let table = self.1.as_ref().unwrap();
+        let (value, bar) = (Found::number(table, quantity, "eps -> 0"), Found::number(table, quantity, "error bar"));
         println!("  {quantity}: limit {value:.5} within {bar:.5}");
         (value, bar)
     }
@@ -50,11 +50,10 @@ fn study(example: &str, halved: Halved, levels: usize, set: &[&str]) -> Found {
     let scene = Scene::load(&path, &set.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let stop = AtomicBool::new(false);
-    let settings = Settings { halved, levels, times: vec![0.4], ..Settings::default() };
+    let settings = Convergence { halved, levels, times: vec![0.4], ..Convergence::default() };
     let found = convergence(&mut Campaign::new(&scene, folder.path(), &stop, &mut Deaf), &settings).unwrap();
     println!("{example}, {}", found.subtitle);
-    let grid = |name: &str| found.grids.iter().find(|g| g.name == name).cloned();
-    Found(grid("convergence").unwrap(), grid("limits"))
+    Found(found.table("convergence").unwrap().clone(), found.table("limits").cloned())
 }
 
 /// BDF2 with the implicit coupling is of order two at fixed thickness: half-axes, energies, and the whole interface.

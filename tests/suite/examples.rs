@@ -5,7 +5,7 @@
 //! (`exact`, `published`, `freefem` or `regression`) and `source`.
 
 use super::program::immersa;
-use immersa::output::Table;
+use immersa::output::Series;
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -99,7 +99,7 @@ fn check(folder: &Path, case: &Case) {
     let fixed = ["output.pictures=false", "output.film=false", "output.fields=false"];
     arguments.extend(fixed.into_iter().chain(case.set.iter().map(String::as_str)).flat_map(|s| ["--set", s]));
     immersa(out.path(), &arguments).expect(0, &[]);
-    let series = Table::read(&out.path().join("run/series.csv")).unwrap();
+    let series = Series::read(&out.path().join("run/series.csv")).unwrap();
     let times = series.column("time").unwrap();
     let mut wrong = Vec::new();
     assert!(!case.value.is_empty(), "{place} expects nothing");

@@ -2,7 +2,7 @@
 
 use super::case::{Built, Case, refused};
 use super::program::immersa;
-use immersa::output::{GreyImage, Table};
+use immersa::output::{GreyImage, Series};
 use immersa::scene::{Advected, ImmersedFlow, Problem, Scene};
 use std::f64::consts::PI;
 use std::fs;
@@ -214,8 +214,8 @@ fn vorticity_is_measured_and_shown_with_its_sign() {
         let set = format!("fluid.prescribed_velocity={velocity}");
         immersa(path, &["run", "scene.toml", "--quiet", "--out", out, "--set", &set]).expect(0, &[]);
         let is = |values: &[f64]| values.iter().all(|v| (v - 2.0 * sign).abs() < 1e-12);
-        assert!(is(Table::read(&run.join("series.csv")).unwrap().column("turn").unwrap()));
-        let profile = Table::read(&run.join("profiles/line.csv")).unwrap();
+        assert!(is(Series::read(&run.join("series.csv")).unwrap().column("turn").unwrap()));
+        let profile = Series::read(&run.join("profiles/line.csv")).unwrap();
         assert!(is(profile.column(profile.names.last().unwrap()).unwrap()));
         let picture = GreyImage::read(&run.join("pictures/000001.png")).unwrap();
         let middle = picture.levels()[(picture.height() / 2) * picture.width() + 70];

@@ -1,6 +1,6 @@
 //! The program as a user starts it, and what it leaves in a run folder.
 
-use immersa::output::Table;
+use immersa::output::Series;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -172,8 +172,8 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// The series of a run.
-pub fn series(run: &Path) -> Table {
-    Table::read(&run.join("series.csv")).unwrap()
+pub fn series(run: &Path) -> Series {
+    Series::read(&run.join("series.csv")).unwrap()
 }
 
 /// The summary of a run.

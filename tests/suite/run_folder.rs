@@ -3,7 +3,7 @@
 use immersa::elastic::{AreaLaw, Membrane};
 use immersa::levelset::{Contour, Ellipse, signed_distance};
 use immersa::mesh::{Diagonals, Locator, Point, rectangle};
-use immersa::output::{FieldData, Series, Table, write_pvd, write_vtu};
+use immersa::output::{FieldData, Series, SeriesWriter, write_pvd, write_vtu};
 use immersa::scene::Scene;
 use immersa::sim::{Fluid, Simulation, SimulationSettings};
 use immersa::structure::{Immersed, ImmersedInterface};
@@ -145,7 +145,7 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
     let scene = Scene::parse(&scene(cells, steps, pictures), &folder.join("scene.toml")).unwrap();
     fs::write(folder.join("scene.toml"), scene.to_toml()).unwrap();
     let mut sim = simulation(cells);
-    let mut series = Series::create(&folder.join("series.csv"), &COLUMNS).unwrap();
+    let mut series = SeriesWriter::create(&folder.join("series.csv"), &COLUMNS).unwrap();
     let (mut list, mut profiles, mut largest_rise) = (Vec::new(), Vec::new(), 0f64);
     let first_area = row(&sim)[0];
     for step in 0..=steps {
@@ -175,7 +175,7 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
     let (x, y) = (abscissas(), vec![1.0; 200]);
     let mut columns: Vec<(&str, &[f64])> = vec![("distance", &x), ("x", &x), ("y", &y)];
     columns.extend(profiles.iter().map(|(name, p)| (name.as_str(), p.as_slice())));
-    Table::new(&columns).write(&folder.join("profiles/pressure.csv")).unwrap();
+    Series::new(&columns).write(&folder.join("profiles/pressure.csv")).unwrap();
     fs::write(folder.join("summary.json"), summary(&sim, first_area, largest_rise)).unwrap();
 }
 

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::program::immersa;
-use immersa::output::{GreyImage, Table};
+use immersa::output::{GreyImage, Series};
 use immersa::scene::{Scene, Segmented, problem};
 use std::fs;
 use std::path::Path;
@@ -212,10 +212,10 @@ fn a_run_leaves_contours_and_images_and_is_drawn_again_without_them() {
     let folder = images.folder.path();
     immersa(folder, &["run", "scene.toml", "--quiet", "--out", "run"]).expect(0, &[]);
     let run = folder.join("run");
-    let series = Table::read(&run.join("series.csv")).unwrap();
+    let series = Series::read(&run.join("series.csv")).unwrap();
     let last = |column: &str| *series.column(column).unwrap().last().unwrap();
     // The polygons enclose the area; rows grow downwards, so that what is counter-clockwise is so in the scene.
-    let contours = Table::read(&run.join("contours.csv")).unwrap();
+    let contours = Series::read(&run.join("contours.csv")).unwrap();
     let column = |name: &str| contours.column(name).unwrap();
     let (id, x, y) = (column("contour"), column("column"), column("row"));
     let pairs = (1..contours.rows()).filter(|&k| id[k] == id[k - 1]);

@@ -1,7 +1,7 @@
 //! Scenes of three dimensions, through the program: they run, go on bit by bit, and wrong ones are refused.
 
 use super::program::*;
-use immersa::output::{Table, Values, read_vtu};
+use immersa::output::{Series, Values, read_vtu};
 use immersa::scene::Scene;
 use std::fs;
 use std::path::Path;
@@ -73,7 +73,7 @@ fn a_cavity_in_space_runs_with_every_kind_of_output() {
     for column in ["lid_y", "lid_z", "lid_stress_z", "lid_moment_z", "lid_stress_moment_x"] {
         assert!(last(column).is_finite(), "{column}");
     }
-    let profile = Table::read(&run.join("profiles/line.csv")).unwrap();
+    let profile = Series::read(&run.join("profiles/line.csv")).unwrap();
     assert_eq!(profile.names, ["distance", "x", "y", "z", "t=0.06_x", "t=0.06_y", "t=0.06_z"]);
     assert_eq!((profile.rows(), profile.column("z").unwrap()[3]), (5, 0.5));
     let snapshot = read_vtu::<3>(&run.join("fields/000003.vtu")).unwrap();

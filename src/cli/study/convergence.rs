@@ -2,11 +2,11 @@
 
 use super::Common;
 use crate::base::{Error, Result};
-use crate::studies::convergence::{Halved, Settings, convergence};
+use crate::studies::convergence::{Convergence, Halved, convergence};
 use clap::ValueEnum;
 use std::path::PathBuf;
 
-/// What the mesh does when the thickness is halved.
+/// Treatment of the mesh when the thickness is halved.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Thickness {
     /// Its size is halved too
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             .remedy("give a number from 0.1 to 10"));
     }
     let nothing = !(a.space || a.time || a.both || a.thickness.is_some()) && a.meshes.is_empty();
-    let settings = Settings {
+    let settings = Convergence {
         halved: Halved {
             space: a.space || a.both || nothing || a.thickness == Some(Thickness::Scaled) || !a.meshes.is_empty(),
             time: a.time || a.both || nothing,

@@ -7,8 +7,9 @@ mod stability;
 use super::progress::Runs;
 use super::{SceneArguments, set_threads, stop_on_interrupt};
 use crate::base::Result;
+use crate::output::Page;
 use crate::scene::Scene;
-use crate::studies::{Campaign, Findings};
+use crate::studies::{Campaign, files};
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ pub(super) enum Study {
     Convergence(convergence::Arguments),
     /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
     Stability(stability::Arguments),
-    /// What accuracy costs: error against CPU time for methods, meshes and steps
+    /// Cost of accuracy: error against CPU time for methods, meshes and steps
     Precision(Box<precision::Arguments>),
 }
 
@@ -32,7 +33,7 @@ pub(super) fn study(study: &Study) -> Result<()> {
     }
 }
 
-/// What all studies are told.
+/// Options of all studies.
 #[derive(clap::Args)]
 pub(super) struct Common {
     #[command(flatten)]
@@ -53,7 +54,7 @@ pub(super) struct Common {
 
 impl Common {
     /// Does the study `kind` in its folder, writes its findings there and prints them.
-    pub(super) fn conduct(&self, kind: &str, study: impl FnOnce(&mut Campaign<'_>) -> Result<Findings>) -> Result<()> {
+    pub(super) fn conduct(&self, kind: &str, study: impl FnOnce(&mut Campaign<'_>) -> Result<Page>) -> Result<()> {
         self.conduct_with(&self.scene.load()?, kind, study).map(drop)
     }
     /// The same with a scene that was read already; gives what was found.
@@ -61,20 +62,20 @@ impl Common {
         &self,
         scene: &Scene,
         kind: &str,
-        study: impl FnOnce(&mut Campaign<'_>) -> Result<Findings>,
-    ) -> Result<Findings> {
+        study: impl FnOnce(&mut Campaign<'_>) -> Result<Page>,
+    ) -> Result<Page> {
         set_threads(Some(self.threads))?;
         let folder = self.out.clone().unwrap_or_else(|| Path::new("studies").join(format!("{}-{kind}", scene.name())));
         let mut runs = Runs::new(self.quiet);
         let found = study(&mut Campaign::new(scene, &folder, stop_on_interrupt(), &mut runs));
         runs.finish();
-        let mut found = found?;
-        found.command = command_line();
-        let report = found.write(&folder)?;
+        let found = found?;
+        let command = command_line();
+        let report = files::write(&found, &folder, &command)?;
         // A closed pipe is no reason to fail.
         let mut out = std::io::stdout().lock();
         if self.json {
-            let _ = writeln!(out, "{:#}", found.json());
+            let _ = writeln!(out, "{:#}", files::json(&found, &command));
         } else if !self.quiet {
             let _ = writeln!(out, "{}\nreport:  {}", found.text(), report.display());
         }

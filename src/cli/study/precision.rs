@@ -2,7 +2,7 @@
 
 use super::Common;
 use crate::base::{Error, Result};
-use crate::studies::precision::{self as study, Precision, Quantity, Truth};
+use crate::studies::precision::{self as study, Measurement, Precision, Truth};
 use crate::studies::{Axis, Method, Twin};
 use std::num::NonZeroUsize;
 
@@ -25,14 +25,14 @@ pub(in crate::cli) struct Arguments {
     steps: Vec<f64>,
     /// A column of series.csv at a time, the end without it; of several the largest relative error counts
     #[arg(long, value_name = "COLUMN[@T]", required = true)]
-    quantity: Vec<Quantity>,
+    quantity: Vec<Measurement>,
     /// The run that errors are taken against, as in "cells=120 step=0.0025 time.order=2"; it should be the finest of all
     #[arg(long, value_name = "KEY=VALUE ...")]
     reference: Option<String>,
     /// The exact value of a quantity; once for each, in their order
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     exact: Vec<f64>,
-    /// Errors for which the cheapest setting is told, as in 1e-2,1e-3
+    /// Errors for which the cheapest setting is reported, as in 1e-2,1e-3
     #[arg(long, value_name = "E1,E2", value_delimiter = ',', value_parser = positive, default_value = "0.01,0.001")]
     tolerance: Vec<f64>,
     /// Run the FreeFEM twin, twin.edp beside the scene, on the same meshes with the same steps
@@ -41,18 +41,18 @@ pub(in crate::cli) struct Arguments {
     /// The same with settings of its own, as in "FreeFEM, thin: cells=60 steps=0.005 numerics.thickness=0.05"; once for each
     #[arg(long, value_name = "NAME: KEY=VALUE ...")]
     twin_method: Vec<Method>,
-    /// How often everything is run; of the times the least counts
+    /// Repetitions of all runs; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
 }
 
 /// Does the study.
 pub(super) fn precision(arguments: &Arguments) -> Result<()> {
-    let told = told(arguments)?;
-    arguments.common.conduct("precision", |campaign| study::precision(campaign, &told))
+    let options = options(arguments)?;
+    arguments.common.conduct("precision", |campaign| study::precision(campaign, &options))
 }
 
-fn told(a: &Arguments) -> Result<Precision> {
+fn options(a: &Arguments) -> Result<Precision> {
     let truth = match &a.reference {
         Some(text) => Truth::Reference(Method::settings(text).map_err(|what| {
             let remedy = "write for example --reference \"cells=120 step=0.0025 time.order=2\"";

@@ -2,7 +2,8 @@
 
 use super::Common;
 use crate::base::{Error, Result};
-use crate::studies::{Axis, Campaign, Findings, stability};
+use crate::output::Page;
+use crate::studies::{Axis, Campaign, stability};
 use std::num::NonZeroUsize;
 
 /// The largest stable time step, by bisection, beside the formula (1.54); or, with --scan, which other values are stable.
@@ -51,7 +52,7 @@ impl Arguments {
         self.common.conduct("stability", |campaign| self.study(campaign))
     }
 
-    fn study(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
+    fn study(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
         let mut axes = self.scan.iter().map(|t| Axis::parse(t, "--scan")).collect::<Result<Vec<_>>>()?;
         let both = ["explicit".to_string(), "implicit".to_string()];
         match (&self.coupling[..], axes.is_empty()) {
@@ -75,7 +76,7 @@ impl Arguments {
         }
         let (least, most, accuracy) = (self.min_step, self.max_step, self.accuracy);
         let steps = self.steps.map_or(STEPS, NonZeroUsize::get);
-        stability::Limits { axes, steps, least, most, accuracy, tolerance }.conduct(campaign)
+        stability::LimitSearch { axes, steps, least, most, accuracy, tolerance }.conduct(campaign)
     }
 
     /// Refuses numbers that make no sense.

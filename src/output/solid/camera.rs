@@ -3,14 +3,14 @@
 use crate::mesh::Point;
 use nalgebra::SVector;
 
-/// Where the viewer stands; the z axis points up.
+/// Position of the viewer; the z axis points up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Degrees from the x axis towards the y axis, of the direction from the middle of the box to the viewer.
     pub azimuth: f64,
     /// Degrees above the plane of x and y; 90 looks down.
     pub elevation: f64,
-    /// How lengths shrink with distance.
+    /// Projection of lengths at a distance.
     pub projection: Projection,
 }
 
@@ -21,7 +21,7 @@ impl Default for View {
     }
 }
 
-/// How lengths shrink with distance.
+/// Projection of lengths at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Projection {
     /// Not at all: parallel lines stay parallel, equal lengths equal.
@@ -41,7 +41,7 @@ pub(super) struct Spot {
     /// Greater for what is nearer to the viewer; linear along lines and planes of the picture, one unit about the
     /// distance of the eye.
     pub near: f64,
-    /// What interpolation between points of the picture has to weigh their values with.
+    /// Weight of a value in the interpolation between points of the picture.
     pub weight: f64,
 }
 

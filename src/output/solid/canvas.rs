@@ -27,13 +27,13 @@ pub(super) struct Stroke {
     /// Pixels.
     pub width: f64,
     pub rgb: [u8; 3],
-    /// How much of what is below it covers where nothing is in front of it, and where something is.
+    /// Opacity where nothing is in front of it, and where something is.
     pub opacity: [f32; 2],
-    /// How much nearer than it is a line counts, in units of [`Spot::near`].
+    /// Bias of a line towards the viewer, in units of [`Spot::near`].
     pub lift: f64,
 }
 
-/// What a picture of the given size is drawn of.
+/// Elements of a picture of the given size.
 pub(super) struct Canvas {
     pub width: usize,
     pub height: usize,

@@ -8,7 +8,7 @@ use crate::fem::{Space, Value};
 use crate::levelset::{Isosurface, Triangle};
 use nalgebra::SVector;
 
-/// What the surface of a level set is coloured by: fields on its space.
+/// Fields on the space of a level set by which its surface is coloured.
 #[derive(Clone, Copy, Debug)]
 pub enum Coat<'a> {
     /// One colour, see [`Paint::PLAIN`].

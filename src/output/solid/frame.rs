@@ -9,10 +9,11 @@ use super::canvas::Stroke;
 use crate::mesh::Point;
 
 /// A box as the camera sees it.
-pub(super) struct Frame<'a> {
+pub(super) struct BoxEdges<'a> {
     camera: &'a Camera,
     corners: [Point<3>; 2],
-    /// Whether the lower and the upper wall across each axis is at the back: seen from inside of the box.
+    /// True for the lower and the upper wall across each axis that is at the back: seen from inside
+    /// of the box.
     back: [[bool; 2]; 3],
 }
 
@@ -29,8 +30,8 @@ const GRID: [u8; 3] = [196, 202, 210];
 const SIZE: f64 = 8.5;
 const TICK: f64 = 6.0;
 
-impl<'a> Frame<'a> {
-    pub fn new(camera: &'a Camera, corners: [Point<3>; 2]) -> Frame<'a> {
+impl<'a> BoxEdges<'a> {
+    pub fn new(camera: &'a Camera, corners: [Point<3>; 2]) -> BoxEdges<'a> {
         let middle = (corners[0] + corners[1]) * 0.5;
         let back = |axis: usize, side: usize| {
             let mut wall = middle;
@@ -39,7 +40,7 @@ impl<'a> Frame<'a> {
             // A wall seen from its edge is at the back: rounding must not decide where the axes are.
             camera.to_eye(&wall)[axis] * outward < 1e-9
         };
-        Frame { camera, corners, back: std::array::from_fn(|axis| [back(axis, 0), back(axis, 1)]) }
+        BoxEdges { camera, corners, back: std::array::from_fn(|axis| [back(axis, 0), back(axis, 1)]) }
     }
     /// The corners of a box.
     pub fn vertices(corners: [Point<3>; 2]) -> [Point<3>; 8] {
@@ -142,7 +143,8 @@ impl<'a> Frame<'a> {
             p
         })
     }
-    /// How many of the two walls that meet in an edge are at the back: with one it lies at the rim.
+    /// Number of the two walls that meet in an edge and are at the back: with one it lies at the
+    /// rim.
     fn walls_at_back(&self, edge: Edge) -> usize {
         (0..2).filter(|&k| self.back[(edge.axis + 1 + k) % 3][edge.sides[k]]).count()
     }
@@ -152,7 +154,7 @@ fn edges() -> impl Iterator<Item = Edge> {
     (0..12).map(|k| Edge { axis: k / 4, sides: [k & 1, (k >> 1) & 1] })
 }
 
-/// Where a text stands.
+/// Place of a text.
 struct Place {
     size: f64,
     /// Left, top, right and bottom.

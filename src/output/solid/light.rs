@@ -1,4 +1,4 @@
-//! How light makes shape visible: two lamps that move with the viewer, a sky, and a gloss.
+//! Shading: two lamps that move with the viewer, a sky, and a gloss.
 
 use super::camera::Camera;
 use nalgebra::SVector;

@@ -28,9 +28,9 @@ use crate::fem::Space;
 use crate::mesh::Point;
 use camera::Camera;
 use canvas::{Canvas, Facet};
-use frame::Frame;
+use frame::BoxEdges;
 use light::Lights;
-use slice::Cut;
+use slice::CutPlane;
 
 /// A picture of surfaces and slices in the box of a domain.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ pub struct SolidPicture<'a> {
     pub scale: Scale,
     /// Lower and upper corner of the part of the domain that is shown, if not all of it: slices end there, surfaces do not.
     pub window: Option<[Point<3>; 2]>,
-    /// Where the viewer stands.
+    /// Position of the viewer.
     pub view: View,
     /// Title, with the unit if there is one.
     pub title: &'a str,
@@ -89,10 +89,10 @@ impl<'a> SolidPicture<'a> {
     pub fn draw(&self) -> Result<Image> {
         let shown = self.shown()?;
         let (camera, place) = self.place(shown)?;
-        let cut = |s: &Slice| Cut::new(self.space, s, &self.interfaces, &shown);
+        let cut = |s: &Slice| CutPlane::new(self.space, s, &self.interfaces, &shown);
         let cuts = self.slices.iter().map(cut).collect::<Result<Vec<_>>>()?;
         self.surfaces.iter().try_for_each(Surface::check)?;
-        let frame = Frame::new(&camera, shown);
+        let frame = BoxEdges::new(&camera, shown);
         let count = self.surfaces.len();
         let surfaces = self.surfaces.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, k as u32));
         let slices = cuts.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, (count + k) as u32));
@@ -121,7 +121,7 @@ impl<'a> SolidPicture<'a> {
             .value(format!("from {:?} to {:?}", low.as_slice(), high.as_slice()))
             .remedy("give the lower corner, then the upper one"))
     }
-    /// Whether anything is coloured by numbers.
+    /// True if a surface is coloured by numbers.
     fn has_bar(&self) -> bool {
         !self.slices.is_empty() || self.surfaces.iter().any(|s| matches!(s.paint, Paint::Scalar(_)))
     }
@@ -136,7 +136,7 @@ impl<'a> SolidPicture<'a> {
         let right = if self.has_bar() { SIDE + BAR } else { SIDE };
         let room = [self.size[0] as f64 - SIDE - right, self.size[1] as f64 - TOP - BOTTOM].map(|r| r.max(SMALLEST));
         let mut camera = Camera::new(&self.view, shown);
-        let taken = camera.fit(&Frame::vertices(shown), room);
+        let taken = camera.fit(&BoxEdges::vertices(shown), room);
         let place = taken.map(|t| t.max(SMALLEST));
         camera.shift([SIDE + 0.5 * (place[0] - taken[0]), TOP + 0.5 * (place[1] - taken[1])]);
         // Films in H.264 want even numbers.

@@ -26,7 +26,7 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// Which of the two colours the material point `y` has.
+    /// True for a material point `y` of the second of the two colours.
     pub fn is_odd(&self, y: &Point<3>) -> bool {
         let fields = match self {
             Pattern::Globe { centre, around, along } => {

@@ -16,12 +16,12 @@ pub struct Slice<'a> {
     pub axis: usize,
     /// The value of that coordinate.
     pub position: f64,
-    /// What is coloured; a vector field by its length.
+    /// The field that is coloured; a vector field by its length.
     pub field: FieldData<'a, 3>,
 }
 
 /// A slice, cut into triangles that each lie in one cell.
-pub(super) struct Cut<'a> {
+pub(super) struct CutPlane<'a> {
     space: &'a Space<3>,
     axis: usize,
     field: Nodal,
@@ -39,12 +39,17 @@ enum Nodal {
 /// Widths in pixels and opacity of the light rim of an interface and of the line itself, from below.
 const LINES: [(f64, f32, [f32; 3]); 2] = [(4.6, 0.7, [255.0; 3]), (2.2, 1.0, [12.0, 12.0, 16.0])];
 
-impl<'a> Cut<'a> {
+impl<'a> CutPlane<'a> {
     /// Cuts the cells, as far as they lie in the box with the corners `shown`.
     ///
     /// # Errors
     /// A slice beside the box, or a field with a wrong number of values.
-    pub fn new(space: &'a Space<3>, slice: &Slice, interfaces: &[&[f64]], shown: &[Point<3>; 2]) -> Result<Cut<'a>> {
+    pub fn new(
+        space: &'a Space<3>,
+        slice: &Slice,
+        interfaces: &[&[f64]],
+        shown: &[Point<3>; 2],
+    ) -> Result<CutPlane<'a>> {
         let [low, high] = shown;
         if slice.axis > 2 {
             return Err(Error::internal("a slice has an axis that space does not have").value(slice.axis));
@@ -61,7 +66,7 @@ impl<'a> Cut<'a> {
         };
         let interfaces = interfaces.iter().map(|f| on_nodes(space, "level set", f)).collect::<Result<_>>()?;
         let triangles = triangles(space, slice.axis, slice.position, shown);
-        Ok(Cut { space, axis: slice.axis, field, interfaces, triangles })
+        Ok(CutPlane { space, axis: slice.axis, field, interfaces, triangles })
     }
     /// Its triangles in the picture.
     pub fn facets(&self, camera: &Camera, part: u32) -> Vec<Facet> {
@@ -186,7 +191,7 @@ mod tests {
         let f = vec![0.0; space.len()];
         let area = |axis, position, shown: &[Point<3>; 2]| {
             let slice = Slice { axis, position, field: FieldData::Scalar(&f) };
-            let cut = Cut::new(&space, &slice, &[], shown).unwrap();
+            let cut = CutPlane::new(&space, &slice, &[], shown).unwrap();
             let triangle = |(cell, corners): &(u32, [[f64; 4]; 3])| {
                 let [a, b, c] = corners.map(|l| cut.point(*cell, &l));
                 assert!([a, b, c].iter().all(|x| (x[axis] - position).abs() < 1e-14));
@@ -211,7 +216,7 @@ mod tests {
         let f = vec![0.0; space.len()];
         let shown = [Point::<3>::zeros(), Point::<3>::repeat(1.0)];
         let refused = |axis, position, f: &[f64]| {
-            Cut::new(&space, &Slice { axis, position, field: FieldData::Scalar(f) }, &[], &shown).err().unwrap()
+            CutPlane::new(&space, &Slice { axis, position, field: FieldData::Scalar(f) }, &[], &shown).err().unwrap()
         };
         let e = refused(1, 1.5, &f);
         assert!(e.what().contains("outside") && e.wrong_value() == "y = 1.5" && e.advice().contains("0 to 1"), "{e}");

@@ -18,11 +18,11 @@ pub struct Surface {
     pub normals: Vec<SVector<f64, 3>>,
     /// Three point numbers a triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// How it is coloured.
+    /// Its colours.
     pub paint: Paint,
 }
 
-/// How a surface is coloured.
+/// Colours of a surface.
 #[derive(Clone, Debug)]
 pub enum Paint {
     /// One colour, red, green and blue.

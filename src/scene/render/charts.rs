@@ -1,14 +1,15 @@
-//! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
+//! Charts of the series and of the profiles, each with a caption that explains the curves and signs
+//! of errors.
 
 use super::folder::RunFolder;
 use super::segmentation;
-use crate::output::{Stroke, Table, rounded};
-use crate::scene::charts::{Drawn, Sheet};
+use crate::output::{Figure, Series, Stroke, rounded};
+use crate::scene::charts::Sheet;
 use crate::scene::keys::Named;
 use crate::scene::schema::{Probe, Profile, Quantity};
 
 /// All charts that the folder has values for, in the order of the page.
-pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
+pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
     let mut charts = Vec::new();
     if run.scene.image.is_some() {
         return segmentation::draw(run);
@@ -27,7 +28,7 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
 }
 
 /// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over the stretch there.
-fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     let (alone, words) = (run.scene.acting().count() == 1, run.words());
     // Of a passive level set the length itself is drawn.
     // With a map the area at rest is not that at the start over a number.
@@ -60,7 +61,7 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
 }
 
 /// The error of the backward map, by its determinant.
-fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.line("rms(det grad Y - 1)", run.column("map_error"));
     sheet.draw(
         "map",
@@ -70,7 +71,7 @@ fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     let enclosed = run.words().enclosed;
     for name in run.scene.interfaces() {
         let change = |a: &[f64]| a.iter().map(|v| 100.0 * (v / a[0] - 1.0)).collect();
@@ -84,7 +85,7 @@ fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     let kinetic = run.column("energy_kinetic")?;
     let elastic = run.column("energy_elastic").filter(|e| e.iter().any(|v| *v != 0.0));
     let total: Vec<f64> = match elastic {
@@ -106,7 +107,7 @@ fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
         ["Energy", "energy"],
         "What the flow and the membranes hold, and what viscosity has taken since the start. Dashed: together, which is the \
          energy at the start and the work of walls and forces. When nothing drives the flow the energy held can only fall and \
-         the dashed line is level; if it then rises, energy comes from nowhere.",
+         the dashed line is level; if it then rises, the energy is spurious.",
     )
 }
 
@@ -122,20 +123,20 @@ fn cumulative(x: &[f64], rate: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     let residual = run.column("energy_balance").map(|b| b.iter().map(|v| 100.0 * v).collect());
     sheet.add("balance", residual, Stroke::Line);
     sheet.draw(
         "energy-balance",
-        ["Energy balance", "from nowhere (%)"],
-        "Energy that came from nowhere since the start, by (3.23), over the energy in play, which is little while a flow \
+        ["Energy balance", "residual (%)"],
+        "Spurious energy since the start, the residual of (3.23), over the energy in play, which is little while a flow \
          starts from rest. The truth is zero; a fraction of a per cent is the error of the scheme, which a smaller step or a \
          finer mesh lessens. Several per cent and rising faster and faster would be an instability: then believe nothing on \
          this page.",
     )
 }
 
-fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.line("speed", run.column("velocity_max"));
     sheet.draw(
         "speed",
@@ -145,7 +146,7 @@ fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.line("Courant number", run.column("cfl"));
     let mut caption = "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
     if run.scene.acting().next().is_some() {
@@ -159,7 +160,7 @@ fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     sheet.draw("step", ["Time step", "ratio"], caption)
 }
 
-fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
+fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     for flux in &run.scene.output.fluxes {
         sheet.line(flux.name.as_str(), run.column(&flux.name));
     }
@@ -170,7 +171,7 @@ fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Drawn> {
+fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Figure> {
     let (name, of) = (&probe.name, quantity_name(probe.of));
     sheet.line(of, run.column(name));
     for component in ["x", "y", "z"] {
@@ -181,7 +182,7 @@ fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Draw
     sheet.draw(format!("probe-{name}"), [&title, of], format!("The {of} at ({}).", at.join(", ")))
 }
 
-fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
+fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
     for component in ["x", "y", "z"] {
         sheet.line(component, run.column(&format!("{name}_{component}")));
         let stress = run.column(&format!("{name}_stress_{component}")).map(<[f64]>::to_vec);
@@ -200,7 +201,7 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
 /// Curves on one chart at most: more colours cannot be told apart.
 const MOST_CURVES: usize = 6;
 
-fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Table) -> Option<Drawn> {
+fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<Figure> {
     let (name, of) = (&profile.name, quantity_name(profile.of));
     let distance = table.column("distance").ok()?;
     let place = ["distance", "x", "y", "z"];

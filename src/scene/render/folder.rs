@@ -1,8 +1,8 @@
-//! What a run has left in its folder.
+//! The folder of a run, read for its page.
 
 use super::summary::Summary;
 use crate::base::{Error, Result, Warning};
-use crate::output::{Table, read_pvd};
+use crate::output::{Series, read_pvd};
 use crate::scene::Scene;
 use crate::scene::charts::Columns;
 use crate::scene::keys::Named;
@@ -15,21 +15,21 @@ pub(super) struct RunFolder {
     pub path: PathBuf,
     pub scene: Scene,
     pub summary: Summary,
-    pub series: Table,
+    pub series: Series,
     /// Stored fields, in the order of time.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<StoredFields>,
     /// Profiles, those that were reached.
-    pub profiles: Vec<(Named<Profile>, Table)>,
+    pub profiles: Vec<(Named<Profile>, Series)>,
     pub warnings: Vec<Warning>,
 }
 
 /// Fields at one time.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct StoredFields {
     pub time: f64,
     /// The VTU file.
     pub file: PathBuf,
-    /// What its picture is called, without ending.
+    /// Name of its picture, without ending.
     pub name: String,
 }
 
@@ -43,7 +43,7 @@ impl RunFolder {
         let mut run = RunFolder {
             path: path.to_path_buf(),
             summary: Summary::read(&summary)?,
-            series: Table::read(&path.join("series.csv"))?,
+            series: Series::read(&path.join("series.csv"))?,
             frames: frames(path)?,
             profiles: Vec::new(),
             warnings: Vec::new(),
@@ -59,7 +59,7 @@ impl RunFolder {
         for profile in &self.scene.output.profiles {
             let file = self.path.join("profiles").join(format!("{}.csv", profile.name));
             if file.is_file() {
-                let table = Table::read(&file)?;
+                let table = Series::read(&file)?;
                 table.column("distance").map_err(|e| e.at(file.display().to_string()))?;
                 self.profiles.push((profile.clone(), table));
             } else {
@@ -135,7 +135,7 @@ fn not_finished(path: &Path) -> Error {
 }
 
 /// The stored fields; none if there is no list of them.
-fn frames(path: &Path) -> Result<Vec<Frame>> {
+fn frames(path: &Path) -> Result<Vec<StoredFields>> {
     let list = path.join("fields.pvd");
     if !list.is_file() {
         return Ok(Vec::new());
@@ -143,7 +143,7 @@ fn frames(path: &Path) -> Result<Vec<Frame>> {
     let frame = |(time, file): (f64, String)| {
         let file = path.join(file);
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Frame { time, file, name }
+        StoredFields { time, file, name }
     };
     Ok(read_pvd(&list)?.into_iter().map(frame).collect())
 }

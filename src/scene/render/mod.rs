@@ -15,18 +15,18 @@ mod tests;
 pub use summary::{Balance, Summary};
 
 use crate::base::{Result, Warning};
-use crate::output::write_file;
+use crate::output::{Figure, write_file};
 use folder::RunFolder;
 use std::path::{Path, PathBuf};
 
-/// What was made.
+/// The files that were made.
 #[derive(Clone, Debug)]
 pub struct Rendered {
     /// All files, the report last.
     pub files: Vec<PathBuf>,
     /// The report page.
     pub report: PathBuf,
-    /// What could not be made, and why.
+    /// Warnings of files that could not be made.
     pub warnings: Vec<Warning>,
 }
 
@@ -52,9 +52,9 @@ pub fn render_with(folder: &Path, overrides: &[String]) -> Result<Rendered> {
     if !charts.is_empty() {
         run.folder("charts")?;
     }
-    for chart in &charts {
-        let path = run.path.join("charts").join(format!("{}.svg", chart.name));
-        write_file(&path, chart.svg.as_bytes())?;
+    for (name, bytes) in charts.iter().filter_map(Figure::file) {
+        let path = run.path.join("charts").join(name);
+        write_file(&path, bytes)?;
         files.push(path);
     }
     let report = run.path.join("report.html");

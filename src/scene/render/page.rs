@@ -4,35 +4,30 @@ use super::balances::{area_change, balances, columns, energy_balance, per_cent, 
 use super::folder::RunFolder;
 use super::pictures::Gallery;
 use crate::base::Warning;
-use crate::output::{Content, Figure, Listing, Number, Report, Section, rounded};
+use crate::output::{Cell, Figure, KeyNumber, Page, Table, rounded};
 use crate::scene::StructureKind;
-use crate::scene::charts::Drawn;
 
 /// The page.
-pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Drawn>) -> Report {
+pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) -> Page {
     let tables = [balances(run), columns(run), solves(run), phases(run), steps(run)];
-    let tables = tables.into_iter().filter(|t| !t.rows.is_empty());
-    let mut sections: Vec<Section> = tables.map(Section::Table).collect();
-    sections.push(Section::Text("What was computed".into(), run.summary.plan.clone()));
-    sections.push(Section::Text("Settings".into(), run.scene.to_toml()));
-    sections.push(Section::Table(files(run, &gallery)));
-    let figure = |c: Drawn| Figure { title: c.title, content: Content::Svg(c.svg), caption: c.caption };
-    Report {
+    Page {
         title: title(run),
         subtitle: subtitle(run),
         alarms: ending(run).into_iter().chain(run.summary.alarms.iter().cloned()).collect(),
         notes: run.summary.warnings.iter().cloned().chain(run.warnings.iter().map(Warning::to_string)).collect(),
-        headline: headline(run),
-        film: gallery.film,
-        pictures: gallery.pictures,
-        charts: charts.into_iter().map(figure).collect(),
-        sections,
+        key_numbers: key_numbers(run),
+        tables: tables.into_iter().filter(|t| !t.rows.is_empty()).collect(),
+        texts: vec![("What was computed".into(), run.summary.plan.clone()), ("Settings".into(), run.scene.to_toml())],
+        details: vec![files(run, &gallery)],
+        pictures: gallery.figures,
+        charts,
         footer: format!(
             "Made by immersa {} from the files in this folder; `immersa render` makes it again. The equations are those of \
              G.-H. Cottet, E. Maitre and T. Milcent, Level Set Methods for Fluid-Structure Interaction, Springer 2022; numbers \
              such as (3.23) are theirs.",
             env!("CARGO_PKG_VERSION")
         ),
+        ..Page::default()
     }
 }
 
@@ -59,7 +54,7 @@ fn subtitle(run: &RunFolder) -> String {
     parts.join(" · ")
 }
 
-/// What must be known of a run that did not come to its end.
+/// The alarm for a run that did not come to its end.
 fn ending(run: &RunFolder) -> Option<String> {
     let reached = run
         .summary
@@ -81,34 +76,48 @@ fn with_interface(run: &RunFolder) -> impl Iterator<Item = &dyn StructureKind> {
     run.scene.structures().iter().filter(|s| s.shape().is_some()).map(|s| &**s)
 }
 
-fn headline(run: &RunFolder) -> Vec<Number> {
-    let number = |label: &str, value: String, note: String| Number { label: label.into(), value, note };
+fn key_numbers(run: &RunFolder) -> Vec<KeyNumber> {
+    let mut numbers: Vec<KeyNumber> =
+        with_interface(run).take(MOST_MEMBRANES).flat_map(|s| of_interface(run, s)).collect();
+    numbers.extend(of_segmentation(run));
+    numbers.extend(of_flow(run));
+    numbers.extend(of_cost(run));
+    numbers
+}
+
+fn number(label: &str, value: String, note: String) -> KeyNumber {
+    KeyNumber { label: label.into(), value, note }
+}
+
+/// Size and enclosed area of a structure.
+fn of_interface(run: &RunFolder, structure: &dyn StructureKind) -> Vec<KeyNumber> {
     let mut numbers = Vec::new();
-    let several = run.scene.interfaces().count() > 1;
-    for structure in with_interface(run).take(MOST_MEMBRANES) {
-        let name = structure.name();
-        let of = if several { format!(" of {name}") } else { String::new() };
-        let last = |quantity: &str| run.last(&format!("{name}.{quantity}"));
-        let elastic = structure.traits().acts;
-        let words = run.words();
-        let (enclosed, round) = (words.enclosed, words.round);
-        let axes: Option<Vec<f64>> = words.axes.iter().map(|(column, _)| last(column)).collect();
-        if let Some(length) = last(words.own).filter(|_| !elastic) {
-            let note = last("markers_length").map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
-            numbers.push(number(&format!("{}{of}", capitalised(words.size)), rounded(length, 4), note));
-        } else if let Some(axes) = axes {
-            let radius = last(enclosed).map(words.radius);
-            let note =
-                radius.map_or_else(String::new, |r| format!("{round} of the same {enclosed}: {}", rounded(r, 4)));
-            numbers.push(number(&format!("Semi-axes{of}"), side_by_side(&axes), note));
-        }
-        if let Some(area) = last(enclosed) {
-            let note = area_change(run, name)
-                .filter(|_| run.scene.image.is_none())
-                .map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
-            numbers.push(number(&format!("{} inside{of}", capitalised(enclosed)), rounded(area, 5), note));
-        }
+    let name = structure.name();
+    let of = if run.scene.interfaces().count() > 1 { format!(" of {name}") } else { String::new() };
+    let last = |quantity: &str| run.last(&format!("{name}.{quantity}"));
+    let elastic = structure.traits().acts;
+    let words = run.words();
+    let (enclosed, round) = (words.enclosed, words.round);
+    let axes: Option<Vec<f64>> = words.axes.iter().map(|(column, _)| last(column)).collect();
+    if let Some(length) = last(words.own).filter(|_| !elastic) {
+        let note = last("markers_length").map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
+        numbers.push(number(&format!("{}{of}", capitalised(words.size)), rounded(length, 4), note));
+    } else if let Some(axes) = axes {
+        let radius = last(enclosed).map(words.radius);
+        let note = radius.map_or_else(String::new, |r| format!("{round} of the same {enclosed}: {}", rounded(r, 4)));
+        numbers.push(number(&format!("Semi-axes{of}"), side_by_side(&axes), note));
     }
+    if let Some(area) = last(enclosed) {
+        let note = area_change(run, name)
+            .filter(|_| run.scene.image.is_none())
+            .map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
+        numbers.push(number(&format!("{} inside{of}", capitalised(enclosed)), rounded(area, 5), note));
+    }
+    numbers
+}
+
+fn of_segmentation(run: &RunFolder) -> Vec<KeyNumber> {
+    let mut numbers = Vec::new();
     if let Some(parts) = run.last("components") {
         let levels = run.last("c1").zip(run.last("c2"));
         let note = levels
@@ -120,8 +129,13 @@ fn headline(run: &RunFolder) -> Vec<Number> {
             run.last("area_error").map_or_else(String::new, |e| format!("area of the mask: off by {}", per_cent(e)));
         numbers.push(number("Pixels on the wrong side", rounded(wrong, 6), note));
     }
+    numbers
+}
+
+fn of_flow(run: &RunFolder) -> Vec<KeyNumber> {
+    let mut numbers = Vec::new();
     if let Some(balance) = energy_balance(run) {
-        let note = "of the energy in play came from nowhere; exact: 0";
+        let note = "residual over the energy in play; exact: 0";
         numbers.push(number("Energy balance", per_cent(balance), note.into()));
     }
     if let Some(kinetic) = run.last("energy_kinetic") {
@@ -133,14 +147,14 @@ fn headline(run: &RunFolder) -> Vec<Number> {
     if let Some(speed) = run.last("velocity_max") {
         numbers.push(number("Largest speed at the end", rounded(speed, 4), peak(run).unwrap_or_default()));
     }
-    let seconds: Vec<f64> = run.summary.seconds.values().flatten().copied().collect();
-    if !seconds.is_empty() {
-        let time = duration(seconds.iter().sum());
-        let unknowns: u64 = run.summary.unknowns.values().sum();
-        let note = if unknowns > 0 { format!("for {} unknowns", grouped(unknowns)) } else { String::new() };
-        numbers.push(number("Computed in", time, note));
-    }
     numbers
+}
+
+fn of_cost(run: &RunFolder) -> Option<KeyNumber> {
+    let seconds: Vec<f64> = run.summary.seconds.values().flatten().copied().collect();
+    let unknowns: u64 = run.summary.unknowns.values().sum();
+    let note = if unknowns > 0 { format!("for {} unknowns", grouped(unknowns)) } else { String::new() };
+    (!seconds.is_empty()).then(|| number("Computed in", duration(seconds.iter().sum()), note))
 }
 
 /// Lengths with equally many decimals, four digits of the largest.
@@ -187,7 +201,7 @@ fn grouped(n: u64) -> String {
 }
 
 /// The files of the folder, and how to open them.
-fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
+fn files(run: &RunFolder, gallery: &Gallery) -> Table {
     let pressure = if run.scene.fluid.is_prescribed() { ["", ""] } else { [", pressure", " or `pressure`"] };
     let fields = match run.scene.interfaces().next() {
         Some(name) if run.scene.image.is_some() => {
@@ -211,16 +225,12 @@ fn files(run: &RunFolder, gallery: &Gallery) -> Listing {
         ("segmented.png, mask.png", segmented, "the image in its two levels, and the inside in white".into()),
         ("profiles/", !run.profiles.is_empty(), "values along lines, a column a time".to_string()),
         ("fields.pvd, fields/", !run.frames.is_empty(), fields),
-        ("pictures/", !gallery.pictures.is_empty(), "a picture of every stored field, PNG".to_string()),
+        ("pictures/", !gallery.figures.is_empty(), "a picture of every stored field, PNG".to_string()),
         ("film.gif", film, "the pictures as a film (film.mp4 too where ffmpeg is installed)".to_string()),
         ("charts/", run.column("time").is_some(), "the charts of this page, SVG".to_string()),
         ("summary.json", true, "how the run ended, its balances and times, for other programs".to_string()),
     ];
-    let row = |(name, _, what): (&str, bool, String)| vec![name.to_string(), what];
-    Listing {
-        title: "Files in this folder".into(),
-        header: ["file", "what it holds"].map(String::from).to_vec(),
-        rows: rows.into_iter().filter(|r| r.1).map(row).collect(),
-        caption: String::new(),
-    }
+    let row = |(name, _, what): (&str, bool, String)| vec![Cell::text(name), Cell::text(what)];
+    Table::new("", "Files in this folder", ["file", "what it holds"])
+        .with_rows(rows.into_iter().filter(|r| r.1).map(row))
 }

@@ -1,6 +1,6 @@
 //! Pictures of the stored fields, and the film they make.
 
-use super::folder::{Frame, RunFolder};
+use super::folder::{RunFolder, StoredFields};
 use crate::base::{Error, Result, Warning};
 use crate::mesh::Point;
 use crate::output::solid::{Coat, Pattern, Slice, SolidPicture, Surface, View};
@@ -12,13 +12,12 @@ use crate::scene::schema::{Cut, Quantity};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// What was drawn.
+/// Pictures and film of a run.
 #[derive(Default)]
 pub(super) struct Gallery {
     pub files: Vec<PathBuf>,
-    pub film: Option<Figure>,
-    /// The first, the middle and the last picture.
-    pub pictures: Vec<Figure>,
+    /// The film; the first, the middle and the last picture.
+    pub figures: Vec<Figure>,
 }
 
 /// The planes through the middle of space that are shown where there is no interface: across y and across z.
@@ -36,13 +35,13 @@ pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
 }
 
 /// Makes the picture of a frame.
-type Paint = fn(&Painter, &Frame) -> Result<Image>;
+type Paint = fn(&Painter, &StoredFields) -> Result<Image>;
 
 fn draw_with<const D: usize>(run: &mut RunFolder, picture: Paint) -> Result<Gallery> {
     let folder = run.folder("pictures")?;
     let painter = Painter::new::<D>(run)?;
-    let file = |f: &Frame| folder.join(format!("{}.png", f.name));
-    let paint = |frame: &Frame| -> Result<Image> {
+    let file = |f: &StoredFields| folder.join(format!("{}.png", f.name));
+    let paint = |frame: &StoredFields| -> Result<Image> {
         let image = picture(&painter, frame)?;
         write_file(&file(frame), &image.png()?)?;
         Ok(image)
@@ -56,17 +55,17 @@ fn draw_with<const D: usize>(run: &mut RunFolder, picture: Paint) -> Result<Gall
         let shown = images.enumerate().filter(|(i, image)| i % every == 0 || image.is_err()).map(|(_, image)| image);
         let seconds = run.frames.len().min(MOST_FRAMES) as f64 / 6.0;
         let film = write_film(&run.path.join("film"), shown, seconds.clamp(4.0, 25.0))?;
-        gallery.film = Some(film_figure(&film, painter.film_caption(run, every))?);
+        gallery.figures.push(film_figure(&film, painter.film_caption(run, every))?);
         gallery.files.extend([Some(film.gif), film.mp4].into_iter().flatten());
         run.warnings.extend(film.warning);
     } else {
         images.try_for_each(|image| image.map(drop))?;
     }
-    gallery.pictures = shown(run, file)?;
+    gallery.figures.extend(shown(run, file)?);
     Ok(gallery)
 }
 
-/// Whether there is anything to draw; warns of what the scene asks for and cannot be made.
+/// True if there is anything to draw; warns of pictures that the scene asks for and cannot be made.
 fn wanted(run: &mut RunFolder) -> bool {
     let output = &run.scene.output;
     if output.pictures.is_none() {
@@ -86,18 +85,19 @@ fn film_figure(film: &Film, caption: String) -> Result<Figure> {
         Some(mp4) => Content::Mp4(read_file(mp4)?),
         None => Content::Gif(read_file(&film.gif)?),
     };
-    Ok(Figure { title: "Film.".into(), content, caption })
+    Ok(Figure { name: String::new(), title: "Film".into(), content, caption })
 }
 
 /// The first, the middle and the last picture.
-fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure>> {
+fn shown(run: &RunFolder, file: impl Fn(&StoredFields) -> PathBuf) -> Result<Vec<Figure>> {
     let last = run.frames.len().saturating_sub(1);
     let mut chosen = vec![(last, "The end"), (last / 2, "Halfway"), (0, "The start")];
     chosen.dedup_by_key(|c| c.0);
     let chosen = chosen.into_iter().rev().filter_map(|(k, when)| Some((run.frames.get(k)?, when)));
-    let figure = |(frame, when): (&Frame, &str)| {
+    let figure = |(frame, when): (&StoredFields, &str)| {
         let title = format!("{when}, t = {}.", rounded(frame.time, 6));
-        Ok(Figure { title, content: Content::Png(read_file(&file(frame))?), caption: String::new() })
+        let content = Content::Png(read_file(&file(frame))?);
+        Ok(Figure { name: String::new(), title, content, caption: String::new() })
     };
     chosen.map(figure).collect()
 }
@@ -105,7 +105,7 @@ fn shown(run: &RunFolder, file: impl Fn(&Frame) -> PathBuf) -> Result<Vec<Figure
 /// Fields of the checkerboard around the equator and from pole to pole.
 const GLOBE: [usize; 2] = [16, 8];
 
-/// How the pictures of a run look, all in one scale.
+/// Style of the pictures of a run, all in one scale.
 struct Painter {
     quantity: Quantity,
     mesh: bool,
@@ -118,7 +118,7 @@ struct Painter {
     view: [f64; 2],
     slice: Option<Cut>,
     window: Option<[Point<3>; 2]>,
-    /// Where the material of the interface is in the mean when it is at rest: the middle of its checkerboard.
+    /// Mean position at rest of the material of the interface: the middle of its checkerboard.
     middle: Point<3>,
 }
 
@@ -150,7 +150,7 @@ impl Painter {
         Ok(painter)
     }
 
-    fn range<const D: usize>(&self, frame: &Frame) -> Result<Scale> {
+    fn range<const D: usize>(&self, frame: &StoredFields) -> Result<Scale> {
         let snapshot = read_vtu::<D>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         match self.field(&snapshot).map_err(place)? {
@@ -168,7 +168,7 @@ impl Painter {
         }
     }
 
-    /// What is coloured.
+    /// The field that is coloured.
     fn field<'a, const D: usize>(&self, snapshot: &'a Snapshot<D>) -> Result<Field<'a, D>> {
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
@@ -189,7 +189,7 @@ impl Painter {
         format!("{}.{field}", self.interfaces.first().map_or("", |name| name))
     }
 
-    /// Where the material is at rest, at the nodes.
+    /// Position at rest of the material, at the nodes.
     fn at_rest(&self, snapshot: &Snapshot<3>) -> Result<Vec<Point<3>>> {
         let own = snapshot.vector(&self.column("displacement"));
         let displacement = own.or_else(|_| snapshot.vector("displacement"))?;
@@ -214,7 +214,7 @@ impl Painter {
         level_set(snapshot, self.interfaces.first().map_or("", |name| name))
     }
 
-    fn paint(&self, frame: &Frame) -> Result<Image> {
+    fn paint(&self, frame: &StoredFields) -> Result<Image> {
         let snapshot = read_vtu::<2>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
@@ -239,7 +239,7 @@ impl Painter {
     }
 
     /// The picture of a frame of space: the interfaces, or without any two slices through the middle.
-    fn paint_solid(&self, frame: &Frame) -> Result<Image> {
+    fn paint_solid(&self, frame: &StoredFields) -> Result<Image> {
         let snapshot = read_vtu::<3>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
@@ -359,7 +359,7 @@ fn strong(values: &[f64]) -> f64 {
     moduli.get(last.min(moduli.len().saturating_sub(1))).copied().unwrap_or(0.0)
 }
 
-/// Which nodes belong to a cell that the interface cuts.
+/// True for nodes of a cell that the interface cuts.
 fn near_interface<const D: usize>(snapshot: &Snapshot<D>, phi: &[f64]) -> Vec<bool> {
     let space = &snapshot.space;
     let mut near = vec![false; space.len()];

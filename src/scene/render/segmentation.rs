@@ -1,10 +1,11 @@
-//! What the page of a run says that has segmented an image.
+//! Charts of a run that has segmented an image.
 
 use super::folder::RunFolder;
-use crate::scene::charts::{Drawn, Sheet};
+use crate::output::Figure;
+use crate::scene::charts::Sheet;
 
 /// All charts of a segmentation.
-pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
+pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
     let Some(time) = run.column("time") else { return Vec::new() };
     let name = run.scene.interfaces().map(str::to_string).next().unwrap_or_default();
     let (area, perimeter) = (format!("{name}.area"), format!("{name}.perimeter"));

@@ -1,4 +1,4 @@
-//! `summary.json`: how a run ended.
+//! `summary.json`: the end of a run.
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Numbers by name; one that is not finite is `None`.
 type Numbers = BTreeMap<String, Option<f64>>;
 
-/// How a run ended. What the file does not say has no value here.
+/// Summary of a run. Entries that the file lacks have no value.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Summary {
@@ -18,7 +18,7 @@ pub struct Summary {
     pub title: String,
     /// `finished`, `interrupted` or `failed`.
     pub status: String,
-    /// Why it failed.
+    /// Reason of its failure.
     pub error: Option<String>,
     /// Steps made.
     pub steps: Option<u64>,
@@ -32,7 +32,7 @@ pub struct Summary {
     pub memory: Option<u64>,
     /// Unknowns by field.
     pub unknowns: BTreeMap<String, u64>,
-    /// How the linear systems were solved.
+    /// Solution of the linear systems.
     pub solves: Solves,
     /// Seconds by phase.
     pub seconds: Numbers,
@@ -40,36 +40,36 @@ pub struct Summary {
     pub cpu_seconds: Numbers,
     /// Seconds of all processors by phase of the steps.
     pub step_seconds: Numbers,
-    /// How fast the factor was read; of long runs alone.
+    /// Bandwidth of the substitutions; of long runs alone.
     pub bandwidth: Option<Bandwidth>,
-    /// What goes against the balances.
+    /// Violations of the balances.
     pub alarms: Vec<String>,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// What was solved.
+    /// The plan of the run.
     pub plan: String,
-    /// What ought to be zero.
+    /// Residuals of the balances.
     pub balance: Balance,
     /// Last values by column of the series.
     #[serde(rename = "final")]
     pub last: Numbers,
 }
 
-/// How fast the factor was read, in bytes a second.
+/// Bandwidth of the substitutions, in bytes a second.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Bandwidth {
     /// Bytes of the factor.
     pub factor_bytes: f64,
-    /// How often it was read, each time twice.
+    /// Number of substitutions, each of which reads it twice.
     pub substitutions: f64,
-    /// What was read of it, over the time of the solves.
+    /// Bytes read of it, over the time of the solves.
     pub achieved: f64,
     /// Bytes read and written when a large block is copied on the same machine.
     pub copy: f64,
 }
 
-/// What ought to be zero.
+/// Residuals of the balances.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Balance {

@@ -2,7 +2,7 @@ use super::*;
 use crate::base::Kind;
 use crate::fem::{Element, Space};
 use crate::mesh::{Diagonals, rectangle};
-use crate::output::{FieldData, Series, Table, write_pvd, write_vtu};
+use crate::output::{FieldData, Series, SeriesWriter, write_pvd, write_vtu};
 use nalgebra::SVector;
 use std::collections::BTreeMap;
 use std::fs;
@@ -74,7 +74,7 @@ fn write_with(case: &Case, folder: &Path, phi: impl Fn(&SVector<f64, 2>, f64) ->
     fs::create_dir_all(folder.join("fields")).unwrap();
     fs::write(folder.join("scene.toml"), scene(case)).unwrap();
     fs::write(folder.join("summary.json"), case.summary).unwrap();
-    let mut series = Series::create(&folder.join("series.csv"), case.columns).unwrap();
+    let mut series = SeriesWriter::create(&folder.join("series.csv"), case.columns).unwrap();
     for k in 0..11 {
         let values: Vec<f64> = (0..case.columns.len()).map(|c| 1.0 + (f64::from(k) * 0.1 + c as f64).sin()).collect();
         series.append(0.1 * f64::from(k), &values).unwrap();
@@ -108,7 +108,7 @@ fn a_flow_without_a_membrane_has_all_that_it_measured() {
     let columns = (0..20).map(|k| (format!("t=0.{k:02}"), x)).collect::<Vec<_>>();
     let mut table = vec![("distance", &x[..]), ("x", &x), ("y", &x)];
     table.extend(columns.iter().map(|(n, c)| (n.as_str(), &c[..])));
-    Table::new(&table).write(&dir.path().join("profiles/line.csv")).unwrap();
+    Series::new(&table).write(&dir.path().join("profiles/line.csv")).unwrap();
     let made = render(dir.path()).unwrap();
     assert!(made.warnings.is_empty(), "{:?}", made.warnings);
     let name = |p: &PathBuf| p.strip_prefix(dir.path()).unwrap().to_string_lossy().into_owned();
@@ -211,7 +211,7 @@ fn the_stretch_of_a_distance_is_one_in_one_colour() {
     assert!(pixels_of_one_colour(&picture) < 1500);
 }
 
-/// What is done to the folder, and what the message must contain.
+/// A damage to the folder, and texts that the message must contain.
 type Broken = (fn(&Path), &'static [&'static str]);
 
 #[test]

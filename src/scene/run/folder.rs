@@ -3,7 +3,7 @@
 use super::Options;
 use super::record::{Column, Record};
 use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
-use crate::output::{Table, write_file, write_pvd};
+use crate::output::{Series, write_file, write_pvd};
 use crate::scene::Scene;
 use crate::scene::problem::{Facts, Problem};
 use serde_json::json;
@@ -143,7 +143,7 @@ impl Folder {
         let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance)];
         columns.extend(["x", "y", "z"].into_iter().zip(places.iter().map(Vec::as_slice)));
         columns.extend(values.iter().map(|(name, v)| (name.as_str(), v.as_slice())));
-        Table::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
+        Series::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
     }
 
     /// Writes `summary.json`.

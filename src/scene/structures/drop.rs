@@ -6,7 +6,8 @@ use super::{KindIn, Registered, StructureKind, Traits, round};
 use crate::base::Result;
 use crate::elastic::{AreaLaw, Band, Force, SharpMembrane};
 use crate::mesh::Point;
-use crate::scene::charts::{Columns, Drawn};
+use crate::output::Figure;
+use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::keys::{Context, Identifier, Item, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer, table};
 use crate::scene::row::Row;
@@ -135,7 +136,7 @@ impl StructureKind for Drop {
     fn chords(&self) -> Vec<String> {
         self.cuts().names().map(str::to_string).collect()
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
         let name = &self.name;
         let charts = [
             of.axes(name, true),

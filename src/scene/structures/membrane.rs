@@ -5,7 +5,8 @@ use super::{KindIn, Registered, StructureKind, Traits, laws};
 use crate::base::{Error, Result};
 use crate::elastic::{AreaFrom, AreaLaw, Band, Force, SharpMembrane, ShearLaw, ShearMembrane, SurfaceLaw};
 use crate::mesh::Point;
-use crate::scene::charts::{Columns, Drawn};
+use crate::output::Figure;
+use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
@@ -302,7 +303,7 @@ impl StructureKind for Membrane {
     fn chords(&self) -> Vec<String> {
         self.cuts().names().map(str::to_string).collect()
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
         let cuts = self.cuts();
         let (axes, chords) = (of.axes(&self.name, self.surface().is_none()), of.chords(&self.name, cuts.names()));
         axes.into_iter().chain(chords).collect()

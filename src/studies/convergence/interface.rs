@@ -1,4 +1,4 @@
-//! How far two interfaces lie apart.
+//! Distance of two interfaces.
 
 use crate::base::{Error, Result};
 use crate::levelset::Contour;

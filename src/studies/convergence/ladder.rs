@@ -1,13 +1,13 @@
 //! The levels of a study: what is halved from one to the next, and the trials that show what is not.
 
-use super::Settings;
+use super::Convergence;
 use crate::base::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::schema::MeshSource;
 use crate::studies::Trial;
 use std::path::Path;
 
-/// What is halved from level to level.
+/// Parameters that are halved from level to level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Halved {
     /// The mesh size.
@@ -33,7 +33,7 @@ impl Ladder {
     ///
     /// # Errors
     /// Something is to be halved that the scene does not have.
-    pub fn new(scene: &Scene, settings: &Settings, thickness: Option<f64>, common: &[String]) -> Result<Ladder> {
+    pub fn new(scene: &Scene, settings: &Convergence, thickness: Option<f64>, common: &[String]) -> Result<Ladder> {
         if settings.halved.thickness && thickness.is_none() {
             return Err(Error::scene("the scene has no membrane, hence no thickness to refine")
                 .at("--thickness")
@@ -64,7 +64,7 @@ const MESH: &str = "mesh halved";
 /// A scene on its levels.
 struct Rung<'a> {
     scene: &'a Scene,
-    meshes: &'a Settings,
+    meshes: &'a Convergence,
     thickness: Option<f64>,
 }
 

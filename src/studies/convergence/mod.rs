@@ -1,28 +1,31 @@
 //! The convergence study: a scene on finer and finer levels, and what its numbers tend to.
 
+mod charts;
 mod interface;
 mod ladder;
 mod page;
+mod quantities;
 mod sequence;
+mod tables;
 
 pub use interface::{Distance, distance};
 pub use ladder::Halved;
 pub use sequence::{Basis, Limit, Sequence, orders_of_changes, orders_of_errors};
 
-use super::{Campaign, Findings, Outcome};
+use super::{Campaign, Outcome};
 use crate::base::{Error, Kind, Result};
-use crate::output::Snapshot;
-use crate::scene::keys::advice;
+use crate::output::{Page, Snapshot};
 use crate::scene::schema::MeshSource;
 use crate::scene::{Scene, problem};
 use interface::fields_at;
 use ladder::Ladder;
+use quantities::{DISTANCES, common, quantities, times};
 use std::path::PathBuf;
 
-/// What a convergence study is asked.
+/// Options of a convergence study.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
-    /// What is halved.
+pub struct Convergence {
+    /// The parameters that are halved.
     pub halved: Halved,
     /// Levels, the scene being the coarsest one.
     pub levels: usize,
@@ -34,11 +37,12 @@ pub struct Settings {
     pub times: Vec<f64>,
     /// The order that theory gives, where it does: extrapolation is with that one.
     pub order: Option<f64>,
-    /// Whether what is not refined is halved, on the coarsest level, to see what it does.
+    /// Adds runs on the coarsest level with the parameters halved that the levels keep, to measure
+    /// their effect.
     pub checks: bool,
 }
 
-/// What a quantity is.
+/// Kind of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
     /// A number that tends to a limit that is not known.
@@ -51,15 +55,15 @@ enum Meaning {
 
 /// A quantity that is studied.
 #[derive(Clone, Debug, PartialEq)]
-struct Quantity {
+struct Observable {
     name: String,
     meaning: Meaning,
 }
 
 /// A quantity at a time, on all levels.
 #[derive(Clone, Debug)]
-struct Row {
-    quantity: Quantity,
+struct Observation {
+    quantity: Observable,
     time: f64,
     sequence: Sequence,
     /// The order seen on each level and those before it.
@@ -69,16 +73,11 @@ struct Row {
     checks: Vec<f64>,
 }
 
-/// The quantity that stands for the distances of all interfaces.
-const INTERFACE: &str = "interface";
-/// The ends of its columns.
-const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
-
-/// Runs the levels of a study and says what they show.
+/// Runs the levels of a study; the result is its page.
 ///
 /// # Errors
 /// A quantity or a time that the scene does not have; whatever [`Campaign::run`] gives. A level that fails is left out.
-pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<Findings> {
+pub fn convergence(campaign: &mut Campaign<'_>, settings: &Convergence) -> Result<Page> {
     let scene = campaign.scene().clone();
     // The model of the coarsest level knows the columns, and the band that the mesh would choose.
     let coarsest = problem(&scene)?;
@@ -117,7 +116,7 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<F
                 Meaning::Change => vec![f64::NAN; checks.len()],
                 _ => checks.iter().map(moved).collect::<Result<_>>()?,
             };
-            rows.push(Row::new(
+            rows.push(Observation::new(
                 quantity.clone(),
                 time,
                 Sequence { sizes: sizes.clone(), values },
@@ -126,7 +125,7 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<F
             ));
         }
     }
-    Ok(page::findings(&page::Study {
+    Ok(page::page(&page::Study {
         scene: &scene,
         settings,
         ladder: &ladder,
@@ -137,18 +136,18 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Settings) -> Result<F
 }
 
 /// The order that is known beforehand: that of the thickness is one.
-fn known(settings: &Settings) -> Option<f64> {
+fn known(settings: &Convergence) -> Option<f64> {
     settings.order.or(settings.halved.thickness.then_some(1.0))
 }
 
-impl Row {
-    fn new(quantity: Quantity, time: f64, sequence: Sequence, checks: Vec<f64>, known: Option<f64>) -> Row {
+impl Observation {
+    fn new(quantity: Observable, time: f64, sequence: Sequence, checks: Vec<f64>, known: Option<f64>) -> Observation {
         let (orders, limit) = match quantity.meaning {
             Meaning::Value => (sequence.orders(), sequence.limit(known)),
             Meaning::Error => (orders_of_errors(&sequence.sizes, &sequence.values), None),
             Meaning::Change => (orders_of_changes(&sequence.sizes, &sequence.values), None),
         };
-        Row { quantity, time, sequence, orders, limit, checks }
+        Observation { quantity, time, sequence, orders, limit, checks }
     }
 
     /// The order seen on the finest level that gave a value; NaN if none is.
@@ -167,7 +166,7 @@ impl Row {
         self.sequence.values.iter().rev().find(|v| v.is_finite()).copied().unwrap_or(f64::NAN)
     }
 
-    /// What tends to zero with the level: the error, or the change from the level before.
+    /// The values that tend to zero with the level: the error, or the change from the level before.
     fn shrinking(&self) -> Vec<f64> {
         match self.quantity.meaning {
             Meaning::Value => self.sequence.changes().into_iter().map(f64::abs).collect(),
@@ -176,111 +175,8 @@ impl Row {
     }
 }
 
-/// The quantities that are asked for, or a choice of those that the scene has.
-fn quantities(scene: &Scene, asked: &[String], columns: &[String]) -> Result<Vec<Quantity>> {
-    // Surfaces in space are not compared.
-    let compared: Vec<&str> = match scene.dimension() {
-        2 => scene.acting().map(|s| s.name()).collect(),
-        _ => Vec::new(),
-    };
-    let distances = || compared.iter().flat_map(|name| DISTANCES.map(|d| format!("{name}.{d}")));
-    let meaning = |name: &str| match name.starts_with("error_") {
-        true => Meaning::Error,
-        false if distances().any(|d| d == name) => Meaning::Change,
-        false => Meaning::Value,
-    };
-    let mut names: Vec<String> = Vec::new();
-    let chosen = if asked.is_empty() { choice(scene, columns) } else { asked.to_vec() };
-    for name in chosen {
-        let known = columns.contains(&name) || distances().any(|d| d == name);
-        if name == INTERFACE && !compared.is_empty() {
-            names.extend(distances());
-        } else if known {
-            names.push(name);
-        } else {
-            let interface = (!compared.is_empty()).then_some(INTERFACE);
-            return Err(Error::scene("the runs of this scene have no such quantity")
-                .at("--quantity")
-                .value(&name)
-                .remedy(advice(&name, columns.iter().map(String::as_str).chain(interface))));
-        }
-    }
-    let mut unique: Vec<Quantity> = Vec::new();
-    for name in names {
-        if !unique.iter().any(|q| q.name == name) {
-            unique.push(Quantity { meaning: meaning(&name), name });
-        }
-    }
-    Ok(unique)
-}
-
-/// Errors where they are known; lengths, area and place of the interfaces; energies; what the scene measures itself.
-fn choice(scene: &Scene, columns: &[String]) -> Vec<String> {
-    let mut names: Vec<String> = columns.iter().filter(|c| c.starts_with("error_")).cloned().collect();
-    let (dimension, [enclosed, own]) = (scene.mesh.dimension(), scene.extents());
-    for s in scene.structures().iter().filter(|s| s.shape().is_some()) {
-        let (name, chords) = (s.name(), s.chords());
-        if s.traits().acts && chords.is_empty() {
-            names.extend((1..=dimension).map(|k| format!("{name}.axis_{k}")));
-        }
-        names.extend(chords.iter().map(|c| format!("{name}.{c}")));
-        names.extend([own, enclosed].map(|c| format!("{name}.{c}")));
-    }
-    if columns.iter().any(|c| c == "energy_kinetic") && names.iter().all(|n| !n.starts_with("error_")) {
-        names.push("energy_kinetic".into());
-    }
-    if scene.acting().next().is_some() {
-        names.push("energy_elastic".into());
-        names.extend((dimension == 2).then(|| INTERFACE.into()));
-    }
-    // Columns of forces, fluxes and probes come after those that every run has.
-    let own = columns.iter().skip_while(|c| *c != "step_over_limit").skip(1).filter(|c| !c.starts_with("error_"));
-    names.extend(own.cloned());
-    names
-}
-
-/// The times that are asked for, rising; the end of the scene without any.
-fn times(scene: &Scene, asked: &[f64]) -> Result<Vec<f64>> {
-    if asked.is_empty() {
-        return Ok(vec![scene.time.end]);
-    }
-    let mut times = asked.to_vec();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    for &t in &times {
-        let steps = t / scene.time.step;
-        if !(t.is_finite() && steps >= 0.5 && (steps - steps.round()).abs() < 1e-6) {
-            return Err(Error::scene("a time of the study is not reached by the steps of its coarsest level")
-                .at("--at")
-                .value(t)
-                .remedy(format!("give a multiple of the step, {}", scene.time.step)));
-        }
-    }
-    Ok(times)
-}
-
-/// What all trials share: they end at the last of the times, and have rows, and fields if asked for, at all of them.
-fn common(scene: &Scene, times: &[f64], fields: bool) -> Vec<String> {
-    let step = scene.time.step;
-    let end = times.last().copied().unwrap_or(scene.time.end);
-    let whole =
-        |interval: f64| times.iter().all(|t| ((t / interval).round() * interval - t).abs() < 1e-9 * t.max(interval));
-    let every = if whole(scene.output.every) { scene.output.every } else { step };
-    let mut set = vec![format!("time.end={end:?}"), format!("output.every={every:?}")];
-    if fields {
-        let steps = times.iter().map(|t| (t / step).round() as u64).fold(0, divisor);
-        set.push(format!("output.fields={:?}", steps as f64 * step));
-    }
-    set
-}
-
-/// The greatest common divisor (Euclid).
-fn divisor(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { divisor(b, a % b) }
-}
-
-/// What makes each level fine.
-fn sizes(scene: &Scene, settings: &Settings, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
+/// Mesh size, step or thickness of each level.
+fn sizes(scene: &Scene, settings: &Convergence, ladder: &Ladder, levels: &[Outcome]) -> Vec<f64> {
     let halving = |first: f64| (0..levels.len()).map(|k| first / 2f64.powi(k as i32)).collect();
     if settings.halved.thickness {
         return halving(ladder.thickness.unwrap_or(f64::NAN));
@@ -303,7 +199,7 @@ fn sizes(scene: &Scene, settings: &Settings, ladder: &Ladder, levels: &[Outcome]
 fn distances(
     campaign: &Campaign<'_>,
     scene: &Scene,
-    quantities: &[Quantity],
+    quantities: &[Observable],
     levels: &[Outcome],
     time: f64,
 ) -> Result<Vec<Vec<(String, f64)>>> {

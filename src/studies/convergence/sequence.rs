@@ -1,26 +1,26 @@
-//! What a row of numbers from finer and finer levels says: order, limit, and how far to believe it.
+//! Order, limit and error bar of a sequence of values on finer and finer levels.
 
 /// A value on levels of falling size; a level that gave none has NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sequence {
-    /// What makes a level fine: mesh size, step or thickness, falling.
+    /// Mesh size, step or thickness of each level, falling.
     pub sizes: Vec<f64>,
     /// The value on each level.
     pub values: Vec<f64>,
 }
 
-/// What a quantity tends to, and how far to believe it.
+/// Limit of a quantity and its error bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     /// The value at size zero.
     pub value: f64,
     /// Its error bar, by the rule in [`Basis`].
     pub bar: f64,
-    /// Where both come from.
+    /// Basis of both.
     pub basis: Basis,
 }
 
-/// How a limit and its bar were taken from the finest levels, the last being `v`.
+/// Derivation of a limit and its bar from the finest levels, the last being `v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Basis {
     /// Extrapolated from the two finest levels with a whole (or the given) order; the bar is the distance from the same
@@ -130,7 +130,7 @@ fn ratio([a, b, c]: [f64; 3], p: f64) -> f64 {
     (a.powf(p) - b.powf(p)) / (b.powf(p) - c.powf(p))
 }
 
-/// Whether changes of one sign fall faster than any credible order.
+/// True for changes of one sign that fall faster than any credible order.
 fn too_fast(sizes: [f64; 3], [before, after]: [f64; 2]) -> bool {
     before / after >= ratio(sizes, CREDIBLE[1])
 }

@@ -1,22 +1,19 @@
-//! What a study of precision says.
+//! The page of a precision study.
 
-use super::{Point, Precision, Reference};
-use crate::output::{Cell, Chart, Curve, Grid, Number, Stroke, rounded};
+use super::charts::charts;
+use super::{CostPoint, Precision, Reference};
+use crate::output::{Cell, KeyNumber, Page, Table, rounded};
 use crate::scene::Scene;
-use crate::studies::findings::{Drawing, Findings};
 use crate::studies::front::{Offer, cheapest, front};
 use crate::studies::per_cent;
 
-/// The colour of what is not one of our methods: grey.
-const GREY: usize = 6;
-
-pub(super) fn findings(
+pub(super) fn page(
     scene: &Scene,
-    told: &Precision,
+    options: &Precision,
     quantities: &[(String, f64)],
     reference: &Reference,
-    points: &[Point],
-) -> Findings {
+    points: &[CostPoint],
+) -> Page {
     let names: Vec<String> = quantities.iter().map(|(c, t)| format!("{c} at t = {t:?}")).collect();
     let what = match quantities.first() {
         Some((_, t)) if quantities.iter().all(|q| q.1 == *t) => {
@@ -25,53 +22,56 @@ pub(super) fn findings(
         }
         _ => names.join(", "),
     };
-    let mut found = Findings {
+    let mut found = Page {
         title: format!("{}: error and cost", scene.title),
         subtitle: format!("Error of {what}, against CPU seconds of the time steps"),
-        ..Findings::default()
+        ..Page::default()
     };
-    found.grids.push(all(points, &names));
-    found.grids.push(best(points, &told.tolerances));
-    found.statements = told.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
-    found.notes = notes(scene, told, reference, points);
-    let methods: Vec<&str> = told.methods.iter().map(|m| m.name.as_str()).collect();
-    found.drawings = drawings(points, &methods, &what, reference);
-    found.headline = told.tolerances.iter().filter_map(|t| number(points, *t)).collect();
+    found.tables.push(all(points, &names));
+    found.tables.push(best(points, &options.tolerances));
+    found.statements = options.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
+    found.notes = notes(scene, options, reference, points);
+    let methods: Vec<&str> = options.methods.iter().map(|m| m.name.as_str()).collect();
+    found.charts = charts(points, &methods, &what, reference);
+    found.key_numbers = options.tolerances.iter().filter_map(|t| number(points, *t)).collect();
     found
 }
 
-fn offers(points: &[Point]) -> Vec<Offer> {
-    points.iter().map(Point::offer).collect()
+pub(super) fn offers(points: &[CostPoint]) -> Vec<Offer> {
+    points.iter().map(CostPoint::offer).collect()
 }
 
-fn all(points: &[Point], names: &[String]) -> Grid {
+fn all(points: &[CostPoint], names: &[String]) -> Table {
     let front = front(&offers(points));
     let values: Vec<&str> = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
-    let fixed = ["error", "CPU s", "unknowns", "memory MB", "front", "end"];
+    let fixed = ["error", "CPU", "unknowns", "memory", "front", "end"];
     let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
-    let mut grid = Grid::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat());
+    let mut table = Table::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat())
+        .with_unit("CPU", "s")
+        .with_unit("memory", "MB");
     for (i, p) in points.iter().enumerate() {
         let mut row = vec![Cell::text(&p.method)];
-        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::Number(v, 6))));
+        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::number(v, 6))));
         row.extend([
-            Cell::Number(p.error(), 3),
-            Cell::Number(p.cpu, 3),
-            Cell::Number(p.unknowns, 7),
-            Cell::Number(p.memory / 1e6, 3),
+            Cell::number(p.error(), 3),
+            Cell::number(p.cpu, 3),
+            Cell::number(p.unknowns, 7),
+            Cell::number(p.memory / 1e6, 3),
             Cell::text(if front.contains(&i) { "yes" } else { "" }),
             Cell::text(&p.end),
         ]);
-        row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::Number(*e, 3)));
-        grid.rows.push(row);
+        row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::number(*e, 3)));
+        table.rows.push(row);
     }
-    grid.caption = "The error is relative, the largest of the quantities; `front` marks the runs that no other beats in both error and CPU time."
+    table.caption = "The error is relative, the largest of the quantities; `front` marks the runs that no other beats in both error and CPU time."
         .into();
-    grid
+    table
 }
 
-fn best(points: &[Point], tolerances: &[f64]) -> Grid {
-    let mut grid =
-        Grid::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU s"]);
+fn best(points: &[CostPoint], tolerances: &[f64]) -> Table {
+    let mut table =
+        Table::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU"])
+            .with_unit("CPU", "s");
     for &tolerance in tolerances {
         let mut row = vec![Cell::text(per_cent(tolerance))];
         match cheapest(&offers(points), tolerance) {
@@ -81,26 +81,26 @@ fn best(points: &[Point], tolerances: &[f64]) -> Grid {
                     Cell::text(&p.method),
                     Cell::text(&p.setting),
                     Cell::text(per_cent(p.error())),
-                    Cell::Number(p.cpu, 3),
+                    Cell::number(p.cpu, 3),
                 ]);
             }
-            _ => row.extend([Cell::text("none"), Cell::text(""), Cell::text("-"), Cell::Number(f64::NAN, 3)]),
+            _ => row.extend([Cell::text("none"), Cell::text(""), Cell::text("-"), Cell::optional(None, 3)]),
         }
-        grid.rows.push(row);
+        table.rows.push(row);
     }
-    grid
+    table
 }
 
-/// What an error costs, in a sentence.
-fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference) -> String {
-    let told = |p: &Point| {
+/// The cost of an error, in a sentence.
+fn sentence(points: &[CostPoint], tolerance: f64, what: &str, reference: &Reference) -> String {
+    let told = |p: &CostPoint| {
         [p.setting.as_str(), &p.method, &format!("{} s", rounded(p.cpu, 2))]
             .iter()
             .filter(|w| !w.is_empty())
             .fold(String::new(), |s, w| if s.is_empty() { w.to_string() } else { format!("{s}, {w}") })
     };
-    let (ours, theirs): (Vec<Point>, Vec<Point>) = points.iter().cloned().partition(|p| p.ours);
-    let of = |points: &[Point]| match cheapest(&offers(points), tolerance) {
+    let (ours, theirs): (Vec<CostPoint>, Vec<CostPoint>) = points.iter().cloned().partition(|p| p.ours);
+    let of = |points: &[CostPoint]| match cheapest(&offers(points), tolerance) {
         Some(Ok(i)) => format!("{} (error {})", told(&points[i]), per_cent(points[i].error())),
         Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), per_cent(points[i].error())),
         None => "no run finished".into(),
@@ -116,17 +116,17 @@ fn sentence(points: &[Point], tolerance: f64, what: &str, reference: &Reference)
     text + "."
 }
 
-fn number(points: &[Point], tolerance: f64) -> Option<Number> {
+fn number(points: &[CostPoint], tolerance: f64) -> Option<KeyNumber> {
     let Some(Ok(i)) = cheapest(&offers(points), tolerance) else { return None };
-    Some(Number {
+    Some(KeyNumber {
         label: format!("{} costs", per_cent(tolerance)),
         value: format!("{} s", rounded(points[i].cpu, 2)),
         note: format!("{}, {}", points[i].method, points[i].setting),
     })
 }
 
-fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point]) -> Vec<String> {
-    let mut notes = vec![match &told.truth {
+fn notes(scene: &Scene, options: &Precision, reference: &Reference, points: &[CostPoint]) -> Vec<String> {
+    let mut notes = vec![match &options.truth {
         super::Truth::Exact(_) => "Errors are against exact values.".to_string(),
         super::Truth::Reference(_) => format!(
             "Errors are against a reference run ({}). Its own error is about {}, estimated {}; errors below it mean nothing.",
@@ -136,10 +136,10 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         ),
     }];
     // Exact values are those of whatever thickness they were made for.
-    let by_run = matches!(told.truth, super::Truth::Reference(_));
-    let all_methods = told.methods.iter().chain(&told.twin_methods).flat_map(|m| &m.set);
+    let by_run = matches!(options.truth, super::Truth::Reference(_));
+    let all_methods = options.methods.iter().chain(&options.twin_methods).flat_map(|m| &m.set);
     let varies = |set: &String| set.starts_with("numerics.thickness") || set.contains(".force");
-    let same = told.factors.iter().all(|f| f.name != "thickness") && !all_methods.into_iter().any(varies);
+    let same = options.factors.iter().all(|f| f.name != "thickness") && !all_methods.into_iter().any(varies);
     if by_run && same && scene.acting().next().is_some() {
         let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
         notes.push(format!(
@@ -160,100 +160,19 @@ fn notes(scene: &Scene, told: &Precision, reference: &Reference, points: &[Point
         })
         .collect();
     if !failed.is_empty() {
-        notes.push(format!("Runs that are drawn nowhere: {}.", failed.join("; ")));
+        notes.push(format!("Runs that are not drawn: {}.", failed.join("; ")));
     }
     notes
 }
 
-/// A method's points, with a gap between one mesh and the next.
-struct Row<'a> {
-    name: &'a str,
-    points: Vec<Option<&'a Point>>,
-    colour: usize,
-}
-
-/// The rows in the order of `methods`, and then of the points.
-fn rows<'a>(points: &'a [Point], methods: &[&str]) -> Vec<Row<'a>> {
-    let mut order: Vec<&Point> = points.iter().collect();
-    order.sort_by_key(|p| methods.iter().position(|m| *m == p.method).unwrap_or(methods.len()));
-    let mut rows: Vec<Row<'_>> = Vec::new();
-    for p in order {
-        if rows.iter().all(|r| r.name != p.method) {
-            let ours = rows.iter().filter(|r| r.colour != GREY).count();
-            rows.push(Row { name: &p.method, points: vec![], colour: if p.ours { ours % GREY } else { GREY } });
-        }
-        let Some(row) = rows.iter_mut().find(|r| r.name == p.method) else { continue };
-        if row.points.last().copied().flatten().is_some_and(|last| last.family != p.family) {
-            row.points.push(None);
-        }
-        row.points.push(Some(p));
-    }
-    rows
-}
-
-fn drawings(points: &[Point], methods: &[&str], what: &str, reference: &Reference) -> Vec<Drawing> {
-    let known = match reference.error() {
-        e if e > 0.0 => format!(" The reference is known to {}.", per_cent(e)),
-        _ => String::new(),
-    };
-    let lines = "Each line is a method on one mesh, each mark a time step.";
-    let work = format!("{lines} The dashed line joins the runs that no other beats in both error and CPU time.{known}");
-    let against = format!("{lines}{known}");
-    let mut all = vec![drawing(
-        ["work", "Error against CPU time.", "CPU seconds of the time steps", what, &work],
-        points,
-        methods,
-        |p| p.cpu,
-        true,
-    )];
-    // On one mesh there is nothing to be seen in them.
-    if points.iter().any(|p| p.family != points[0].family) {
-        let words = ["unknowns", "Error against unknowns.", "unknowns", what, &against];
-        all.push(drawing(words, points, methods, |p| p.unknowns, false));
-        let words = ["memory", "Error against memory.", "memory in MB", what, &against];
-        all.push(drawing(words, points, methods, |p| p.memory / 1e6, false));
-    }
-    all
-}
-
-/// A chart of the errors; `words` are its name, title, horizontal axis, quantities and caption.
-fn drawing(
-    words: [&str; 5],
-    points: &[Point],
-    methods: &[&str],
-    cost: impl Fn(&Point) -> f64,
-    with_front: bool,
-) -> Drawing {
-    let [name, title, x_label, what, caption] = words;
-    let values = |row: &Row, f: &dyn Fn(&Point) -> f64| -> Vec<f64> {
-        row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
-    };
-    let rows = rows(points, methods);
-    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &Point::usable)]).collect();
-    let best: Vec<&Point> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
-    let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.usable())).unzip();
-    let mut curves: Vec<Curve<'_>> = Vec::new();
-    if with_front && best.len() > 1 {
-        curves.push(Curve { name: "not beaten", x: &x, y: &y, stroke: Stroke::Dashed, colour: Some(GREY) });
-    }
-    curves.extend(rows.iter().zip(&columns).map(|(row, [x, y])| {
-        let stroke = Stroke::Marked;
-        Curve { name: row.name, x, y, stroke, colour: Some(row.colour) }
-    }));
-    // What an error is of stands in the subtitle of the page when it is long.
-    let y_label = if what.len() > 40 { "relative error" } else { what };
-    let y_label = if y_label == what { format!("error of {what}") } else { y_label.to_string() };
-    let chart = Chart { x_label, y_label: &y_label, log_x: true, log_y: true, curves, ..Chart::default() };
-    Drawing { name: name.into(), title: title.into(), svg: chart.svg(), caption: caption.into() }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::charts::{GREY, rows};
     use super::*;
 
-    fn point(method: &str, setting: &str, error: f64, cpu: f64, ours: bool) -> Point {
+    fn point(method: &str, setting: &str, error: f64, cpu: f64, ours: bool) -> CostPoint {
         let end = if error.is_nan() { "blew up at t = 0.1" } else { "finished" };
-        Point {
+        CostPoint {
             method: method.into(),
             setting: setting.into(),
             values: vec![],
@@ -267,7 +186,7 @@ mod tests {
         }
     }
 
-    fn points() -> Vec<Point> {
+    fn points() -> Vec<CostPoint> {
         vec![
             point("BDF1", "n = 30, dt = 0.02", 2e-2, 0.5, true),
             point("BDF2", "n = 30, dt = 0.02", 3e-3, 0.6, true),

@@ -1,12 +1,11 @@
 //! The limits over a value that was varied.
 
-use super::limit::{Limit, is_scheme};
-use crate::output::{Chart, Curve, Stroke};
-use crate::studies::Drawing;
+use super::limit::{StepLimit, is_scheme};
+use crate::output::{Chart, Curve, Figure, Stroke};
 use crate::studies::axis::{Axis, Choice, in_words};
 
 /// The limits over axis number `k`, if it has two numbers or more: over the edge of the mesh for the number of cells.
-pub(super) fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing> {
+pub(super) fn chart(axes: &[Axis], k: usize, limits: &[StepLimit]) -> Option<Figure> {
     let axis = axes.get(k)?;
     if is_scheme(&axis.name) || axis.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
         return None;
@@ -14,7 +13,7 @@ pub(super) fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing
     let view = View { name: &axis.name, k };
     let mut rows = measured(limits, &view);
     rows.extend(formulas(limits, &view, &rows));
-    let lines: Vec<(String, Vec<f64>, Vec<f64>)> = rows.iter_mut().map(Row::line).collect();
+    let lines: Vec<(String, Vec<f64>, Vec<f64>)> = rows.iter_mut().map(CurvePoints::line).collect();
     let curves = rows.iter().zip(&lines).map(|(row, (name, x, y))| Curve {
         name,
         x,
@@ -36,14 +35,10 @@ pub(super) fn chart(axes: &[Axis], k: usize, limits: &[Limit]) -> Option<Drawing
         curves: curves.collect(),
         ..Chart::default()
     };
-    Some(Drawing {
-        name: format!("limit-over-{}", view.name.replace('.', "-")),
-        svg: chart.svg(),
-        caption:
-            "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at the largest step tried."
-                .into(),
-        title,
-    })
+    let name = format!("limit-over-{}", view.name.replace('.', "-"));
+    let caption =
+        "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at the largest step tried.";
+    Some(Figure::chart(name, title.as_str(), chart.svg(), caption))
 }
 
 /// The axis that a chart is over.
@@ -56,26 +51,26 @@ impl View<'_> {
     fn is_mesh(&self) -> bool {
         self.name == "n"
     }
-    fn abscissa(&self, l: &Limit) -> Option<f64> {
+    fn abscissa(&self, l: &StepLimit) -> Option<f64> {
         if self.is_mesh() { l.edge } else { l.combination.get(self.k).and_then(Choice::number) }
     }
     /// The values on the other axes.
-    fn others(&self, l: &Limit) -> Vec<Choice> {
+    fn others(&self, l: &StepLimit) -> Vec<Choice> {
         l.combination.iter().filter(|c| c.name != self.name).cloned().collect()
     }
 }
 
 /// A curve in the making.
-struct Row {
+struct CurvePoints {
     key: Vec<Choice>,
     stroke: Stroke,
     colour: usize,
     points: Vec<[f64; 2]>,
-    /// Whether no step was found unstable at any of its points.
+    /// True if no step was found unstable at any of its points.
     open: bool,
 }
 
-impl Row {
+impl CurvePoints {
     /// Its name and its points from left to right.
     fn line(&mut self) -> (String, Vec<f64>, Vec<f64>) {
         self.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -91,15 +86,15 @@ impl Row {
 }
 
 /// The row with this key, made if there is none.
-fn row(rows: &mut Vec<Row>, key: Vec<Choice>, stroke: Stroke) -> &mut Row {
+fn row(rows: &mut Vec<CurvePoints>, key: Vec<Choice>, stroke: Stroke) -> &mut CurvePoints {
     let at = rows.iter().position(|r| r.key == key).unwrap_or(rows.len());
     if at == rows.len() {
-        rows.push(Row { key, stroke, colour: at, points: Vec::new(), open: true });
+        rows.push(CurvePoints { key, stroke, colour: at, points: Vec::new(), open: true });
     }
     &mut rows[at]
 }
 
-fn measured(limits: &[Limit], view: &View) -> Vec<Row> {
+fn measured(limits: &[StepLimit], view: &View) -> Vec<CurvePoints> {
     let mut rows = Vec::new();
     for l in limits {
         let row = row(&mut rows, view.others(l), Stroke::Marked);
@@ -112,7 +107,7 @@ fn measured(limits: &[Limit], view: &View) -> Vec<Row> {
 }
 
 /// The formula, once for all schemes and in the colour of the first.
-fn formulas(limits: &[Limit], view: &View, measured: &[Row]) -> Vec<Row> {
+fn formulas(limits: &[StepLimit], view: &View, measured: &[CurvePoints]) -> Vec<CurvePoints> {
     let physics = |key: &[Choice]| -> Vec<Choice> { key.iter().filter(|c| !is_scheme(&c.name)).cloned().collect() };
     let mut rows = Vec::new();
     for l in limits {

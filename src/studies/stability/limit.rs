@@ -4,9 +4,9 @@ use super::search::Bracket;
 use super::verdict::Verdict;
 use crate::studies::axis::Choice;
 
-/// What was found for a combination.
+/// Bounds of the stable step of a combination.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Limit {
+pub(super) struct StepLimit {
     pub combination: Vec<Choice>,
     /// Shortest edge in the bands.
     pub edge: Option<f64>,
@@ -18,7 +18,7 @@ pub(super) struct Limit {
     pub refused: Option<String>,
 }
 
-impl Limit {
+impl StepLimit {
     /// The measured limit over the formula.
     pub fn ratio(&self) -> Option<f64> {
         Some(self.limit()? / self.formula?)
@@ -27,7 +27,7 @@ impl Limit {
     pub fn limit(&self) -> Option<f64> {
         self.bracket.stable.and_then(|_| self.bracket.limit())
     }
-    /// What kept the search from finding both ends.
+    /// Reason for which the search did not find both ends.
     pub fn remark(&self) -> &'static str {
         match (&self.refused, self.bracket.stable, self.bracket.unstable) {
             (Some(_), ..) => "refused",
@@ -37,7 +37,7 @@ impl Limit {
             (None, Some(_), Some(_)) => "",
         }
     }
-    /// What the combination says apart from the scheme.
+    /// The choices of the combination apart from the scheme.
     pub fn physics(&self) -> Vec<Choice> {
         self.combination.iter().filter(|c| !is_scheme(&c.name)).cloned().collect()
     }

@@ -1,15 +1,15 @@
 //! The largest stable step of every combination, beside the formula (1.54).
 
 use super::chart::chart;
-use super::limit::Limit;
+use super::limit::StepLimit;
 use super::search::{largest_stable_step, short};
 use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::{Error, Kind, Result};
-use crate::output::{Cell, Grid, Number, rounded};
+use crate::output::{Cell, KeyNumber, Page, Table, rounded};
 use crate::scene::problem;
-use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
-use crate::studies::{Campaign, Findings, Trial};
+use crate::studies::axis::{Axis, Choice, assignments, combinations, in_words};
+use crate::studies::{Campaign, Trial};
 
 /// Growth of the energy beyond the balance above which a run counts as unstable. Of stable runs it is below 1e-5 (the energy of
 /// the relaxing ellipse never rises); beyond the limit it grows by a factor in each step, so that a tolerance of 0.5 % and one of
@@ -17,16 +17,16 @@ use crate::studies::{Campaign, Findings, Trial};
 pub const TOLERANCE: f64 = 0.02;
 /// The smallest and the largest step tried, over the formula, when none are given.
 const RANGE: [f64; 2] = [0.05, 20.0];
-/// The same over the step of the scene, where the formula says nothing.
+/// The same over the step of the scene, where the formula does not apply.
 const RANGE_OF_STEP: [f64; 2] = [0.01, 100.0];
 
-/// Growth in a run of the largest stable step, over the tolerance, that is worth a word.
+/// Growth in a run of the largest stable step, over the tolerance, that is noted.
 const SLOW: f64 = 0.05;
 
 /// The search for the largest stable steps of a scene.
 #[derive(Clone, Debug)]
-pub struct Limits {
-    /// What differs: coupling, order, cells, other values.
+pub struct LimitSearch {
+    /// The parameters that differ: coupling, order, cells, other values.
     pub axes: Vec<Axis>,
     /// Steps of a run.
     pub steps: usize,
@@ -40,12 +40,12 @@ pub struct Limits {
     pub tolerance: f64,
 }
 
-impl Limits {
-    /// Finds the limits and says what they are.
+impl LimitSearch {
+    /// Finds the limits; the result is a page.
     ///
     /// # Errors
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
-    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
+    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
         check(campaign, &self.axes, &["time.step", "time.end"])?;
         if campaign.scene().acting().next().is_none() {
             return Err(Error::scene("the scene has no membrane, whose coupling could be unstable")
@@ -53,7 +53,7 @@ impl Limits {
                 .remedy("add one, or ask with --scan which values of another key are stable"));
         }
         let all = combinations(&self.axes);
-        let mut probes = Grid::new("probes", "Runs", columns(&self.axes, &PROBES));
+        let mut probes = Table::new("probes", "Runs", columns(&self.axes, &PROBES));
         let mut limits = Vec::new();
         for (k, combination) in all.iter().enumerate() {
             limits.push(self.limit(campaign, combination, [k + 1, all.len()], &mut probes)?);
@@ -64,16 +64,16 @@ impl Limits {
                 .remedy("correct the scene or the values: `immersa explain SCENE` with them as --set says more"));
         }
         let title = &campaign.scene().title;
-        Ok(Findings {
+        Ok(Page {
             title: format!("Stability: {title}"),
             subtitle: format!("Largest stable steps of {} combinations, by bisection", all.len()),
             statements: limits.iter().map(|l| statement(l, &limits)).collect(),
             notes: self.notes(&limits),
-            headline: limits.iter().take(4).map(headline).collect(),
-            grids: vec![self.table(&limits)],
+            key_numbers: limits.iter().take(4).map(headline).collect(),
+            tables: vec![self.table(&limits)],
             details: vec![probes],
-            drawings: (0..self.axes.len()).filter_map(|k| chart(&self.axes, k, &limits)).collect(),
-            ..Findings::default()
+            charts: (0..self.axes.len()).filter_map(|k| chart(&self.axes, k, &limits)).collect(),
+            ..Page::default()
         })
     }
 
@@ -82,17 +82,17 @@ impl Limits {
         campaign: &mut Campaign<'_>,
         combination: &[Choice],
         [k, of]: [usize; 2],
-        probes: &mut Grid,
-    ) -> Result<Limit> {
-        let mut limit = Limit { combination: combination.to_vec(), ..Limit::default() };
-        let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
+        probes: &mut Table,
+    ) -> Result<StepLimit> {
+        let mut limit = StepLimit { combination: combination.to_vec(), ..StepLimit::default() };
+        let scene = campaign.scene_of(&Trial::new("", assignments(combination)))?;
         match problem(&scene).map(|p| p.limits()) {
             Ok(found) => {
                 (limit.edge, limit.formula) = (found.band_edges.map(|e| e[0]), found.explicit_limit);
             }
             Err(e) if e.kind() == Kind::Scene => {
                 campaign.listener().note(&format!("[{k}/{of}] {}: refused", in_words(combination)));
-                return Ok(Limit { refused: Some(e.to_string()), ..limit });
+                return Ok(StepLimit { refused: Some(e.to_string()), ..limit });
             }
             Err(e) => return Err(e),
         }
@@ -118,33 +118,32 @@ impl Limits {
         Ok(limit)
     }
 
-    fn table(&self, limits: &[Limit]) -> Grid {
+    fn table(&self, limits: &[StepLimit]) -> Table {
         let header = ["edge", "stable", "unstable", "formula", "ratio", "growth", "rate", "remark"];
-        let mut grid = Grid::new("limits", "Largest stable steps", columns(&self.axes, &header));
+        let mut table = Table::new("limits", "Largest stable steps", columns(&self.axes, &header));
         for l in limits {
-            let number = |v: Option<f64>, digits| Cell::Number(v.unwrap_or(f64::NAN), digits);
             let of_stable = |v: f64| l.bracket.stable.map(|_| v);
             let mut row = cells(&l.combination);
             row.extend([
-                number(l.edge, 4),
-                number(l.bracket.stable, 4),
-                number(l.bracket.unstable, 4),
-                number(l.formula, 4),
-                number(l.ratio(), 3),
-                number(of_stable(l.verdict.growth), 2),
-                number(of_stable(l.verdict.rate), 2),
+                Cell::optional(l.edge, 4),
+                Cell::optional(l.bracket.stable, 4),
+                Cell::optional(l.bracket.unstable, 4),
+                Cell::optional(l.formula, 4),
+                Cell::optional(l.ratio(), 3),
+                Cell::optional(of_stable(l.verdict.growth), 2),
+                Cell::optional(of_stable(l.verdict.rate), 2),
                 Cell::text(l.remark()),
             ]);
-            grid.rows.push(row);
+            table.rows.push(row);
         }
-        grid.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
+        table.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h the shortest edge in the band. Ratio: \
                         the measured limit over it. Growth: of the energy beyond the balance at the largest stable step, the most in the \
                         run. Rate: its change per time in the second half of that run, negative while energy is lost."
             .into();
-        grid
+        table
     }
 
-    fn notes(&self, limits: &[Limit]) -> Vec<String> {
+    fn notes(&self, limits: &[StepLimit]) -> Vec<String> {
         let mut notes = vec![format!(
             "A run of {} steps is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the \
              work put in by more than {}. Steps are known to {}.",
@@ -178,20 +177,20 @@ fn range(least: Option<f64>, most: Option<f64>, unit: f64, factors: [f64; 2]) ->
     [least.unwrap_or_else(low), most.unwrap_or_else(high)]
 }
 
-/// What follows the names of the axes in the table of all runs.
+/// Columns after those of the axes in the table of all runs.
 const PROBES: [&str; 6] = ["step", "growth", "energy_from_nowhere", "rate", "area_change", "outcome"];
 
 fn probe(combination: &[Choice], dt: f64, v: &Verdict) -> Vec<Cell> {
-    let numbers = [dt, v.growth, v.from_nowhere, v.rate, v.area].map(|v| Cell::Number(v, 4));
+    let numbers = [dt, v.growth, v.residual, v.rate, v.area].map(|v| Cell::number(v, 4));
     [cells(combination), numbers.to_vec(), vec![Cell::text(v.in_words())]].concat()
 }
 
 /// The limit of the explicit coupling where all but the scheme is the same, of the same order if it was asked for.
-fn explicit<'a>(limit: &Limit, all: &'a [Limit]) -> Option<&'a Limit> {
-    let has = |l: &Limit, of: &Limit, name: &str| {
+fn explicit<'a>(limit: &StepLimit, all: &'a [StepLimit]) -> Option<&'a StepLimit> {
+    let has = |l: &StepLimit, of: &StepLimit, name: &str| {
         l.combination.iter().find(|c| c.name == name) == of.combination.iter().find(|c| c.name == name)
     };
-    let mut found: Vec<&Limit> = all
+    let mut found: Vec<&StepLimit> = all
         .iter()
         .filter(|l| l.physics() == limit.physics() && l.bracket.stable.is_some())
         .filter(|l| l.combination.iter().any(|c| c.name == "coupling" && c.value == "explicit"))
@@ -200,7 +199,7 @@ fn explicit<'a>(limit: &Limit, all: &'a [Limit]) -> Option<&'a Limit> {
     found.first().copied().filter(|l| l.combination != limit.combination)
 }
 
-fn statement(limit: &Limit, all: &[Limit]) -> String {
+fn statement(limit: &StepLimit, all: &[StepLimit]) -> String {
     let number = |v: f64| rounded(v, 3);
     let b = &limit.bracket;
     let found = match (&limit.refused, b.stable, b.unstable) {
@@ -219,7 +218,7 @@ fn statement(limit: &Limit, all: &[Limit]) -> String {
     text + "."
 }
 
-fn headline(limit: &Limit) -> Number {
+fn headline(limit: &StepLimit) -> KeyNumber {
     let number = |v: f64| rounded(v, 3);
     let value = match (limit.bracket.stable, limit.bracket.unstable) {
         (Some(s), None) => format!("at least {}", number(s)),
@@ -227,7 +226,7 @@ fn headline(limit: &Limit) -> Number {
         _ => limit.limit().map_or_else(|| "refused".into(), number),
     };
     let note = limit.formula.map_or_else(String::new, |f| format!("(1.54): {}", number(f)));
-    Number { label: in_words(&limit.combination), value, note }
+    KeyNumber { label: in_words(&limit.combination), value, note }
 }
 
 #[cfg(test)]

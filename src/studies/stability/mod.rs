@@ -10,12 +10,12 @@ mod scan;
 mod search;
 mod verdict;
 
-pub use limits::{Limits, TOLERANCE};
+pub use limits::{LimitSearch, TOLERANCE};
 pub use scan::Scan;
 pub use search::{Bracket, largest_stable_step};
 pub use verdict::Verdict;
 
-use super::axis::{Axis, Choice, check_distinct, combinations, in_words, settings};
+use super::axis::{Axis, Choice, assignments, check_distinct, combinations, in_words};
 use crate::base::{Error, Result};
 use crate::output::Cell;
 use crate::studies::{Campaign, Trial, per_cent};
@@ -29,7 +29,7 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
             .remedy("study its errors with `immersa study convergence`"));
     }
     combinations(axes).iter().try_for_each(|c| {
-        let set = settings(c);
+        let set = assignments(c);
         check_distinct(set.iter().map(String::as_str).chain(own.iter().copied()))?;
         campaign.scene_of(&Trial::new("", set)).map(drop)
     })
@@ -37,7 +37,7 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
 
 /// The run of a combination with `steps` steps of length `dt`, each with its row in the series.
 fn trial(combination: &[Choice], dt: f64, steps: usize) -> Trial {
-    let mut set = settings(combination);
+    let mut set = assignments(combination);
     // The end must be a multiple of the step: both are set.
     set.extend([format!("time.step={dt}"), format!("time.end={}", dt * steps as f64), format!("output.every={dt}")]);
     let label = [in_words(combination), format!("dt = {dt}")];
@@ -51,7 +51,7 @@ fn columns<'a>(axes: &'a [Axis], more: &'a [&str]) -> impl Iterator<Item = &'a s
 
 /// A combination as the first cells of a row.
 fn cells(combination: &[Choice]) -> Vec<Cell> {
-    combination.iter().map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::Number(v, 6))).collect()
+    combination.iter().map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::number(v, 6))).collect()
 }
 
 /// A combination as the beginning of a sentence.
@@ -68,7 +68,7 @@ fn heading(combination: &[Choice]) -> String {
     }
 }
 
-/// What was refused and why, a line a reason.
+/// Refused combinations, a line for each reason.
 fn refusals<'a>(refused: impl Iterator<Item = (&'a [Choice], &'a str)>) -> Vec<String> {
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for (combination, reason) in refused {

@@ -1,17 +1,17 @@
-//! Which values of a scene are stable at its own time step.
+//! Stability of values of a scene at its own time step.
 
 use super::verdict::Verdict;
 use super::{cells, check, columns, heading, per_cent, refusals, trial};
 use crate::base::Result;
-use crate::output::{Cell, Chart, Curve, Grid, Stroke, rounded};
+use crate::output::{Cell, Chart, Curve, Figure, Page, Stroke, Table, rounded};
 use crate::scene::problem;
-use crate::studies::axis::{Axis, Choice, combinations, in_words, settings};
-use crate::studies::{Campaign, Drawing, Findings, Trial};
+use crate::studies::axis::{Axis, Choice, assignments, combinations, in_words};
+use crate::studies::{Campaign, Trial};
 
 /// A scan of values that are not the step.
 #[derive(Clone, Debug)]
 pub struct Scan {
-    /// What differs; the first axis is that of the charts.
+    /// The parameters that differ; the first axis is that of the charts.
     pub axes: Vec<Axis>,
     /// Steps of a run; those of the scene without it.
     pub steps: Option<usize>,
@@ -19,24 +19,24 @@ pub struct Scan {
     pub tolerance: f64,
 }
 
-/// What came of a combination.
-struct Point {
+/// Outcome of a combination.
+struct ScanPoint {
     combination: Vec<Choice>,
     /// Half-width of the band over the longest edge in it; NaN where the scene cannot be run.
     resolution: f64,
     verdict: Verdict,
 }
 
-impl Point {
+impl ScanPoint {
     /// The value on the first axis.
     fn first(&self) -> Option<&Choice> {
         self.combination.first()
     }
-    /// Whether the values on all axes but the first are these.
+    /// True if the values on all axes but the first are these.
     fn is_of(&self, rest: &[Choice]) -> bool {
         self.combination.iter().skip(1).eq(rest)
     }
-    /// Whether the values on the axes after the second are these.
+    /// True if the values on the axes after the second are these.
     fn is_in(&self, panel: &[Choice]) -> bool {
         self.combination.iter().skip(2).eq(panel)
     }
@@ -45,22 +45,22 @@ impl Point {
     }
 }
 
-/// Per cent of energy from nowhere, or of area, that a chart goes up to.
+/// Largest value of a chart, in per cent.
 const CEILING: f64 = 1e3;
 /// The colour of charts that no curve takes.
 const GREY: usize = 6;
 
 impl Scan {
-    /// Runs all combinations and says what came of them.
+    /// Runs all combinations; the result is a page of their outcomes.
     ///
     /// # Errors
     /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
-    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Findings> {
+    pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
         check(campaign, &self.axes, &[])?;
         let all = combinations(&self.axes);
         let mut points = Vec::new();
         for (k, combination) in all.iter().enumerate() {
-            let scene = campaign.scene_of(&Trial::new("", settings(combination)))?;
+            let scene = campaign.scene_of(&Trial::new("", assignments(combination)))?;
             let run = trial(combination, scene.time.step, self.steps.unwrap_or(scene.time.steps()));
             let outcome = campaign.run(&run, k + 1, all.len())?;
             let verdict = Verdict::of(&outcome, self.tolerance)?;
@@ -68,59 +68,59 @@ impl Scan {
             let limits = problem(&scene).map(|p| p.limits()).ok();
             let resolution = limits.and_then(|l| Some(l.thickness? / l.band_edges?[1]));
             let resolution = resolution.unwrap_or(f64::NAN);
-            points.push(Point { combination: combination.clone(), resolution, verdict });
+            points.push(ScanPoint { combination: combination.clone(), resolution, verdict });
         }
-        let mut grids = vec![self.table(&points)];
-        grids.extend(self.map(&points));
-        Ok(Findings {
+        let mut tables = vec![self.table(&points)];
+        tables.extend(self.map(&points));
+        Ok(Page {
             title: format!("Stability: {}", campaign.scene().title),
             subtitle: format!("{} combinations of values at the time step of the scene", all.len()),
             statements: self.statements(&points),
             notes: self.notes(&points),
-            grids,
-            drawings: self.charts(&points),
-            ..Findings::default()
+            tables,
+            charts: self.charts(&points),
+            ..Page::default()
         })
     }
 
-    fn table(&self, points: &[Point]) -> Grid {
+    fn table(&self, points: &[ScanPoint]) -> Table {
         let header = ["band/edge", "growth", "from_nowhere", "area", "outcome"];
-        let mut grid = Grid::new("scan", "What came of each", columns(&self.axes, &header));
+        let mut table = Table::new("scan", "Outcomes", columns(&self.axes, &header));
         for p in points {
             let v = &p.verdict;
-            let numbers = [v.growth, v.from_nowhere, v.area].map(|v| Cell::Number(v, 3));
-            let [resolution, outcome] = [Cell::Number(p.resolution, 3), Cell::text(v.in_words())];
-            grid.rows.push([cells(&p.combination), vec![resolution], numbers.to_vec(), vec![outcome]].concat());
+            let numbers = [v.growth, v.residual, v.area].map(|v| Cell::number(v, 3));
+            let [resolution, outcome] = [Cell::number(p.resolution, 3), Cell::text(v.in_words())];
+            table.rows.push([cells(&p.combination), vec![resolution], numbers.to_vec(), vec![outcome]].concat());
         }
-        grid.caption = "Growth: of kinetic and elastic energy beyond what was there and was put in, over that. From nowhere: the \
+        table.caption = "Growth: of kinetic and elastic energy beyond what was there and was put in, over that. From_nowhere: the \
                         residual of the energy balance (3.23). Area: relative change of an enclosed area. Of each the largest in the run."
             .into();
-        grid
+        table
     }
 
     /// The outcomes with the values of the first axis side by side.
-    fn map(&self, points: &[Point]) -> Option<Grid> {
+    fn map(&self, points: &[ScanPoint]) -> Option<Table> {
         let [first, others @ ..] = &self.axes[..] else { return None };
         let rows = combinations(others);
         if rows.len() < 2 {
             return None;
         }
         let header = others.iter().map(|a| a.name.clone()).chain(first.choices.iter().map(|c| c.label.clone()));
-        let mut grid = Grid::new("map", "Energy from nowhere, or from when on it is unstable", header);
+        let mut table = Table::new("map", "Residual of the energy balance, or start of the instability", header);
         for rest in rows {
             let outcome = |choice: &Choice| {
                 let found = points.iter().find(|p| p.is_at(choice, &rest)).map(|p| &p.verdict);
                 Cell::text(found.map_or_else(String::new, |v| match v.is_stable() {
-                    true => per_cent(v.from_nowhere),
+                    true => per_cent(v.residual),
                     false => v.in_words(),
                 }))
             };
-            grid.rows.push(cells(&rest).into_iter().chain(first.choices.iter().map(outcome)).collect());
+            table.rows.push(cells(&rest).into_iter().chain(first.choices.iter().map(outcome)).collect());
         }
-        Some(grid)
+        Some(table)
     }
 
-    fn statements(&self, points: &[Point]) -> Vec<String> {
+    fn statements(&self, points: &[ScanPoint]) -> Vec<String> {
         let Some(first) = self.axes.first() else { return Vec::new() };
         let sentence = |rest: Vec<Choice>| {
             let of = points.iter().filter(|p| p.is_of(&rest));
@@ -145,7 +145,7 @@ impl Scan {
         combinations(self.axes.get(1..).unwrap_or_default()).into_iter().map(sentence).collect()
     }
 
-    fn notes(&self, points: &[Point]) -> Vec<String> {
+    fn notes(&self, points: &[ScanPoint]) -> Vec<String> {
         let mut notes = vec![format!(
             "A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put \
              in by more than {}.",
@@ -155,9 +155,10 @@ impl Scan {
         notes
     }
 
-    /// Energy from nowhere and change of the area over the first axis, if it has two numbers or more, a curve for each value of the
-    /// second and charts of their own for those of the others.
-    fn charts(&self, points: &[Point]) -> Vec<Drawing> {
+    /// Residual of the energy balance and change of the area over the first axis, if it has two
+    /// numbers or more, a curve for each value of the second and charts of their own for those of
+    /// the others.
+    fn charts(&self, points: &[ScanPoint]) -> Vec<Figure> {
         let [first, others @ ..] = &self.axes[..] else { return Vec::new() };
         if first.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
             return Vec::new();
@@ -165,7 +166,7 @@ impl Scan {
         let second = combinations(others.get(..1).unwrap_or_default());
         let panels = combinations(others.get(1..).unwrap_or_default());
         let values: [(&str, &str, Value); 2] = [
-            ("energy", "Energy from nowhere", |v| v.from_nowhere),
+            ("energy", "Residual of the energy balance", |v| v.residual),
             ("area", "Change of the enclosed area", |v| v.area),
         ];
         let mut charts = Vec::new();
@@ -186,23 +187,24 @@ impl Scan {
     }
 }
 
-/// What a chart shows of a run.
+/// Value of a run that a chart shows.
 type Value = fn(&Verdict) -> f64;
 /// A name and the abscissas and ordinates of a curve.
 type Line = (String, Vec<f64>, Vec<f64>);
 
 /// A curve over the first axis, in per cent up to [`CEILING`].
-fn curve<'a>(name: String, points: impl Iterator<Item = &'a Point>, value: &dyn Fn(&Verdict) -> f64) -> Line {
+fn curve<'a>(name: String, points: impl Iterator<Item = &'a ScanPoint>, value: &dyn Fn(&Verdict) -> f64) -> Line {
     let shown = |v: f64| if v > CEILING { CEILING } else { v };
-    let at =
-        |p: &Point| [p.first().and_then(Choice::number).unwrap_or(f64::NAN), shown((100.0 * value(&p.verdict)).abs())];
+    let at = |p: &ScanPoint| {
+        [p.first().and_then(Choice::number).unwrap_or(f64::NAN), shown((100.0 * value(&p.verdict)).abs())]
+    };
     let mut row: Vec<[f64; 2]> = points.map(at).collect();
     row.sort_by(|a, b| a[0].total_cmp(&b[0]));
     (name, row.iter().map(|p| p[0]).collect(), row.iter().map(|p| p[1]).collect())
 }
 
 /// The chart of some curves and, as the last one, the points that are unstable; none without a value.
-fn chart(axis: &Axis, file: String, title: [String; 2], lines: &[Line]) -> Option<Drawing> {
+fn chart(axis: &Axis, file: String, title: [String; 2], lines: &[Line]) -> Option<Figure> {
     if lines.iter().all(|(_, _, y)| y.iter().all(|v| v.is_nan())) {
         return None;
     }
@@ -226,7 +228,7 @@ fn chart(axis: &Axis, file: String, title: [String; 2], lines: &[Line]) -> Optio
     }
     .svg();
     let letter = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { Some(c) } else { None };
-    let name = file.replace(" = ", "-").replace(' ', "-").chars().filter_map(letter).collect();
+    let name: String = file.replace(" = ", "-").replace(' ', "-").chars().filter_map(letter).collect();
     let caption = format!("Magnitudes. Grey: unstable runs; what is above {CEILING} % is drawn there.");
-    Some(Drawing { name, svg, caption, title })
+    Some(Figure::chart(name, title, svg, caption))
 }

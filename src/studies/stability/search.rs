@@ -8,7 +8,7 @@ const DIGITS: usize = 5;
 /// Steps below the limit, over it, that are tried too.
 const BELOW: [f64; 3] = [0.8, 0.6, 0.4];
 
-/// What is known of the largest stable step.
+/// Bounds of the largest stable step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bracket {
     /// The largest step that was found stable; `None` when the smallest one tried is unstable.

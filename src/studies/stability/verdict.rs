@@ -1,20 +1,21 @@
-//! When a run counts as unstable.
+//! Criterion of stability.
 
 use crate::base::Result;
 use crate::studies::{End, Outcome};
 
-/// What the energy of a run says of its stability.
+/// Stability of a run, judged by its energy.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// Why the scene with these values could not be run.
+    /// Reason for which the scene with these values could not be run.
     pub refused: Option<String>,
     /// Largest growth beyond the balance: kinetic and elastic energy less what was there and was put in, over that. A flow
     /// that loses energy from its first step on has 0.
     pub growth: f64,
-    /// When the growth first exceeded what is tolerated, or the run failed.
+    /// Time at which the growth first exceeded the tolerance, or the run failed.
     pub unstable_from: Option<f64>,
-    /// Energy from nowhere over the energy in play, by (3.23): the value of the largest magnitude.
-    pub from_nowhere: f64,
+    /// Residual of the energy balance (3.23) over the energy in play: the value of the largest
+    /// magnitude.
+    pub residual: f64,
     /// The rate at which the growth changes in the second half of the run, per time: negative where energy is dissipated, positive
     /// where an instability grows that has not come far yet.
     pub rate: f64,
@@ -32,7 +33,7 @@ impl Verdict {
         if let End::Refused { reason } = &outcome.end {
             let nan = f64::NAN;
             let refused = Some(reason.clone());
-            return Ok(Verdict { refused, growth: nan, from_nowhere: nan, rate: nan, area: nan, unstable_from: None });
+            return Ok(Verdict { refused, growth: nan, residual: nan, rate: nan, area: nan, unstable_from: None });
         }
         let column = |name: &str| outcome.series.column(name);
         let (time, kinetic, elastic) = (column("time")?, column("energy_kinetic")?, column("energy_elastic")?);
@@ -48,12 +49,12 @@ impl Verdict {
             refused: None,
             growth: excess.iter().copied().fold(0.0, f64::max),
             unstable_from: beyond.or(failed),
-            from_nowhere: largest(balance.iter().copied()),
+            residual: largest(balance.iter().copied()),
             rate: late_rate(time, &excess),
             area: largest(outcome.summary.balance.area.values().flatten().copied()),
         })
     }
-    /// Whether it was run and is stable.
+    /// True if it was run and is stable.
     pub fn is_stable(&self) -> bool {
         self.refused.is_none() && self.unstable_from.is_none()
     }
@@ -97,13 +98,13 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::Table;
+    use crate::output::Series;
     use crate::studies::Trial;
 
     fn outcome(kinetic: &[f64], work: &[f64]) -> Outcome {
         let n = kinetic.len();
         let (time, rest): (Vec<f64>, Vec<f64>) = ((0..n).map(|i| i as f64).collect(), vec![1.0; n]);
-        let series = Table::new(&[
+        let series = Series::new(&[
             ("time", &time),
             ("energy_kinetic", kinetic),
             ("energy_elastic", &rest),
@@ -114,14 +115,14 @@ mod tests {
     }
 
     #[test]
-    fn energy_that_was_put_in_is_no_growth_and_energy_from_nowhere_is() {
+    fn work_is_no_growth_and_spurious_energy_is() {
         let judge = |kinetic: &[f64], work: &[f64]| Verdict::of(&outcome(kinetic, work), 0.02).unwrap();
         let driven = judge(&[0.0, 1.0, 2.0], &[0.0, 1.1, 2.2]);
         assert!(driven.is_stable() && driven.growth == 0.0);
         let fed = judge(&[0.0, 0.01, 0.03, 0.0], &[0.0; 4]);
         assert!(fed.unstable_from == Some(2.0) && (fed.growth - 0.03).abs() < 1e-12, "{fed:?}");
         assert_eq!(fed.in_words(), "unstable from t = 2");
-        // Twice the work: half of the energy at the end came from nowhere.
+        // Twice the work: half of the energy at the end is spurious.
         assert!((judge(&[0.0, 1.0, 5.0], &[0.0, 1.0, 2.0]).growth - 1.0).abs() < 1e-12);
         assert!((judge(&[0.0, 0.0, 0.0, 0.01], &[0.0; 4]).rate - 0.01).abs() < 1e-12);
         assert!(driven.rate < 0.0);

@@ -2,7 +2,8 @@
 
 use super::physics::Spring as Pulled;
 use crate::base::Result;
-use crate::scene::charts::{Columns, Drawn};
+use crate::output::Figure;
+use crate::scene::charts::Columns;
 use crate::scene::cuts::Cuts;
 use crate::scene::keys::{Identifier, Nested, Point as Place, Positive, Tabled, Writer, table};
 use crate::scene::points::point;
@@ -66,7 +67,7 @@ impl StructureKind for Spring {
     fn words(&self) -> Vec<String> {
         vec![format!("spring `{}`: stiffness {}, pulls to {:?}", self.name, self.stiffness, self.anchor)]
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Drawn> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
         let mut sheet = of.sheet();
         sheet.line("path", of.column_of(&self.name, "path"));
         let title = format!("Path of {}", self.name);

@@ -108,7 +108,7 @@ fn it_runs_resumes_writes_fields_and_charts() {
         // The record of a checkpoint holds times of the clock.
         assert!(same || name.starts_with("checkpoint"), "{name} differs");
     }
-    let series = crate::output::Table::read(&whole.join("series.csv")).unwrap();
+    let series = crate::output::Series::read(&whole.join("series.csv")).unwrap();
     let last = |name: &str| *series.column(name).unwrap().last().unwrap();
     assert!(last("disc.centre_x") > 0.81 && last("disc.path") > 0.01);
     // The spring gives what the fluid takes.
@@ -126,7 +126,7 @@ fn it_follows_an_adapted_mesh() {
     let set = ["mesh.adapt={ edge = 0.08, every = 0.1, fields = ['velocity'], error = 0.02 }"];
     let folder = tempfile::tempdir().unwrap();
     go(&scene(&set), folder.path(), false, None).unwrap();
-    let series = crate::output::Table::read(&folder.path().join("series.csv")).unwrap();
+    let series = crate::output::Series::read(&folder.path().join("series.csv")).unwrap();
     let unknowns = series.column("unknowns").unwrap();
     assert!(unknowns.iter().any(|n| *n != unknowns[0]), "the mesh never changed");
     let path = series.column("disc.path").unwrap();

@@ -1,25 +1,21 @@
 //! Running a twin in FreeFEM, and the results that were recorded of it.
 
+mod process;
+
 use super::twin::{Loop, Twin};
 use crate::base::{Error, Result, fnv1a};
 use crate::mesh::freefem;
-use crate::output::{Table, read_text, write_file};
+use crate::output::{Series, read_text, write_file};
 use crate::scene::{Scene, problem};
+use process::{FAILED, execute, failure, tail};
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
 
-/// How to get FreeFEM.
+/// Advice on the installation of FreeFEM.
 pub const INSTALL: &str = "install FreeFEM (Debian and Ubuntu: apt-get install freefem++)";
 const PROGRAM: &str = "FreeFem++";
-/// Why a run failed, in its folder.
-const FAILED: &str = "failed.txt";
-/// Lines of its output that an error shows.
-const SHOWN: usize = 8;
 
 /// A scene as its twin computes it.
 pub struct Case<'a> {
@@ -27,24 +23,24 @@ pub struct Case<'a> {
     scene: &'a Scene,
     switches: Vec<(String, String)>,
     mesh: String,
-    /// What the mesh is, in words.
+    /// Description of the mesh.
     pub size: String,
     /// Boundaries and their labels in the mesh file.
     pub labels: Vec<(String, u32)>,
 }
 
-/// What FreeFEM gave.
+/// A result of FreeFEM.
 #[derive(Clone, Debug)]
 pub struct Reading {
     /// Columns named as in the series.
-    pub table: Table,
-    /// How it was made, and what it cost.
+    pub table: Series,
+    /// Its origin and cost.
     pub about: About,
     /// The file it was read from, if it was not computed now.
     pub recorded: Option<PathBuf>,
 }
 
-/// How a result of FreeFEM was made, and what it cost. The file `NAME.json` beside `NAME.csv` holds it.
+/// Origin and cost of a result of FreeFEM. The file `NAME.json` beside `NAME.csv` holds it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct About {
     /// The program and its version.
@@ -213,12 +209,12 @@ impl<'a> Case<'a> {
             .remedy(format!("{INSTALL}, or compare with the values that were recorded: {found}")))
     }
 
-    /// Whether a result was made with the mesh, step and values of this case.
+    /// True for a result with the mesh, step and values of this case.
     fn fits(&self, about: &About) -> bool {
         about.mesh_hash == format!("{:016x}", fnv1a(self.mesh.as_bytes()))
             && self.switches.iter().all(|s| Self::agrees(s, about))
     }
-    /// Whether a result was made with this value of a switch.
+    /// True for a result with this value of a switch.
     fn agrees((switch, value): &(String, String), about: &About) -> bool {
         let same = |a: &str, b: &str| match (a.parse::<f64>(), b.parse::<f64>()) {
             (Ok(a), Ok(b)) => (a - b).abs() <= 1e-12 * a.abs(),
@@ -254,10 +250,10 @@ fn read(csv: &Path) -> Result<Reading> {
 }
 
 /// The table of a twin; its times may be called `t`.
-fn table(path: &Path) -> Result<Table> {
+fn table(path: &Path) -> Result<Series> {
     let at = path.display().to_string();
     let mut table =
-        Table::read(path).map_err(|e| Error::computation("FreeFEM wrote no table").at(&at).value(e.what()))?;
+        Series::read(path).map_err(|e| Error::computation("FreeFEM wrote no table").at(&at).value(e.what()))?;
     if let Some(t) = table.names.iter_mut().find(|n| *n == "t") {
         *t = "time".into();
     }
@@ -268,65 +264,4 @@ fn table(path: &Path) -> Result<Table> {
     }
     table.column("time").map_err(|e| e.at(at.clone()))?;
     Ok(table)
-}
-
-/// Runs a command and gives what it printed; `None` if the program is not there.
-fn execute(mut command: Command, folder: &Path, script: &Path, stop: &AtomicBool) -> Result<Option<String>> {
-    let path = folder.join("log.txt");
-    let broken = |e: std::io::Error| Error::input("FreeFEM cannot be run").at(script.display().to_string()).value(e);
-    let log = File::create(&path).map_err(broken)?;
-    command.stdout(log.try_clone().map_err(broken)?).stderr(log).stdin(std::process::Stdio::null());
-    let status = match command.spawn() {
-        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
-        started => started.and_then(|child| wait(child, stop)).map_err(broken)?,
-    };
-    if stop.load(Ordering::Relaxed) {
-        return Err(Error::interrupted("the study was interrupted while FreeFEM ran; all runs that ended are kept")
-            .remedy("start the same command again: it goes on from here"));
-    }
-    let text = String::from_utf8_lossy(&std::fs::read(&path).map_err(broken)?).into_owned();
-    if status.success() {
-        return Ok(Some(text));
-    }
-    let reason =
-        format!("{status}; see {}; by hand: {}; its last words: {}", path.display(), words(&command), tail(&text));
-    // Kept like a result: the same script with the same values would fail again.
-    write_file(&folder.join(FAILED), reason.as_bytes())?;
-    Err(failure(script, reason))
-}
-
-fn failure(script: &Path, reason: String) -> Error {
-    Error::computation("FreeFEM failed")
-        .at(script.display().to_string())
-        .value(reason)
-        .remedy("mend the script, or take a smaller time.step: explicit coupling has a limit")
-}
-
-/// Waits for the end of a program, or ends it when `stop` is set.
-fn wait(mut child: Child, stop: &AtomicBool) -> std::io::Result<ExitStatus> {
-    loop {
-        if let Some(status) = child.try_wait()? {
-            return Ok(status);
-        }
-        if stop.load(Ordering::Relaxed) {
-            // It may have ended by itself, Ctrl-C being for both.
-            let _ = child.kill();
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
-fn words(command: &Command) -> String {
-    let all = std::iter::once(command.get_program()).chain(command.get_args());
-    all.map(|w| w.to_string_lossy()).collect::<Vec<_>>().join(" ")
-}
-
-/// The last lines of a text.
-fn tail(text: &str) -> String {
-    let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
-    if lines.is_empty() {
-        "none".into()
-    } else {
-        format!("\n{}", lines[lines.len().saturating_sub(SHOWN)..].join("\n"))
-    }
 }
