@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Energy from nowhere, over the energy in play, that raises the alarm.
+/// Spurious energy, over the energy in play, that raises the alarm.
 const ENERGY_ALARM: f64 = 0.05;
 /// Relative change of an enclosed area that raises the alarm.
 const AREA_ALARM: f64 = 0.01;
@@ -279,7 +279,7 @@ impl<'a> Run<'a> {
         let (mut alarms, advice) = (Vec::new(), self.problem.advice());
         if self.record.worst_balance > ENERGY_ALARM {
             alarms.push(format!(
-                "Energy balance: {:.1} % of the energy in play came from nowhere, so the motion is not to be trusted. {}",
+                "Energy balance: {:.1} % of the energy in play is spurious, so the motion is not to be trusted. {}",
                 100.0 * self.record.worst_balance,
                 advice.energy
             ));

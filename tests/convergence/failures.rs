@@ -19,7 +19,7 @@ struct Fate {
     /// Energy at the end, and the largest on the way, over that at the start.
     energy: f64,
     peak: f64,
-    /// Energy that came from nowhere, over that at the start.
+    /// Spurious energy, over that at the start.
     balance: f64,
     /// Per cent.
     area: f64,
@@ -49,7 +49,7 @@ fn fate(what: &str, case: Case, end: f64) -> Fate {
     Fate { energy, peak, balance, area, sim }
 }
 
-/// Whether the run behaves: energy never above the start, little from nowhere, area kept.
+/// Whether the run behaves: energy never above the start, little spurious energy, area kept.
 fn is_sound(f: &Fate, balance: f64, area: f64) -> bool {
     f.peak <= 1.0 && f.balance.abs() < balance && f.area.abs() < area
 }
@@ -73,7 +73,7 @@ fn f1_the_listing_as_printed_gains_energy() {
 
 /// F2: a band of 3 h hides most of it. On parallel diagonals (n = 24, dt = .01, t = .6) an independent program in Python has
 /// E/E0 = .985 and the area at -.11 %, and with 1.5 h 2.35 and -1.5 %; FreeFEM on the union jack (n = 30, t = .25) max |u| .105
-/// and the area at -.13 %. Even so several per cent of the energy come from nowhere. Remedy: grad-div.
+/// and the area at -.13 %. Even so several per cent of the energy are spurious. Remedy: grad-div.
 #[test]
 fn f2_a_wide_band_hides_the_gain() {
     let parallel = Case { n: 24, diagonals: Diagonals::Right, dt: 1e-2, ..AS_PRINTED };

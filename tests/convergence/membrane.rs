@@ -132,7 +132,7 @@ pub fn largest_rise(sim: &mut Simulation<2>, end: f64) -> f64 {
     rise
 }
 
-/// Energy that came from nowhere, over the initial energy.
+/// Spurious energy, over the initial energy.
 pub fn balance(sim: &Simulation<2>) -> f64 {
     sim.state().balance.residual(&sim.state().energies)
 }

@@ -90,7 +90,7 @@ fn an_area_law_below_the_explicit_limit() {
 }
 
 /// An area law at the steps that the scheme is for: wrong or unstable. With lambda = 1 at 1.7 times the limit the run
-/// looks well, but 7 % of the energy come from nowhere by t = 2; with lambda = 10 at 1.8 times 4 % by t = .4, and at 3.6 times it
+/// looks well, but 7 % of the energy are spurious by t = 2; with lambda = 10 at 1.8 times 4 % by t = .4, and at 3.6 times it
 /// blows up. The implicit coupling bears all of these.
 #[test]
 fn an_area_law_beyond_the_explicit_limit() {
