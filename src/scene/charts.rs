@@ -3,7 +3,7 @@
 use super::words::{Words, words};
 use crate::output::{Chart, Curve, Stroke, Table};
 
-/// A chart and its words.
+/// A chart with its name and caption.
 pub struct Drawn {
     /// Name of its file, without ending.
     pub name: String,
@@ -12,7 +12,7 @@ pub struct Drawn {
     pub caption: String,
 }
 
-/// The curves of a chart in the making.
+/// A chart under construction, as a list of curves.
 pub struct Sheet<'a> {
     pub x_label: &'static str,
     pub x: &'a [f64],
@@ -32,7 +32,7 @@ impl<'a> Sheet<'a> {
     pub fn dashed(&mut self, name: impl Into<String>, y: Option<Vec<f64>>) {
         self.add(name, y, Stroke::Dashed);
     }
-    /// The chart, if there is anything to draw on it.
+    /// The chart, if it has any data.
     pub fn draw(
         self,
         name: impl Into<String>,
@@ -63,11 +63,11 @@ impl<'a> Columns<'a> {
     pub fn sheet(&self) -> Sheet<'a> {
         Sheet { x_label: "time", x: self.column("time").unwrap_or_default(), curves: Vec::new() }
     }
-    /// Words for the dimension.
+    /// Vocabulary for the dimension.
     pub fn words(&self) -> &'static Words {
         words(self.dimension)
     }
-    /// A column, if the series has one of this name and any row.
+    /// A column of the series; `None` if it does not exist or has no rows.
     pub fn column(&self, name: &str) -> Option<&'a [f64]> {
         self.series.column(name).ok().filter(|c| !c.is_empty())
     }
@@ -82,7 +82,7 @@ impl<'a> Columns<'a> {
         Some(enclosed.iter().map(|v| (words.radius)(*v)).collect())
     }
 
-    /// Semi-axes of a structure, which is round when at rest or not.
+    /// Chart of the semi-axes of a structure.
     pub fn axes(&self, name: &str, round_at_rest: bool) -> Option<Drawn> {
         let (words, mut sheet) = (self.words(), self.sheet());
         words.axes.iter().for_each(|(column, what)| sheet.line(*what, self.column_of(name, column)));
@@ -106,7 +106,7 @@ impl<'a> Columns<'a> {
         )
     }
 
-    /// Half-chords of a structure, or else its extents.
+    /// Chart of the half-chords of a structure; without chords, of its extents.
     pub fn chords<'b>(&self, name: &str, chords: impl Iterator<Item = &'b str>) -> Option<Drawn> {
         let (words, mut sheet) = (self.words(), self.sheet());
         chords.for_each(|c| sheet.line(c, self.column_of(name, c)));

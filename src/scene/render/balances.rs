@@ -1,4 +1,4 @@
-//! Tables of the page: what ought to be zero, the columns of the series, where the time went.
+//! Tables of the page: balances, columns of the series, computing time.
 
 use super::folder::RunFolder;
 use super::segmentation;
@@ -10,7 +10,7 @@ pub(super) fn per_cent(v: f64) -> String {
     format!("{} %", rounded(100.0 * v, 3))
 }
 
-/// What ought to be zero, and what else tells whether to believe the results.
+/// Table of balances, exactly zero in theory, and of other indicators of accuracy.
 pub(super) fn balances(run: &RunFolder) -> Listing {
     let mut rows = Vec::new();
     let mut row = |what: String, end: Option<String>, largest: Option<String>, says: &str| {
@@ -85,12 +85,12 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
     }
 }
 
-/// The energy from nowhere at the end, relative.
+/// The spurious energy at the end, relative.
 pub(super) fn energy_balance(run: &RunFolder) -> Option<f64> {
     run.summary.balance.energy.or_else(|| run.last("energy_balance"))
 }
 
-/// The change of the area (in space: volume) in a membrane from start to end, relative.
+/// The relative change of the area (in space: volume) in a membrane from start to end.
 pub(super) fn area_change(run: &RunFolder, membrane: &str) -> Option<f64> {
     let said = run.summary.balance.area.get(membrane).copied().flatten();
     said.or_else(|| run.column_of(membrane, run.words().enclosed).and_then(|a| Some(a.last()? / a.first()? - 1.0)))
@@ -130,7 +130,7 @@ pub(super) fn phases(run: &RunFolder) -> Listing {
     }
 }
 
-/// How the linear systems were solved; empty where there was none.
+/// Table of the solves of linear systems; empty if there are none.
 pub(super) fn solves(run: &RunFolder) -> Listing {
     let s = &run.summary.solves;
     let rows = [
@@ -153,7 +153,7 @@ pub(super) fn solves(run: &RunFolder) -> Listing {
     }
 }
 
-/// Seconds of the processors by phase of the steps, in their order.
+/// CPU seconds by phase of the steps, in their order.
 pub(super) fn steps(run: &RunFolder) -> Listing {
     let spent = |name: &str| run.summary.step_seconds.get(name).copied().flatten().unwrap_or(0.0);
     let total: f64 = PHASES.iter().map(|(_, name)| spent(name)).sum();

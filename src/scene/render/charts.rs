@@ -1,4 +1,5 @@
-//! Charts of the series and of the profiles, each with a caption that says what is to be seen, and what would be wrong.
+//! Charts of the series and the profiles, each with a caption that describes the expected result
+//! and possible errors.
 
 use super::folder::RunFolder;
 use super::segmentation;
@@ -7,7 +8,7 @@ use crate::scene::charts::{Drawn, Sheet};
 use crate::scene::keys::Named;
 use crate::scene::schema::{Probe, Profile, Quantity};
 
-/// All charts that the folder has values for, in the order of the page.
+/// All charts with data in the folder, in the order of the page.
 pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     let mut charts = Vec::new();
     if run.scene.image.is_some() {
@@ -26,11 +27,12 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Drawn> {
     charts
 }
 
-/// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over the stretch there.
+/// Perimeters (in space: surfaces) over the length (area) at rest, the initial one over the initial
+/// stretch.
 fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     let (alone, words) = (run.scene.acting().count() == 1, run.words());
-    // Of a passive level set the length itself is drawn.
-    // With a map the area at rest is not that at the start over a number.
+    // For a passive level set the length itself is drawn. With a map the area at rest is not the
+    // initial area over a constant.
     for s in run.scene.acting() {
         let (name, traits) = (s.name(), s.traits());
         let mapped = traits.not_periodic.is_some_and(|(key, _)| key == "map");
@@ -110,7 +112,7 @@ fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-/// The integral of a rate since the first row, by trapezes.
+/// The integral of a rate since the first row, by the trapezoidal rule.
 fn cumulative(x: &[f64], rate: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = x.windows(2).zip(rate.windows(2)).map(|(x, r)| 0.5 * (x[1] - x[0]) * (r[0] + r[1]));
@@ -197,7 +199,7 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Drawn> {
     )
 }
 
-/// Curves on one chart at most: more colours cannot be told apart.
+/// Maximum number of curves in a chart: more colours cannot be distinguished.
 const MOST_CURVES: usize = 6;
 
 fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Table) -> Option<Drawn> {
@@ -207,7 +209,7 @@ fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Table) -> Option<D
     let columns: Vec<_> =
         table.names.iter().zip(&table.columns).filter(|(n, _)| !place.contains(&n.as_str())).collect();
     let every = columns.len().div_ceil(MOST_CURVES).max(1);
-    // Counted from the end, so that the last time is among them.
+    // Counted from the end, so that the last time is included.
     let first = columns.len().saturating_sub(1) % every;
     let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
     columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));

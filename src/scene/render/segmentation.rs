@@ -1,4 +1,4 @@
-//! What the page of a run says that has segmented an image.
+//! Charts and values of the report page for the segmentation of an image.
 
 use super::folder::RunFolder;
 use crate::scene::charts::{Drawn, Sheet};

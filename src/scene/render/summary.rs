@@ -1,4 +1,4 @@
-//! `summary.json`: how a run ended.
+//! `summary.json`: result of a run.
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Numbers by name; one that is not finite is `None`.
 type Numbers = BTreeMap<String, Option<f64>>;
 
-/// How a run ended. What the file does not say has no value here.
+/// Result of a run. Values missing in the file are `None` or empty.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Summary {
@@ -18,58 +18,58 @@ pub struct Summary {
     pub title: String,
     /// `finished`, `interrupted` or `failed`.
     pub status: String,
-    /// Why it failed.
+    /// Error message of a failed run.
     pub error: Option<String>,
     /// Steps made.
     pub steps: Option<u64>,
-    /// The time that was reached.
+    /// The time reached.
     pub end_time: Option<f64>,
     /// Cells of the mesh.
     pub cells: Option<u64>,
     /// Longest edge of the mesh.
     pub edge: Option<f64>,
-    /// Bytes of all that grows with the mesh, an estimate.
+    /// Memory of all data that scale with the mesh, in bytes; an estimate.
     pub memory: Option<u64>,
     /// Unknowns by field.
     pub unknowns: BTreeMap<String, u64>,
-    /// How the linear systems were solved.
+    /// Solves of the linear systems.
     pub solves: Solves,
     /// Seconds by phase.
     pub seconds: Numbers,
-    /// Seconds of all processors by phase; those of `first_step` are a part of those of `steps`.
+    /// CPU seconds by phase; those of `first_step` are included in those of `steps`.
     pub cpu_seconds: Numbers,
-    /// Seconds of all processors by phase of the steps.
+    /// CPU seconds by phase of the steps.
     pub step_seconds: Numbers,
-    /// How fast the factor was read; of long runs alone.
+    /// Bandwidth of reading the factor; for long runs only.
     pub bandwidth: Option<Bandwidth>,
-    /// What goes against the balances.
+    /// Alarms about violated balances.
     pub alarms: Vec<String>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
-    /// What was solved.
+    /// The plan: the solved equations.
     pub plan: String,
-    /// What ought to be zero.
+    /// Balances, exactly zero in theory.
     pub balance: Balance,
     /// Last values by column of the series.
     #[serde(rename = "final")]
     pub last: Numbers,
 }
 
-/// How fast the factor was read, in bytes a second.
+/// Bandwidth of reading the factor, in bytes per second.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Bandwidth {
     /// Bytes of the factor.
     pub factor_bytes: f64,
-    /// How often it was read, each time twice.
+    /// Number of substitutions, each of which reads the factor twice.
     pub substitutions: f64,
-    /// What was read of it, over the time of the solves.
+    /// Bytes of the factor read, over the time of the solves.
     pub achieved: f64,
     /// Bytes read and written when a large block is copied on the same machine.
     pub copy: f64,
 }
 
-/// What ought to be zero.
+/// Balances, exactly zero in theory.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Balance {
@@ -86,7 +86,7 @@ impl Summary {
     /// Reads the file.
     ///
     /// # Errors
-    /// It cannot be read, is no JSON, or a value is of the wrong kind.
+    /// The file cannot be read, is not JSON, or contains a value of the wrong type.
     pub fn read(path: &Path) -> Result<Summary> {
         serde_json::from_str(&read_text(path)?).map_err(|e| {
             Error::input("the summary of the run cannot be read")

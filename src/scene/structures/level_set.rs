@@ -1,4 +1,4 @@
-//! `[[level_set]]`: interfaces that are carried and act on nothing.
+//! `[[level_set]]`: passive interfaces.
 
 use super::build::Build;
 use super::{KindIn, Registered, StructureKind, Traits};
@@ -56,7 +56,7 @@ impl LevelSet {
                 .remedy("leave them out")),
         }
     }
-    /// Points on the interface, which no periodic side may interrupt.
+    /// Points on the interface, which must not cross periodic sides.
     fn markers<const D: usize>(&self, of: &Build<'_, '_, D>) -> Result<Vec<Point<D>>> {
         if self.markers == 0 {
             return Ok(Vec::new());
@@ -123,7 +123,7 @@ impl StructureKind for LevelSet {
     }
 }
 
-/// Length of a passive interface (in space: area), and that of the polygon of its markers.
+/// Chart of the length (in space: area) of a passive interface, and of the polygon of its markers.
 fn length_chart(of: &Columns<'_>, name: &str) -> Option<Drawn> {
     let mut sheet = of.sheet();
     if of.dimension == 3 {
