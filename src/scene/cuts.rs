@@ -43,7 +43,7 @@ kinds! {
 pub struct Cuts<'a> {
     /// Lines.
     pub chords: &'a [Named<Chord>],
-    /// Planes; in space alone.
+    /// Planes; in space only.
     pub rings: &'a [Named<Ring>],
 }
 

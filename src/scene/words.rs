@@ -14,7 +14,7 @@ pub struct Words {
     pub round: &'static str,
     /// The form with semi-axes.
     pub oval: &'static str,
-    /// The line of intersection with a plane or line.
+    /// Noun for the zero set, which chords intersect.
     pub cut: &'static str,
     /// Columns of the semi-axes, and their names.
     pub axes: &'static [(&'static str, &'static str)],

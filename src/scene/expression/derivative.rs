@@ -1,4 +1,4 @@
-//! Values of expressions with their derivatives in space, carried along in one evaluation (forward mode).
+//! Spatial derivatives of expressions by automatic differentiation in forward mode.
 
 use super::operation::Operation::{self, *};
 use super::{Expression, Instruction, STACK, TIME};

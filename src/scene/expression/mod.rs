@@ -32,7 +32,7 @@ pub struct Expression {
     code: Vec<Instruction>,
 }
 
-/// Postfix code: an operation takes its arguments from the top of a stack and leaves its result there.
+/// Postfix code: an operation replaces its arguments on top of the stack by its result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Instruction {
     Push(f64),

@@ -110,7 +110,7 @@ impl Operation {
         }
     }
 
-    /// The result for the arguments `a`, of which [`arity`](Self::arity) are used. True is 1, false is 0.
+    /// The result for the first [`arity`](Self::arity) arguments of `a`. True is 1, false is 0.
     #[inline]
     pub fn apply(self, a: &[f64]) -> f64 {
         match *a {

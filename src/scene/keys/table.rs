@@ -124,14 +124,14 @@ pub(in crate::scene) const fn joined(lines: &'static str) -> &'static str {
 /// }
 /// ```
 ///
-/// gives the struct `Name`, and its keys to the reference, to reading and to writing. Further
-/// traits to be derived follow the name after a colon. The unit may be missing. `Absent` is
+/// defines the struct `Name` with reference, reading and writing of its keys. Further
+/// derived traits follow the name after a colon. The unit is optional. `Absent` is
 /// - `Required("remedy")`, with a second remedy for scenes of space;
 /// - `Default(value in TOML)`;
-/// - `Derived("words")`, with the value to begin with where that is not the default of the type;
+/// - `Derived("words")`, with the initial value if it is not the default of the type;
 /// - `OneOf`;
-/// - `Inner`, which reads a table that is not written as an empty one;
-/// - or nothing, for what the kind says.
+/// - `Inner`, which reads an absent table as an empty one;
+/// - or absent, for the default meaning of the kind.
 ///
 /// `before` is called with the table before reading and rejects invalid combinations of keys;
 /// `check` is called after reading and may change the values; `hide` selects the keys that are not

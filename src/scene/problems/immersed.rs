@@ -166,15 +166,15 @@ impl<const D: usize> ImmersedFlow<D> {
             let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
             let (space, flow) = (sim.space(), &sim.state().flow);
             let stress = traction(space, pressure, &viscosity, flow, &f.boundary, &about)?;
-            let ways = [("", &residual), ("stress_", &stress)];
-            for (way, load) in ways {
-                let prefix = format!("{}_{way}", f.name);
+            let methods = [("", &residual), ("stress_", &stress)];
+            for (method, load) in methods {
+                let prefix = format!("{}_{method}", f.name);
                 row.put_all(&prefix, force_columns(D, false).iter().zip(load.force.iter().copied()));
             }
-            for (way, load) in ways.into_iter().filter(|_| f.about.is_some()) {
+            for (method, load) in methods.into_iter().filter(|_| f.about.is_some()) {
                 // In the plane a moment has only the last component.
                 let moment = load.moment.iter().copied().skip(if D == 2 { 2 } else { 0 });
-                row.put_all(&format!("{}_{way}", f.name), force_columns(D, true).iter().zip(moment));
+                row.put_all(&format!("{}_{method}", f.name), force_columns(D, true).iter().zip(moment));
             }
         }
         Ok(())

@@ -116,7 +116,7 @@ impl<const D: usize> Problem for Segmented<D> {
             format!(
                 "it descends along {alpha} E1 + {beta} E2, misfit and length, by (1.29) with c1 and c2 the mean levels inside and outside"
             ),
-            format!("its zero line moves by {eps} in a step at most, and finds only objects that it comes by"),
+            format!("its zero line moves by {eps} in a step at most, and finds only objects that it reaches"),
         ];
         let memory = self.segmenting.bytes() as f64 / 1e6;
         let unknowns = plan::level_sets(&view).into_iter();

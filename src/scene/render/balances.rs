@@ -20,7 +20,7 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
     };
     let relative = |c: &[f64]| largest(c).map(per_cent);
     row(
-        "energy from nowhere, over the energy in play".into(),
+        "spurious energy over the energy in play".into(),
         energy_balance(run).map(per_cent),
         run.column("energy_balance").and_then(relative),
         "0; negative when the scheme itself dissipates",
@@ -66,7 +66,7 @@ pub(super) fn balances(run: &RunFolder) -> Listing {
     }
     for force in &run.scene.output.forces {
         for component in ["x", "y", "z"] {
-            let [a, b] = ["", "_stress"].map(|way| format!("{}{way}_{component}", force.name));
+            let [a, b] = ["", "_stress"].map(|method| format!("{}{method}_{component}", force.name));
             let difference = run.column(&a).zip(run.column(&b));
             let difference: Option<Vec<f64>> = difference.map(|(a, b)| a.iter().zip(b).map(|(a, b)| b - a).collect());
             row(

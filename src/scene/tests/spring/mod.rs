@@ -170,10 +170,10 @@ fn no_other_file_knows_it() {
     }
     let mut files = Vec::new();
     sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
-    let knows = |path: &&std::path::PathBuf| {
+    let mentions_it = |path: &&std::path::PathBuf| {
         let text = fs::read_to_string(path).unwrap_or_default();
         text.lines().filter(|l| l.to_lowercase().contains("spring") && !l.contains("Springer")).count() > 0
     };
-    let known: Vec<_> = files.iter().filter(knows).map(|p| p.file_name().unwrap().to_owned()).collect();
-    assert_eq!(known.len(), 2, "the registration and the declaration of the test alone: {known:?}");
+    let found: Vec<_> = files.iter().filter(mentions_it).map(|p| p.file_name().unwrap().to_owned()).collect();
+    assert_eq!(found.len(), 2, "the registration and the declaration of the test alone: {found:?}");
 }
