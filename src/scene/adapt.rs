@@ -1,4 +1,4 @@
-//! Meshes that follow the interfaces and the fields of a scene.
+//! Meshes adapted to the interfaces and the fields of a scene.
 
 use super::Scene;
 use super::placing::place;
@@ -13,32 +13,33 @@ use crate::mesh::{self, Mesh};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// Edges at the interfaces in the half-width of the band, when the scene does not say: well resolved.
+/// Default number of edges at the interfaces per half-width of the band: well resolved.
 const EDGES: f64 = 3.0;
-/// Rounds at the start: each sees the interfaces on the mesh of the one before.
+/// Rounds of adaptation at the start; each uses the interfaces on the mesh of the previous one.
 const ROUNDS: usize = 5;
-/// A mesh is made anew when the longest edge in a band exceeds the wanted one by this factor (adapted edges are up to `sqrt 2` of it),
-/// and the longest that the mesh had when it was made by the other.
+/// Factors of tolerance. A mesh is rebuilt when the longest edge in a band exceeds both the target
+/// length times the first (adapted edges reach `sqrt 2` times the target) and the longest one at
+/// its construction times the second.
 const TOLERATED: [f64; 2] = [1.6, 1.25];
 
-/// The lengths that an adapted mesh keeps at interfaces.
+/// Target edge lengths of an adapted mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
-    /// Wanted edges across the interfaces.
+    /// Target edge length across the interfaces.
     pub edge: f64,
-    /// Wanted edges along them.
+    /// Target edge length along the interfaces.
     pub along: f64,
-    /// Distance up to which they are wanted.
+    /// Distance from the interfaces up to which these lengths apply.
     pub width: f64,
     /// Longest edge anywhere.
     pub longest: f64,
 }
 
 impl Lengths {
-    /// From the scene and the mesh as given.
+    /// Computes the lengths from the scene and the initial mesh.
     ///
     /// # Errors
-    /// Neither an edge nor a thickness is given; an edge that is longer than all others.
+    /// Neither an edge nor a thickness is given, or an edge is longer than the longest one allowed.
     pub(super) fn new<const D: usize>(scene: &Scene, adapt: &Adapt, mesh: &Mesh<D>) -> Result<Lengths> {
         let longest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(0.0, f64::max);
         let thickness = scene.numerics.thickness;
@@ -66,12 +67,12 @@ impl Lengths {
     }
 }
 
-/// The mesh of a scene that follows its interfaces, at the start: from the mesh as given, in rounds.
+/// The initial mesh of a scene with adaptation, refined in rounds from the given mesh.
 ///
 /// # Errors
 /// Shapes that do not lie on the mesh.
 pub(super) fn adapted_start<const D: usize>(scene: &Scene, given: Mesh<D>, lengths: &Lengths) -> Result<Mesh<D>> {
-    // Nothing is known of the fields yet: the mesh as given is as good as any.
+    // Without interfaces the given mesh is kept, as the fields are not known yet.
     let Some(adapt) = scene.adapt.as_ref().filter(|_| !scene.structures().is_empty()) else {
         return Ok(given);
     };
@@ -109,7 +110,7 @@ fn rebuilt(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) 
     Ok(adapted.mesh)
 }
 
-/// The next mesh of a problem whose mesh no longer fits interfaces or fields; `None` where it still
+/// The next mesh of a problem whose mesh no longer fits interfaces or fields; `None` if it still
 /// fits. `band_edges` are the shortest and longest edge in the bands when the mesh was built.
 ///
 /// # Errors
@@ -150,7 +151,7 @@ fn is_outgrown(view: &View<'_, 2>, lengths: &Lengths, at_first: Option<[f64; 2]>
     edges.into_iter().any(|e| e.largest > tolerated)
 }
 
-/// The metric that interfaces and fields ask for.
+/// The metric required by interfaces and fields.
 struct Wanted<'a> {
     adapt: &'a Adapt,
     lengths: &'a Lengths,
@@ -158,7 +159,7 @@ struct Wanted<'a> {
 }
 
 impl Wanted<'_> {
-    /// Edges of the wanted lengths across and along the interfaces, growing away from them.
+    /// Metric of the target lengths across and along the interfaces, growing with the distance.
     fn interfaces(&self, level_sets: &[&[f64]]) -> Result<Metric> {
         let mesh = self.space.mesh();
         // Sums of n n^T over the cells near an interface that meet at a point, and their number.
@@ -182,7 +183,7 @@ impl Wanted<'_> {
         Metric { tensors: normals.iter().map(tensor).collect() }.graded(mesh, self.adapt.gradation)
     }
 
-    /// The gradient of `phi` in cell `c` if that comes nearer to the zero level than the width.
+    /// The gradient of `phi` in cell `c` if the zero level is closer than the width.
     fn near(&self, phi: &[f64], c: usize) -> Option<SVector<f64, 2>> {
         let gradient = self.space.gradient(phi, c, &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0]);
         let values = self.space.cell_nodes(c).iter().map(|&n| phi[n as usize]);

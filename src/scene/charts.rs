@@ -3,7 +3,7 @@
 use super::words::{Words, words};
 use crate::output::{Chart, Curve, Figure, Series, Stroke};
 
-/// The curves of a chart in the making.
+/// A chart under construction, as a list of curves.
 pub struct Sheet<'a> {
     pub x_label: &'static str,
     pub x: &'a [f64],
@@ -23,7 +23,7 @@ impl<'a> Sheet<'a> {
     pub fn dashed(&mut self, name: impl Into<String>, y: Option<Vec<f64>>) {
         self.add(name, y, Stroke::Dashed);
     }
-    /// The chart, if there is anything to draw on it.
+    /// The chart, if it has any data.
     pub fn draw(
         self,
         name: impl Into<String>,
@@ -54,11 +54,11 @@ impl<'a> Columns<'a> {
     pub fn sheet(&self) -> Sheet<'a> {
         Sheet { x_label: "time", x: self.column("time").unwrap_or_default(), curves: Vec::new() }
     }
-    /// Words for the dimension.
+    /// Vocabulary for the dimension.
     pub fn words(&self) -> &'static Words {
         words(self.dimension)
     }
-    /// A column, if the series has one of this name and any row.
+    /// A column of the series; `None` if it does not exist or has no rows.
     pub fn column(&self, name: &str) -> Option<&'a [f64]> {
         self.series.column(name).ok().filter(|c| !c.is_empty())
     }

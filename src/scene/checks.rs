@@ -1,11 +1,11 @@
-//! What can be said against a scene before its mesh is known.
+//! Checks of a scene that need no mesh.
 
 use super::Scene;
 use super::schema::{Boundary, Condition};
 use crate::base::{Error, Result, Warning};
 
-/// Refuses a flow whose velocity is prescribed, or that has no inertia and no boundary that holds its
-/// velocity: every side periodic or open, or slipping.
+/// Rejects a prescribed velocity, for which no flow is solved, and a flow without inertia whose
+/// velocity is not fixed on any boundary: every side periodic, open or slip.
 pub(super) fn check_flow(scene: &Scene) -> Result<()> {
     if scene.fluid.is_prescribed() {
         let e = Error::scene("the velocity is prescribed, and no flow is solved")
@@ -27,7 +27,8 @@ pub(super) fn check_flow(scene: &Scene) -> Result<()> {
     Err(scene.blame(&["boundary"], e))
 }
 
-/// Warnings about profiles that the run will not reach: a run that was shortened with `--set time.end` still runs.
+/// Warnings about profiles beyond the end of the run. They are no errors, so that a run shortened
+/// with `--set time.end` still runs.
 pub(super) fn unreached_profiles(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
     scene.output.profiles.iter().filter_map(|p| {
         let late: Vec<String> = p.times.iter().filter(|t| **t > scene.time.end).map(f64::to_string).collect();

@@ -43,7 +43,7 @@ kinds! {
 pub struct Cuts<'a> {
     /// Lines.
     pub chords: &'a [Named<Chord>],
-    /// Planes; in space alone.
+    /// Planes; in space only.
     pub rings: &'a [Named<Ring>],
 }
 
@@ -54,7 +54,7 @@ impl<'a> Cuts<'a> {
     }
 }
 
-/// Refuses planes through a curve.
+/// Rejects planes for a curve.
 pub(in crate::scene) fn check(table: &Table<'_>, context: &Context) -> Result<()> {
     match table.get("rings").filter(|_| context.dimension == 2) {
         None => Ok(()),

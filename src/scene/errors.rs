@@ -8,11 +8,11 @@ use crate::mesh::Point;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
-/// Degree of the rule that takes the mean of the pressure off: that of the norms.
+/// Degree of the quadrature rule for the mean of the pressure, the same as for the norms.
 const DEGREE: usize = 8;
 
-/// Measures the errors over the whole mesh, now: of the velocity in L2, of its gradient in L2, of the
-/// pressure in L2, the latter up to a constant where no boundary is open.
+/// Measures the errors over the whole mesh at the current time: of the velocity in L2, of its
+/// gradient in L2, and of the pressure in L2, up to a constant if no boundary is open.
 pub(super) fn measure<const D: usize>(view: &View<'_, D>, row: &mut Row) {
     let (exact, state, t) = (&view.tables.exact, view.state, view.state.time);
     if let Some(velocity) = &exact.velocity {

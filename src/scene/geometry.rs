@@ -13,11 +13,11 @@ use std::any::Any;
 /// Degree of the quadrature of smeared delta functions.
 const DEGREE: usize = 10;
 
-/// Ends of the columns of a curvature.
+/// Suffixes of the columns of a curvature.
 const ENDS: [&str; 3] = ["min", "max", "mean"];
 
-/// Measures interface number `k` by the delta functions and curvatures that the scene asks for; NaN
-/// where it is gone.
+/// Measures interface number `k` with the delta functions and curvatures requested by the scene;
+/// NaN if the interface has vanished.
 ///
 /// # Errors
 /// A level set that is not finite.
@@ -55,12 +55,12 @@ pub(super) fn measure<const D: usize>(view: &View<'_, D>, k: usize, row: &mut Ro
     Ok(())
 }
 
-/// Least, largest and mean value on an interface.
+/// Minimum, maximum and mean on an interface.
 fn spread<const D: usize>(points: &[SurfacePoint<D>], f: impl Fn(&SurfacePoint<D>) -> f64) -> [f64; 3] {
     let (mut least, mut most, mut sum, mut size) = (f64::NAN, f64::NAN, 0.0, 0.0);
     for p in points {
         let value = f(p);
-        // `min` and `max` pass over the NaN at the start.
+        // `min` and `max` ignore the initial NaN.
         (least, most) = (least.min(value), most.max(value));
         (sum, size) = (sum + p.at.weight * value, size + p.at.weight);
     }
@@ -72,8 +72,8 @@ fn near<const D: usize>(space: &Space<D>, phi: &[f64]) -> Curvature {
     Curvature::new(&Recovery::new(space.mesh()), space, phi, &vertices_near(space, phi, 0.0))
 }
 
-/// The smeared delta function of interface number `k`: over the band of a membrane; for a level set
-/// over one of the same kind, renormalised.
+/// The smeared delta function of interface number `k`: over the band of a membrane; for a passive
+/// level set over a renormalised band of the same kind.
 fn smeared<const D: usize>(view: &View<'_, D>, k: usize, phi: &[f64]) -> Smeared {
     let numerics = &view.tables.numerics;
     let edge = || band_edges(view.space(), phi, 0.0).map_or(0.0, |e| e.largest);
@@ -86,8 +86,8 @@ fn smeared<const D: usize>(view: &View<'_, D>, k: usize, phi: &[f64]) -> Smeared
     }
 }
 
-/// Mean and, in space, Gauss curvature of an interface, by the ends of their names: P1 functions, zero
-/// but at the vertices of the cells that it crosses.
+/// Mean and, in space, Gauss curvature of an interface with the suffixes of their names: P1
+/// functions, nonzero only at the vertices of the cells that the interface crosses.
 pub(super) fn fields<const D: usize>(view: &View<'_, D>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
     let Curvature { mean, gauss } = near(view.space(), &view.level_set(k));
     let mut fields = vec![("curvature", mean)];
@@ -97,11 +97,11 @@ pub(super) fn fields<const D: usize>(view: &View<'_, D>, k: usize) -> Vec<(&'sta
     fields
 }
 
-/// Ends of the columns of a curve, after its name and `_`.
+/// Suffixes of the columns of a curve, after its name and `_`.
 const CURVE_COLUMNS: [&str; 6] =
     ["length", "curvature_mean", "curvature_max", "torsion_min", "torsion_max", "torsion_mean"];
 
-/// Measures a curve between two interfaces in space; NaN where they do not meet.
+/// Measures a curve between two interfaces in space; NaN if they do not intersect.
 ///
 /// # Errors
 /// A level set that is not finite.

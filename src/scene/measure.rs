@@ -1,4 +1,5 @@
-//! Measures that all problems share: structures, transport, probes, profiles, fluxes, curves, errors.
+//! Measurements common to all problems: structures, transport, probes, profiles, fluxes, curves,
+//! errors.
 
 use super::points::point;
 use super::problem::ProfileColumn;
@@ -20,7 +21,7 @@ pub(super) struct Probes<const D: usize> {
 }
 
 impl<const D: usize> Probes<D> {
-    /// Finds the points, and checks the boundaries that the output names.
+    /// Locates the points, and checks the boundary names in the output.
     ///
     /// # Errors
     /// A point outside the mesh, or a boundary that the mesh does not have.
@@ -60,7 +61,7 @@ impl<const D: usize> Probes<D> {
         }
     }
 
-    /// Values along profile number `k`, point by point: one list for each component.
+    /// Values along profile number `k`, point by point; one list for each component.
     pub fn profile(&self, view: &View<'_, D>, k: usize) -> Vec<ProfileColumn> {
         let (of, fields) = (view.tables.output.profiles[k].of, Derived::of(view));
         let points = self.profiles[k].iter();
@@ -124,7 +125,7 @@ fn line<const D: usize>(p: &Profile) -> impl Iterator<Item = Point<D>> {
     (0..n).map(move |i| from + (to - from) * (i as f64 / (n - 1) as f64))
 }
 
-/// Ends of the columns of a quantity, one a component.
+/// Suffixes of the columns of a quantity, one for each component.
 fn suffixes(of: Quantity, dimension: usize) -> &'static [&'static str] {
     match of {
         Quantity::Velocity => &["_x", "_y", "_z"][..dimension],
@@ -132,7 +133,7 @@ fn suffixes(of: Quantity, dimension: usize) -> &'static [&'static str] {
     }
 }
 
-/// The fields of a problem, and those that are derived from them once they are asked for.
+/// The fields of a problem, and derived fields computed on demand.
 struct Derived<'a, const D: usize> {
     view: &'a View<'a, D>,
     vorticity: OnceCell<Vec<f64>>,
@@ -149,7 +150,7 @@ impl<'a, const D: usize> Derived<'a, D> {
         let l = &at.barycentric;
         let velocity = || space.value(&state.flow.u, cell, l);
         let vorticity = || self.vorticity.get_or_init(|| space.vorticity(&state.flow.u));
-        // A scene asks for a level set only when there is exactly one.
+        // There is exactly one level set when a scene requests it.
         let phi = |f: &dyn Fn(&[f64]) -> f64| vec![f(&self.view.level_set(0))];
         let pressure = || {
             let value = |flow: &crate::flow::FlowSolver<D>| flow.pressure().space().value(&state.flow.p, cell, l);
@@ -162,7 +163,7 @@ impl<'a, const D: usize> Derived<'a, D> {
             Quantity::Vorticity => vec![space.value(vorticity(), cell, l)],
             Quantity::LevelSet => phi(&|f| space.value(f, cell, l)),
             Quantity::Stretch => phi(&|f| space.gradient(f, cell, l).norm()),
-            // Asked for in pictures alone.
+            // Available in pictures only.
             Quantity::AreaChange | Quantity::Shear | Quantity::Image | Quantity::Checkerboard => {
                 vec![f64::NAN]
             }
@@ -170,7 +171,7 @@ impl<'a, const D: usize> Derived<'a, D> {
     }
 }
 
-/// Names of the components of a force, or of its moment, which in the plane has one.
+/// Names of the components of a force, or of its moment, which has one component in the plane.
 pub(super) fn force_columns(dimension: usize, moment: bool) -> Vec<String> {
     match (moment, dimension) {
         (false, _) => AXES[..dimension].iter().map(ToString::to_string).collect(),

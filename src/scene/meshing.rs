@@ -6,15 +6,15 @@ use super::script::Script;
 use crate::base::{Error, Result, Warning, same};
 use crate::mesh::{self, Mesh, gmsh};
 
-/// Name of the cells of a mesh, more than one of them.
+/// Name of the cells of a mesh, in the plural.
 pub(super) fn cells(dimension: usize) -> &'static str {
     if dimension == 2 { "triangles" } else { "tetrahedra" }
 }
 
-/// The mesh of a scene in `D` dimensions, and warnings about it.
+/// The mesh of a scene in `D` dimensions, with warnings.
 ///
 /// # Errors
-/// A file that cannot be read or has another dimension; sizes that make no mesh.
+/// A file that cannot be read or has another dimension; sizes that define no valid mesh.
 pub(super) fn mesh<const D: usize>(script: &Script) -> Result<(Mesh<D>, Vec<Warning>)> {
     if let MeshSource::File { path, refine, geometry, .. } = &script.mesh {
         let (mesh, warnings) = gmsh::read::<D>(path)?;

@@ -1,4 +1,5 @@
-//! Scenes: descriptions of a run, read from TOML with every value checked and every error placed.
+//! Scenes: descriptions of a run, read from TOML with all values checked and errors with their
+//! position.
 
 mod adapt;
 mod charts;
@@ -49,9 +50,9 @@ use crate::flow::Fluid;
 use keys::{Document, Item};
 use std::path::{Path, PathBuf};
 
-/// A scene: its tables, its structures, and where it was written.
+/// A scene: its tables, its structures and its source text.
 ///
-/// Gives access to its [`Script`]. Scenes are equal when their tables and structures are.
+/// Dereferences to its [`Script`]. Scenes are equal if their tables and structures are equal.
 ///
 /// # Examples
 /// ```
@@ -97,18 +98,19 @@ impl PartialEq for Scene {
 }
 
 impl Scene {
-    /// Reads a scene from the `text` of the file `path`, which itself is not opened.
+    /// Reads a scene from the `text` of the file `path`, which is not opened.
     ///
     /// # Errors
-    /// Of kind [`Scene`](crate::base::Kind::Scene), about the first thing that is wrong, with its place in
-    /// the text.
+    /// Of kind [`Scene`](crate::base::Kind::Scene), for the first invalid value, with its position
+    /// in the text.
     pub fn parse(text: &str, path: &Path) -> Result<Scene> {
         Scene::parse_with(text, path, &[])
     }
 
-    /// Reads a scene and sets single values of it, each override written `key.sub=value`.
+    /// Reads a scene and overrides single values; each override has the form `key.sub=value`.
     ///
-    /// The value is TOML, or else taken as text; `membrane.0.stretch` is the stretch of the first membrane.
+    /// The value is parsed as TOML, or else taken as text; `membrane.0.stretch` is the stretch of
+    /// the first membrane.
     ///
     /// # Errors
     /// As for [`parse`](Scene::parse).
@@ -116,7 +118,7 @@ impl Scene {
         Scene::read(Document::parse(text, &path.display().to_string())?, path, overrides)
     }
 
-    /// The scene with single values of it set, each override written `key.sub=value`.
+    /// Returns the scene with single values overridden; each override has the form `key.sub=value`.
     ///
     /// # Errors
     /// As for [`parse_with`](Scene::parse_with).
@@ -133,11 +135,11 @@ impl Scene {
         Ok(Scene { script: Script { tables, document }, structures, path: path.to_path_buf() })
     }
 
-    /// Reads the scene file `path` and sets single values of it.
+    /// Reads the scene file `path` and overrides single values.
     ///
     /// # Errors
-    /// As for [`parse_with`](Scene::parse_with); a file that cannot be read or is not UTF-8 is a wrong
-    /// scene too.
+    /// As for [`parse_with`](Scene::parse_with). A file that cannot be read or is not UTF-8 is also
+    /// an error of kind `Scene`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
         let bytes = std::fs::read(path).map_err(|e| {
             Error::scene(format!("the scene cannot be read: {e}"))
@@ -149,18 +151,18 @@ impl Scene {
         Scene::parse_with(&text, path, overrides)
     }
 
-    /// The scene as TOML with every default written out; parses to an equal scene wherever it is kept.
+    /// The scene as TOML with all defaults; parses to an equal scene in any folder.
     pub fn to_toml(&self) -> String {
         read::write(&self.script.tables, &self.structures)
     }
 
-    /// Name of the scene in the file system: that of its file, or of its folder when the file is
+    /// Name of the scene in the file system: that of its file, or of its folder if the file is
     /// `scene.toml`.
     pub fn name(&self) -> String {
         scene_name(&self.path)
     }
 
-    /// The file the scene was read from, as it was given.
+    /// The path of the scene file as given.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -177,15 +179,15 @@ impl Scene {
     pub fn interfaces(&self) -> impl Iterator<Item = &str> {
         self.structures.iter().filter(|s| s.shape().is_some()).map(|s| s.name())
     }
-    /// List of structure number `k` in the scene, and its number there.
+    /// Key of the list of structure number `k` in the scene, and its index in this list.
     pub fn structure_keys(&self, k: usize) -> [String; 2] {
         let list = self.structures[k].list();
         let number = self.structures[..k].iter().filter(|s| s.list() == list).count();
         [list.to_string(), number.to_string()]
     }
-    /// Fluid inside a structure, if it is another one than that outside: one that the structure names
-    /// (it may equal that outside, and lie in another drop), or that inside of `[fluid]`, which
-    /// belongs to the one structure of the scene.
+    /// Fluid inside a structure, if it differs from that outside: the fluid specified by the
+    /// structure (which may equal that outside, and lie in another drop), or the inside fluid of
+    /// `[fluid]`, which belongs to the only structure of the scene.
     pub fn inside(&self, structure: &dyn StructureKind) -> Option<Fluid> {
         let (outside, traits) = (self.outside(), structure.traits());
         if !traits.acts {
@@ -203,17 +205,17 @@ impl Scene {
         let inside = Fluid { density, viscosity };
         (inside != outside).then_some(inside)
     }
-    /// All fluids, that outside of the structures first.
+    /// All fluids, beginning with that outside the structures.
     pub fn fluids(&self) -> impl Iterator<Item = Fluid> {
         let inside = self.structures.iter().filter_map(|s| self.inside(&**s));
         std::iter::once(self.outside()).chain(inside)
     }
-    /// True if some fluid has mass; without it the Stokes equations are solved.
+    /// True if some fluid has mass; otherwise the Stokes equations are solved.
     pub fn has_inertia(&self) -> bool {
         self.fluids().any(|f| f.density > 0.0)
     }
 
-    /// Checks that the files the scene names can be read.
+    /// Checks that all files named in the scene can be read.
     ///
     /// # Errors
     /// Of kind [`Input`](crate::base::Kind::Input).

@@ -1,6 +1,6 @@
-//! The known name nearest to a misspelt one.
+//! Nearest known name to a misspelt one.
 
-/// The candidate that differs from `name` by the fewest edits, if few enough to be meant.
+/// The candidate with the smallest edit distance to `name`, if the distance is small.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = name.to_lowercase();
     candidates
@@ -11,7 +11,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
         .map(|(_, c)| c)
 }
 
-/// The advice for a name that is not among `known`: the nearest one, then all of them.
+/// The advice for a name that is not among `known`: the nearest one, then the whole list.
 pub(crate) fn advice<'a>(name: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     let all: Vec<&str> = known.clone().into_iter().collect();
     let all = all.join(", ");

@@ -3,9 +3,11 @@
 use super::keys::{Document, Entry, Node, Place, Source, Value, parse_value};
 use crate::base::{Error, Result, Snippet};
 
-/// Sets one value. Tables on the way to it are made where they are missing; an array is entered by a number from 0.
+/// Sets one value. Missing tables on its path are created; elements of an array are addressed by
+/// their index from 0.
 ///
-/// The value is TOML; what is not, and does not begin like a list, a table or a quoted text, is taken as text.
+/// The value is parsed as TOML. If this fails and it does not begin like a list, a table or a
+/// quoted text, it is taken as text.
 pub(super) fn apply(document: &mut Document, text: &str) -> Result<()> {
     let source = document.sources.len();
     document.sources.push(Source { path: "--set".to_string(), text: text.to_string() });
@@ -49,7 +51,7 @@ fn value(text: &str, start: usize, source: usize) -> Result<Node> {
     }
 }
 
-/// The child `name` of `node`, made if it is missing in a table.
+/// The child `name` of `node`; created if missing in a table.
 fn enter<'a>(node: &'a mut Node, name: &str, place: Place, text: &str) -> Result<&'a mut Node> {
     let span = place.span.clone();
     match &mut node.value {

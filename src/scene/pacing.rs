@@ -1,9 +1,9 @@
-//! From a scene to steps that follow the error.
+//! Adaptive time steps of a scene.
 
 use super::script::Script;
 use crate::sim::Pacing;
 
-/// How the steps are chosen: the scene's bounds, and all times at which something is written.
+/// Bounds of the adaptive steps, and all times of output, which steps must end at.
 pub(super) fn pacing(scene: &Script, tolerance: f64, [speed, length]: [f64; 2]) -> Pacing {
     let (time, output) = (&scene.time, &scene.output);
     let [least, most] = time.bounds();
@@ -22,5 +22,5 @@ pub(super) fn pacing(scene: &Script, tolerance: f64, [speed, length]: [f64; 2]) 
     Pacing { tolerance, first: time.step, least, most, instants, speed, length }
 }
 
-/// Times that are closer than this part of the end are one.
+/// Output times closer than this fraction of the end time are merged.
 const ROUNDING: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! The shapes of the structures of a scene on its mesh.
+//! Initial distances of the structures of a scene on its mesh.
 
 use super::Scene;
 use super::site::{Placed, Site};
@@ -12,7 +12,7 @@ pub(super) fn place<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result
     let place = |k: usize| {
         let (structure, [list, number]) = (&scene.structures()[k], scene.structure_keys(k));
         let Some(shape) = structure.shape() else { return Ok(None) };
-        // An interface that acts on nothing may end on walls.
+        // A passive interface may end on walls.
         let may_end = !structure.traits().acts;
         site.placed(shape, &[&list, &number, "shape"], may_end).map(Some)
     };

@@ -1,4 +1,4 @@
-//! The plan: what a scene solves, what it leaves out and why, and how large that is.
+//! The plan: the equations that a scene solves, the terms it omits with reasons, and their size.
 
 use super::Scene;
 use super::adapt::Lengths;
@@ -26,7 +26,7 @@ pub(super) fn text(sections: impl IntoIterator<Item = Section>) -> String {
     text
 }
 
-/// The mesh, for the plan.
+/// The section of the plan about the mesh.
 pub(super) fn mesh<const D: usize>(
     script: &Script,
     view: &View<'_, D>,
@@ -89,7 +89,7 @@ fn follows(adapt: &Adapt, lengths: &Lengths) -> String {
     text
 }
 
-/// Conditions on the boundary, for the plan.
+/// Boundary conditions, for the plan.
 pub(super) fn boundaries(script: &Script) -> Vec<String> {
     let condition = |condition: &Condition| match condition {
         Condition::Velocity(v) => {
@@ -110,13 +110,13 @@ pub(super) fn structures(scene: &Scene) -> impl Iterator<Item = String> + '_ {
     scene.structures().iter().flat_map(|s| s.words())
 }
 
-/// Unknowns of the level sets.
+/// Number of unknowns of the level sets.
 pub(super) fn level_sets<const D: usize>(view: &View<'_, D>) -> Option<String> {
     let count = view.carried.structures().iter().filter(|s| s.level_set().is_some()).count();
     (count > 0).then(|| format!("level sets {count} x {} (P2)", view.space().len()))
 }
 
-/// Memory of the chain of submaps: it grows, by one vector field a restart.
+/// Memory of the chain of submaps, which grows by one vector field per restart.
 pub(super) fn map_memory<const D: usize>(view: &View<'_, D>) -> Option<String> {
     let submap = view.state.fields.map.as_ref()?.bytes() as f64 / 1e6;
     Some(format!(
@@ -137,7 +137,7 @@ pub(super) fn transport<const D: usize>(script: &Script, view: &View<'_, D>) -> 
     }
 }
 
-/// The dimension that is left out.
+/// Line about the third dimension, which is omitted in the plane.
 pub(super) fn third_dimension(dimension: usize) -> Option<String> {
     (dimension == 2).then(|| "the third dimension: the mesh is plane".into())
 }

@@ -1,4 +1,4 @@
-//! What a run steps: a problem, with no dimension in its type.
+//! A problem that a run steps in time, independent of the dimension.
 
 use super::row::Row;
 use crate::base::{PHASES, Result, Warning};
@@ -14,18 +14,18 @@ pub struct Moment {
     pub steps: u64,
     /// Time.
     pub time: f64,
-    /// Length of the last step, or of the coming one.
+    /// Length of the last step, or of the next one.
     pub dt: f64,
-    /// True if the time is one of those that steps of changing length must end at.
+    /// True if the time is one at which an adaptive step must end.
     pub at_instant: bool,
-    /// True if steps of changing length have reached the end.
+    /// True if adaptive steps have reached the end.
     pub done: bool,
-    /// Rejected steps, where steps follow the error.
+    /// Number of rejected steps, for adaptive steps.
     pub rejected: Option<u64>,
 }
 
 impl Moment {
-    /// After `steps` steps of one length.
+    /// State after `steps` steps of constant length.
     pub(super) fn regular(steps: u64, time: f64, dt: f64) -> Moment {
         Moment { steps, time, dt, at_instant: true, done: false, rejected: None }
     }
@@ -38,17 +38,17 @@ pub struct Facts {
     pub cells: usize,
     /// Longest edge of the mesh.
     pub edge: f64,
-    /// Bytes of all that grows with the mesh.
+    /// Memory of all data that scale with the mesh, in bytes.
     pub memory: usize,
     /// Unknowns of velocity, pressure and level sets.
     pub unknowns: [usize; 3],
-    /// Entries of the factor of the flow, and bytes of its values.
+    /// Entries of the factor of the flow, and bytes of their values.
     pub factor: Option<(usize, usize)>,
     /// True if the mesh is adapted.
     pub adapted: bool,
 }
 
-/// Limits and lengths known before the first step.
+/// Limits and lengths computed before the first step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// Half-width of the bands.
@@ -59,7 +59,7 @@ pub struct Limits {
     pub explicit_limit: Option<f64>,
 }
 
-/// Remedies of alarms, in the words of a scene.
+/// Remedies of alarms, in terms of scene keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
     /// Against spurious energy.
@@ -68,26 +68,26 @@ pub struct Advice {
     pub area: &'static str,
 }
 
-/// A column of a profile: the end of its name, and its values.
+/// A column of a profile: the suffix of its name, and its values.
 pub type ProfileColumn = (&'static str, Vec<f64>);
 
-/// A problem in time that a scene describes: an immersed flow, advection, segmentation.
+/// A time-dependent problem described by a scene: an immersed flow, advection, segmentation.
 pub trait Problem {
     /// Warnings before the first step.
     fn warnings(&self) -> &[Warning];
-    /// The plan as plain text, ready to print. Analyses matrices, but does not factor them.
+    /// The plan as plain text, ready to print. Analyses matrices without factoring them.
     ///
     /// # Errors
-    /// Too little memory.
+    /// Insufficient memory.
     fn plan(&mut self) -> Result<String>;
     /// Limits and lengths at the start.
     fn limits(&self) -> Limits;
-    /// Takes a step.
+    /// Advances by one step.
     ///
     /// # Errors
-    /// A computation that failed.
+    /// A failed computation.
     fn step(&mut self) -> Result<StepReport>;
-    /// Position in time.
+    /// Current time and step.
     fn moment(&self) -> Moment;
     /// One row of the series, without `time`.
     ///
@@ -96,40 +96,40 @@ pub trait Problem {
     fn row(&self) -> Result<Row>;
     /// Values along profile number `k` of the scene, point by point.
     fn profile(&self, k: usize) -> Vec<ProfileColumn>;
-    /// Points of profile number `k`, as many coordinates as dimensions.
+    /// Points of profile number `k`, each with one coordinate per dimension.
     fn profile_points(&self, k: usize) -> Vec<Vec<f64>>;
     /// Writes the fields into a VTU file.
     ///
     /// # Errors
     /// A file that cannot be written.
     fn write_fields(&self, path: &Path) -> Result<()>;
-    /// Writes further results of the end of a run into its folder.
+    /// Writes further results to the folder at the end of a run.
     ///
     /// # Errors
     /// A file that cannot be written.
     fn write_results(&self, _folder: &Path) -> Result<()> {
         Ok(())
     }
-    /// Rebuilds the mesh where it no longer fits interfaces or fields. Returns true if it did.
+    /// Rebuilds the mesh if it no longer fits interfaces or fields. Returns true if it was rebuilt.
     ///
     /// # Errors
     /// A mesh that cannot be built.
     fn follow(&mut self) -> Result<bool> {
         Ok(false)
     }
-    /// Mesh (empty unless it is adapted) and state as bytes, the latter marked with `tag`.
+    /// Mesh (empty if not adapted) and state as bytes, the latter marked with `tag`.
     fn save(&self, tag: u64) -> [Vec<u8>; 2];
-    /// Continues from what [`save`](Self::save) gave; `band_edges` are those when the mesh was built.
+    /// Restores the result of [`save`](Self::save); `band_edges` are those when the mesh was built.
     ///
     /// # Errors
-    /// Damaged bytes, a state of another scene.
+    /// Corrupt bytes, or a state of another scene.
     fn restore(&mut self, saved: [&[u8]; 2], tag: u64, band_edges: Option<[f64; 2]>) -> Result<()>;
     /// Energies and their balance, where a flow is solved.
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         None
     }
-    /// Seconds of all processors by [phase](PHASES) since this was called last, and number of
-    /// substitutions with the factor of the flow.
+    /// CPU seconds by [phase](PHASES) since the last call, and number of substitutions with the
+    /// factor of the flow.
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64);
     /// Sizes.
     fn facts(&self) -> Facts;
@@ -141,7 +141,7 @@ pub trait Problem {
     fn advice(&self) -> Advice;
     /// The mesh, in the plane.
     fn plane_mesh(&self) -> Option<&Mesh<2>>;
-    /// Values of `[numerics]` that the plan derived or took from the scene, by their keys.
+    /// Values of `[numerics]` that were derived by the plan or given by the scene, by their keys.
     fn derived(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
     }

@@ -1,4 +1,5 @@
-//! Reading and writing a scene: its tables, its structures, and what they must agree on.
+//! Reading and writing of a scene: its tables, its structures, and the consistency checks between
+//! them.
 
 use super::keys::{Context, Item, Keys, Table, Tabled, Writer, distinct};
 use super::schema::{
@@ -27,19 +28,18 @@ pub static KEYS: LazyLock<Keys> = LazyLock::new(|| {
     }
 });
 
-/// Reads a scene whose file lies in `folder` and is called `name`.
+/// Reads a scene whose file is in `folder` and has the name `name`.
 ///
 /// # Errors
-/// The first thing that is wrong, with its place.
+/// The first invalid value, with its position.
 pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<(Tables, Structures)> {
     let read = |dimension| read_as(root, folder, name, dimension);
-    // Where the scene says otherwise than its mesh file, or the file is missing, that is told when
-    // the mesh is built.
+    // A conflict between the scene and its mesh file, or a missing file, is reported when the mesh
+    // is built.
     read(None).or_else(|e| [2, 3].into_iter().find_map(|d| read(Some(d)).ok()).ok_or(e))
 }
 
-/// Reads a scene, its mesh file being of this dimension; without one, of that which the file says, or
-/// else of the plane.
+/// Reads a scene whose mesh file has this dimension; by default that of the file, or else 2.
 fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> Result<(Tables, Structures)> {
     let scene = root.table(&KEYS)?;
     let constants = scene.optional("constants", constants)?.unwrap_or_default();
@@ -82,7 +82,7 @@ fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> 
     Ok((tables, structures))
 }
 
-/// The image, if there is one, and the mesh.
+/// Reads the image, if there is one, and the mesh.
 fn read_mesh(scene: &Table<'_>, context: &Context, dimension: Option<usize>) -> Result<(Option<Image>, MeshSource)> {
     let item = scene.get("image");
     let image = item.as_ref().map(|i| Image::read(i, context)).transpose()?;
@@ -111,7 +111,7 @@ fn read_adapt(scene: &Table<'_>, context: &Context) -> Result<Option<Adapt>> {
     item.as_ref().map(|i| Adapt::read(i, context)).transpose()
 }
 
-/// All structures, each with a name of its own.
+/// Reads all structures, each with a distinct name.
 fn read_structures(scene: &Table<'_>, numerics: &Numerics, context: &Context) -> Result<Structures> {
     let mut all: Structures = Vec::new();
     for kind in KINDS {
@@ -123,13 +123,13 @@ fn read_structures(scene: &Table<'_>, numerics: &Numerics, context: &Context) ->
     Ok(all)
 }
 
-/// Names of the structures that hold a fluid, each with true if it names that fluid itself.
+/// Names of the structures that enclose a fluid, each with true if it specifies that fluid itself.
 fn own_fluids(structures: &[Box<dyn StructureKind>]) -> Vec<(String, bool)> {
     let acting = structures.iter().filter(|s| s.traits().acts);
     acting.map(|s| (s.name().to_string(), s.traits().own_fluid.iter().any(Option::is_some))).collect()
 }
 
-/// Writes a scene as TOML with every default written out; reads as the same scene.
+/// Writes a scene as TOML with all defaults; the result reads as an equal scene.
 pub(super) fn write(tables: &Tables, structures: &[Box<dyn StructureKind>]) -> String {
     let mut out = Writer::default();
     tables.write_before(&mut out);
@@ -138,7 +138,7 @@ pub(super) fn write(tables: &Tables, structures: &[Box<dyn StructureKind>]) -> S
     out.text
 }
 
-/// Checks on which tables and structures must agree.
+/// Checks the consistency of tables and structures.
 fn check(
     scene: &Table<'_>,
     (mesh, fluid, has_image): (&MeshSource, &Fluid, bool),
@@ -170,7 +170,7 @@ fn check(
     }
 }
 
-/// Refuses schemes and elements that are not made for the scene.
+/// Rejects schemes and elements that are not available for the scene.
 fn check_elements(
     scene: &Table<'_>,
     numerics: &Numerics,
@@ -215,8 +215,8 @@ fn check_elements(
     }
 }
 
-/// Steps that follow the error need a flow, whose error they follow, and a mesh that stays: on another mesh the differences between
-/// velocities of earlier times are those of the transfer.
+/// Adaptive steps need a flow, whose error they control, and a fixed mesh: on another mesh the
+/// differences between velocities at earlier times contain the error of the transfer.
 fn check_tolerance(scene: &Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>) -> Result<()> {
     let time = scene.get("time").map(|i| i.open_table()).transpose()?;
     let Some(item) = time.and_then(|t| t.get("tolerance")) else { return Ok(()) };
@@ -233,7 +233,7 @@ fn check_tolerance(scene: &Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>) -> R
     Ok(())
 }
 
-/// A prescribed velocity carries level sets and nothing else.
+/// A prescribed velocity transports level sets and nothing else.
 fn check_passive(scene: &Table<'_>, structures: &[Box<dyn StructureKind>], without_level_set: bool) -> Result<()> {
     let acting = structures.iter().find(|s| s.traits().acts);
     if let Some(item) = acting.and_then(|s| scene.get(s.list())) {
@@ -254,7 +254,7 @@ fn check_passive(scene: &Table<'_>, structures: &[Box<dyn StructureKind>], witho
     }
 }
 
-/// Refuses to redistance what needs the slope of its level set, or has no level set of its own.
+/// Rejects redistancing of structures that use the slope of their level set, or have none.
 fn check_redistance(item: &Item, structures: &[Box<dyn StructureKind>], transport: Method, paced: bool) -> Result<()> {
     let acting = || structures.iter().filter(|s| s.traits().acts);
     let refuse = |what: String, remedy: &str| -> Result<()> { Err::<(), Error>(item.key_error(what).remedy(remedy)) };

@@ -1,10 +1,10 @@
-//! Redistancing as a scene asks for it.
+//! Redistancing according to the scene.
 
 use super::script::Script;
 use crate::levelset::{Redistance, Redistancing};
 use crate::sim::Carried;
 
-/// Redistances the level sets as the scene asks for.
+/// Redistances the level sets according to the scene.
 pub(super) fn redistance<const D: usize>(script: &Script, carried: &mut Carried<D>) {
     if let Some(r) = script.numerics.redistance {
         carried.redistance_every(r.every, Redistancing { method: r.scheme(), volume: r.volume });

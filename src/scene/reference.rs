@@ -1,11 +1,11 @@
-//! The reference of the scene format, as Markdown, from the descriptions by which scenes are read.
+//! The reference of the scene format in Markdown, generated from the descriptions used for reading.
 
 use super::expression::functions;
 use super::keys::{Absent, Key, Keys, Kind, advice};
 use super::read::KEYS;
 use crate::base::{Error, Result};
 
-/// A table and all places of the scene where it may stand.
+/// A table and all its possible places in the scene.
 struct Section {
     paths: Vec<String>,
     headings: Vec<String>,
@@ -14,9 +14,10 @@ struct Section {
 
 const EXPRESSIONS: &str = "expressions";
 
-/// The reference of the whole scene, or of the table `of` with those in it, such as `membrane.shape`.
+/// The reference of the whole scene, or of the table `of` and the tables in it, such as
+/// `membrane.shape`.
 ///
-/// Errors: of kind [`Scene`](crate::base::Kind::Scene) where there is no such table.
+/// Errors: of kind [`Scene`](crate::base::Kind::Scene) if there is no such table.
 pub fn reference(of: Option<&str>) -> Result<String> {
     let mut sections =
         vec![Section { paths: vec![String::new()], headings: vec!["The scene".to_string()], keys: &KEYS }];
@@ -41,7 +42,7 @@ pub fn reference(of: Option<&str>) -> Result<String> {
     Ok(parts.join("\n"))
 }
 
-/// Adds the tables inside `keys`, which stand at `path`; one that stands at several places has one section.
+/// Adds the tables inside `keys` at `path`; a table at several places gets one section.
 fn collect(keys: &'static Keys, path: &str, sections: &mut Vec<Section>) {
     for key in keys.keys {
         let Some(inner) = key.kind.keys() else { continue };

@@ -1,4 +1,4 @@
-//! A mesh file refined as the scene asks for, its boundary moved onto the curves that the scene names.
+//! Refinement of a mesh file, with the boundary projected onto the curves given in the scene.
 
 use super::script::Script;
 use super::shapes::shape;
@@ -6,15 +6,18 @@ use crate::base::{Error, Result};
 use crate::levelset::Shape;
 use crate::mesh::{Mesh, Point, refine};
 
-/// Steps to the boundary of a shape; the first lands on it but for the rounding of its gradient.
+/// Number of projection steps onto the boundary of a shape; the first one is exact up to the
+/// rounding error of its gradient.
 const STEPS: usize = 3;
-/// A boundary point farther from its shape than this part of its facet says that the shape is not that of the boundary.
+/// Largest distance of a boundary point from its shape, as a fraction of its facet; beyond it the
+/// shape does not describe the boundary.
 const OFF: f64 = 0.05;
 
-/// The mesh refined `times`, new points of the boundaries `geometry` moved onto their shapes.
+/// The mesh refined `times` times, with new points of the boundaries in `geometry` projected onto
+/// their shapes.
 ///
 /// # Errors
-/// A boundary that the mesh does not have, one that does not lie on its shape, a cell that is turned over.
+/// A boundary that the mesh does not have or that does not lie on its shape; an inverted cell.
 pub(super) fn refined<const D: usize>(
     script: &Script,
     mesh: Mesh<D>,
@@ -55,7 +58,8 @@ fn check_lies_on<const D: usize>(mesh: &Mesh<D>, name: &str, curve: &dyn Shape<D
     Ok(())
 }
 
-/// The point of the boundary of a shape that is nearest to `x`, which lies close to it: along the gradient of the distance.
+/// The boundary point of a shape nearest to `x`, which is close to it: along the gradient of the
+/// distance.
 fn nearest<const D: usize>(curve: &dyn Shape<D>, mut x: Point<D>) -> Point<D> {
     let h = 1e-5 * curve.bounds().1.metric_distance(&curve.bounds().0);
     for _ in 0..STEPS {

@@ -1,4 +1,4 @@
-//! Keys of a scene that take part in an error of the layers below, by its cause.
+//! Scene keys related to an error of the lower layers, by its cause.
 
 use crate::base::{Cause, Result};
 
@@ -14,7 +14,7 @@ pub(super) fn with_keys<T>(result: Result<T>) -> Result<T> {
     })
 }
 
-/// The keys by which a user acts on a cause; `value` is the one that is wrong.
+/// The keys that control a cause; `value` is the invalid one.
 fn keys(cause: Cause, value: &str) -> String {
     let keys = match cause {
         Cause::SolverMemory => "numerics.solver = \"auto\"",

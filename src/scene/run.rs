@@ -1,4 +1,4 @@
-//! Running a scene: steps, files, checkpoints, and going on after an interruption.
+//! Running a scene: steps, files, checkpoints, and resuming after an interruption.
 
 mod folder;
 mod record;
@@ -20,47 +20,47 @@ use std::time::Instant;
 
 /// Spurious energy, over the energy in play, that raises the alarm.
 const ENERGY_ALARM: f64 = 0.05;
-/// Relative change of an enclosed area that raises the alarm.
+/// Threshold of the alarm for the relative change of an enclosed area.
 const AREA_ALARM: f64 = 0.01;
 
-/// Hears how a run goes.
+/// Receives the progress of a run.
 pub trait Observer {
     /// The plan, before the first step.
     fn plan(&mut self, plan: &str);
     /// A warning.
     fn warning(&mut self, warning: &Warning);
-    /// A step was made.
+    /// Called after each step.
     fn progress(&mut self, step: usize, steps: usize, time: f64);
-    /// Another phase has begun.
+    /// Called when another phase begins.
     fn phase(&mut self, what: &str);
 }
 
-/// How to run.
+/// Options of a run.
 pub struct Options<'a> {
     /// The run folder.
     pub folder: PathBuf,
-    /// Whether to go on with the run that the folder holds.
+    /// True to resume the run in the folder.
     pub resume: bool,
     /// Set to stop after the current step.
     pub stop: &'a AtomicBool,
 }
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The run folder.
     pub folder: PathBuf,
-    /// Steps made in all.
+    /// Total number of steps.
     pub steps: usize,
-    /// What went against the balances.
+    /// Alarms about violated balances.
     pub alarms: Vec<String>,
 }
 
 /// Runs a scene into a folder.
 ///
 /// # Errors
-/// Whatever is wrong with scene, mesh or folder; a computation that failed, its last good state and a summary being kept in the folder;
-/// [`Kind::Interrupted`] when `stop` was set, the state being kept for `resume`.
+/// An invalid scene, mesh or folder. A failed computation; its last valid state and a summary are
+/// kept in the folder. [`Kind::Interrupted`] if `stop` was set; the state is kept for `resume`.
 pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome> {
     let start = Clock::now();
     observer.phase("building the model");
@@ -71,8 +71,8 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     for w in problem.warnings() {
         observer.warning(w);
     }
-    // Not before: a scene or a mesh that is wrong leaves no folder behind, and can be run again once it
-    // is mended.
+    // Created only now: an invalid scene or mesh leaves no folder behind, and the run can be
+    // repeated after the correction.
     folder.make(scene)?;
     let mut run = Run::start(scene, &folder, options.resume, problem, plan)?;
     run.record.spent("setup", &start);
@@ -80,7 +80,7 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     run.finish(result)
 }
 
-/// When a phase began: by the clock on the wall, and by the work of the processors for this process.
+/// Start of a phase, in wall time and in CPU time of this process.
 struct Clock(Instant, ProcessTime);
 
 impl Clock {
@@ -128,7 +128,7 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
-    /// Rebuilds the mesh when it is time to look at it and it no longer fits.
+    /// Rebuilds the mesh if a check is due and it no longer fits.
     fn follow(&mut self) -> Result<()> {
         let Some(every) = self.scene.adapt.as_ref().and_then(|a| a.every) else { return Ok(()) };
         let due = (self.problem.moment().time / every + 1e-9).floor() as u64;
@@ -184,7 +184,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Steps made and to be made, as far as they are known.
+    /// Number of steps done and, as far as known, in total.
     fn progress(&self) -> [usize; 2] {
         let (moment, time) = (self.problem.moment(), &self.scene.time);
         let done = moment.steps as usize;
@@ -201,7 +201,7 @@ impl<'a> Run<'a> {
         result
     }
 
-    /// Writes what is due after `step`.
+    /// Writes the output that is due after `step`.
     fn sample(&mut self, step: usize) -> Result<()> {
         let (output, time, moment) = (&self.scene.output, &self.scene.time, self.problem.moment());
         let now = moment.time;
@@ -246,7 +246,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Writes the summary, whatever the result of the run, and keeps the last good state.
+    /// Writes the summary for any result of the run, and keeps the last valid state.
     fn finish(mut self, result: Result<()>) -> Result<Outcome> {
         let failed = matches!(&result, Err(e) if e.kind() == Kind::Computation);
         let result = result.and_then(|()| {
@@ -259,7 +259,7 @@ impl<'a> Run<'a> {
         let steps = self.problem.moment().steps as usize;
         let told = ((&self.record, &self.plan[..]), (&result, &alarms[..]));
         let written = self.folder.write_summary(self.scene, &*self.problem, told.0, told.1);
-        // What stopped the run comes first: a disk that is full stops the summary too.
+        // The error of the run has priority: a full disk also prevents the summary.
         result.and(kept).and(written)?;
         Ok(Outcome { folder: self.folder.path().to_path_buf(), steps, alarms })
     }

@@ -1,10 +1,10 @@
-//! The tables of a scene and the text they were read from.
+//! The tables of a scene and their source text.
 
 use super::keys::Document;
 use super::schema::Tables;
 use crate::base::Error;
 
-/// The tables of a scene and the text they were read from, for errors with their place.
+/// The tables of a scene and their source text, for errors with their position.
 #[derive(Clone, Debug)]
 pub struct Script {
     pub(super) tables: Tables,
@@ -19,8 +19,8 @@ impl std::ops::Deref for Script {
 }
 
 impl Script {
-    /// Says of an error that it is about the value at `keys`, such as `["boundary", "inlet"]`, or
-    /// about the innermost table on the way there that is written.
+    /// Attaches the position of the value at `keys`, such as `["boundary", "inlet"]`, to an error;
+    /// if it is absent, that of the innermost table on its path.
     pub fn blame(&self, keys: &[&str], error: Error) -> Error {
         let placed = self.document.error(&self.document.locate(keys), &keys.join("."), "");
         let error = error.at(placed.place());

@@ -10,10 +10,10 @@ use crate::levelset::{
 };
 use crate::mesh::Point;
 
-/// The shape that a scene describes in `D` dimensions; `domain` is the bounding box of the mesh.
+/// The shape described by a scene in `D` dimensions; `domain` is the bounding box of the mesh.
 ///
 /// # Errors
-/// One that cannot be, or that belongs to another number of dimensions.
+/// A degenerate shape, or one for another dimension.
 pub(super) fn shape<const D: usize>(shape: &Shape, domain: (Point<D>, Point<D>)) -> Result<Box<dyn Distance<D>>> {
     let found = match (same(domain), same(domain)) {
         (Some(domain), _) => same(plane(shape, domain)?),
@@ -23,7 +23,7 @@ pub(super) fn shape<const D: usize>(shape: &Shape, domain: (Point<D>, Point<D>))
     found.ok_or_else(|| other_dimension(shape, D))
 }
 
-/// The error for a shape that belongs to another number of dimensions.
+/// The error for a shape of another dimension.
 fn other_dimension(shape: &Shape, dimension: usize) -> Error {
     let what = format!("the shape does not belong into {dimension} dimensions");
     Error::scene(what).value(shape.inline())

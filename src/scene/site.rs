@@ -1,4 +1,4 @@
-//! The site of a scene: its mesh with spaces, links and conditions, on which problems are built.
+//! The mesh of a scene with spaces, links and conditions, on which problems are built.
 
 use super::expression::Expression;
 use super::points::coordinates;
@@ -13,14 +13,14 @@ use crate::structure::InitialFunction;
 use nalgebra::SVector;
 use std::sync::Arc;
 
-/// Widths of the band in edges of the mesh when the scene does not say.
+/// Default half-width of the band in edges of the mesh.
 pub(super) const BAND: f64 = 2.5;
 
 /// The signed distance of a shape at time 0.
 pub(super) struct Placed<const D: usize> {
-    /// At the nodes.
+    /// Values at the nodes.
     pub nodal: Vec<f64>,
-    /// Everywhere.
+    /// The distance as a function of the point.
     pub function: Arc<InitialFunction<D>>,
 }
 
@@ -40,10 +40,10 @@ pub(super) struct Site<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Site<'a, D> {
-    /// The site of a scene on a mesh.
+    /// Builds the spaces and conditions of a scene on a mesh.
     ///
     /// # Errors
-    /// Names and conditions that do not fit it.
+    /// Names and conditions that do not fit the mesh.
     pub fn new(script: &'a Script, mesh: Arc<Mesh<D>>, quality: Quality<D>) -> Result<Site<'a, D>> {
         let conditions = conditions(script, &mesh)?;
         let space = Arc::new(Space::new(&mesh, Element::P2));
@@ -58,8 +58,8 @@ impl<'a, const D: usize> Site<'a, D> {
         0.5 * (hi - lo).min()
     }
 
-    /// The signed distance of the shape written at `keys`; one that `may_end` on walls is described
-    /// by a function, which continues beyond them.
+    /// The signed distance of the shape at `keys`. If it `may_end` on walls, it is given by a
+    /// function that extends beyond them.
     ///
     /// # Errors
     /// A shape that does not lie on the mesh.
@@ -69,7 +69,7 @@ impl<'a, const D: usize> Site<'a, D> {
         let open = may_end && matches!(shape, Shape::Expression(_));
         let shape = shapes::shape(shape, domain).map_err(place)?;
         let (mut low, mut high) = shape.bounds();
-        // Through a periodic side it continues at the other one.
+        // A shape continues periodically through a periodic side.
         for axis in (0..D).filter(|&axis| self.pairs.iter().any(|p| p.shift[axis] != 0.0)) {
             (low[axis], high[axis]) = (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
         }
@@ -82,8 +82,8 @@ impl<'a, const D: usize> Site<'a, D> {
         Ok(Placed { nodal, function: Arc::new(nearest) })
     }
 
-    /// The distance to the nearest of the images that periodic sides make of a shape, so that the
-    /// level set is periodic too.
+    /// The distance to the nearest of the periodic images of a shape, so that the level set is
+    /// periodic too.
     fn with_images(&self, mut distance: Vec<f64>, shape: &dyn Distance<D>, shifts: &[Point<D>]) -> Vec<f64> {
         for (d, x) in distance.iter_mut().zip(self.space.nodes()).filter(|_| shifts.len() > 1) {
             let images = shifts.iter().skip(1).map(|shift| shape.distance(&(x + shift)));
@@ -92,7 +92,7 @@ impl<'a, const D: usize> Site<'a, D> {
         distance
     }
 
-    /// Refuses an expression of `[fluid]` that has no finite value at some node at time 0.
+    /// Rejects an expression of `[fluid]` without a finite value at some node at time 0.
     pub fn check_finite(&self, key: &str, v: &[Expression]) -> Result<()> {
         let f = vector(v);
         let bad = self.space.nodes().iter().find(|x| !f(x, 0.0).iter().all(|c| c.is_finite()));
@@ -103,13 +103,13 @@ impl<'a, const D: usize> Site<'a, D> {
         Err(self.script.blame(&["fluid", key], e))
     }
 
-    /// Nodes on the boundary, periodic sides left aside.
+    /// Nodes on the boundary without periodic sides.
     pub fn wall_nodes(&self) -> Vec<u32> {
         wall_nodes(&self.space, &self.pairs)
     }
 }
 
-/// Nodes on the boundary, periodic sides left aside.
+/// Nodes on the boundary without periodic sides.
 pub(super) fn wall_nodes<const D: usize>(space: &Space<D>, pairs: &[fem::Translation<D>]) -> Vec<u32> {
     let facets = space.mesh().facets();
     let mut wall = vec![true; facets.len()];
@@ -118,16 +118,16 @@ pub(super) fn wall_nodes<const D: usize>(space: &Space<D>, pairs: &[fem::Transla
     facets.flat_map(|(f, _)| space.facet_nodes(f).collect::<Vec<_>>()).collect()
 }
 
-/// The signed distance to a shape and its images, from the distances to each: that of their union.
-/// Where all are negative the shape is the same in all images, the half under a wave for example,
-/// and the nearest counts.
+/// The signed distance to the union of a shape and its images, from the distances to each. If all
+/// are negative, all images are the same shape, such as the half plane below a wave, and the
+/// smallest magnitude is taken.
 fn nearest_image(distances: impl Iterator<Item = f64>) -> f64 {
     let start = (f64::INFINITY, f64::NEG_INFINITY);
     let (least, greatest) = distances.fold(start, |(l, g), d| (l.min(d), g.max(d)));
     if greatest < 0.0 { greatest } else { least }
 }
 
-/// Conditions of a scene on a mesh.
+/// Boundary conditions of a scene on a mesh.
 ///
 /// # Errors
 /// A name that the mesh does not have.
@@ -154,7 +154,7 @@ pub(super) fn conditions<const D: usize>(script: &Script, mesh: &Mesh<D>) -> Res
     Ok(list)
 }
 
-/// Expressions as a vector function, one a component.
+/// A vector function from expressions, one for each component.
 pub(super) fn vector<const D: usize>(
     v: &[Expression],
 ) -> impl Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync + 'static {

@@ -34,7 +34,7 @@ step = 5e-3
 every = 0.02
 "#;
 
-/// A scene in which nothing is left to a default.
+/// A scene without defaults.
 const FULL: &str = r#"
 title = "All \"keys\""
 units = "SI"
@@ -238,7 +238,7 @@ fn a_wrong_override_is_named() {
     }
 }
 
-/// The part of the source that an error underlines.
+/// The underlined part of the source in an error.
 fn underlined(e: &Error) -> &str {
     let s = e.source_snippet().unwrap();
     &s.source[s.span.clone()]
@@ -301,7 +301,8 @@ proptest! {
         let _ = with(&[&text]);
     }
 
-    /// Cut, doubled and swapped pieces of a good scene reach further into the reader than noise.
+    /// Cut, doubled and swapped parts of a valid scene reach deeper into the reader than random
+    /// text.
     #[test]
     fn shuffled_scenes_never_panic(cuts in prop::collection::vec((0..FULL.len(), 1..40usize, 0..FULL.len()), 1..6)) {
         let mut text = FULL.to_string();

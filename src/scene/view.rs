@@ -1,4 +1,4 @@
-//! A view of a problem at one time: the ingredients of columns, fields and pictures.
+//! A view of a problem at one time: the data for columns, fields and pictures.
 
 use super::cuts::Cuts;
 use super::points::point;
@@ -24,11 +24,11 @@ pub(super) struct View<'a, const D: usize> {
     pub carried: &'a Carried<D>,
     /// The state.
     pub state: &'a State<D>,
-    /// The flow, where one is solved.
+    /// The flow solver, if there is a flow.
     pub flow: Option<&'a FlowSolver<D>>,
     /// Half-width of the bands.
     pub thickness: Option<f64>,
-    /// For each structure the slope that its band is measured with, where that is carried.
+    /// For each structure, the slope that its band is measured with, if the band is carried.
     pub carried_bands: &'a [Option<f64>],
 }
 
@@ -48,7 +48,8 @@ impl<'a, const D: usize> View<'a, D> {
     pub fn surface(&self, k: usize) -> Result<Vec<SurfacePoint<D>>> {
         surface(self.space(), &self.level_set(k))
     }
-    /// Length and area of the polygon of the markers of structure number `k`; `None` without.
+    /// Length and area of the polygon of the markers of structure number `k`; `None` without
+    /// markers.
     pub fn marker_polygon(&self, k: usize) -> Option<[f64; 2]> {
         let list = self.carried.markers(&self.state.fields, k);
         (!list.is_empty()).then(|| [polygon_length(list), polygon_area(list)])
@@ -58,10 +59,11 @@ impl<'a, const D: usize> View<'a, D> {
         self.carried.has_backward_map(&self.state.fields)
     }
 
-    /// Measures the interface of structure number `k`: size, centre, axes, extents, chords and rings,
-    /// and in space its strain where backward characteristics are carried. Returns what it encloses
-    /// and its own size. A value that cannot be measured is NaN: an interface that is gone; of one
-    /// that passes a periodic side the axes, and centre and extent along the way through it.
+    /// Measures the interface of structure number `k`: size, centre, axes, extents, chords and
+    /// rings, and in space its strain if backward characteristics are carried. Returns the enclosed
+    /// measure and its own measure. Undefined values are NaN: all for an interface that has
+    /// vanished; for one that crosses a periodic side, the axes, and centre and extent in the
+    /// periodic direction.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -87,7 +89,7 @@ impl<'a, const D: usize> View<'a, D> {
 
     /// Columns of size, centre, axes and extents.
     fn put_measures(&self, name: &str, interface: &Interface<'_, D>, row: &mut Row) -> [f64; 2] {
-        // An interface in parts on two periodic sides has no place and no extent across them.
+        // For an interface cut by two periodic sides, centre and extent across them are undefined.
         let cut = interface.is_open();
         let parted = |axis: usize| cut && self.carried.translations().iter().any(|t| t.shift[axis] != 0.0);
         let any_parted = (0..D).any(parted);
@@ -111,13 +113,13 @@ impl<'a, const D: usize> View<'a, D> {
         [m.enclosed, m.own]
     }
 
-    /// Values of [`STRAIN`] on an interface; NaN where there is none.
+    /// Values of [`STRAIN`] on an interface; NaN without strain.
     fn strain(&self, k: usize, points: &[SurfacePoint<D>]) -> [f64; 5] {
         let fields = &self.state.fields;
         let (mut least, mut most, mut shear) = (f64::NAN, f64::NAN, f64::NAN);
         let (mut sum, mut area) = (0.0, 0.0);
         for (s, p) in self.carried.surface_strain(fields, k, points).iter().zip(points) {
-            // `min` and `max` pass over the NaN at the start.
+            // `min` and `max` ignore the initial NaN.
             (least, most, shear) = (s.z1.min(least), s.z1.max(most), s.z2.max(shear));
             (sum, area) = (sum + p.at.weight * s.z2, area + p.at.weight);
         }
@@ -126,5 +128,5 @@ impl<'a, const D: usize> View<'a, D> {
     }
 }
 
-/// Columns of the strain of an interface in space, where backward characteristics are carried.
+/// Columns of the strain of an interface in space, if backward characteristics are carried.
 const STRAIN: [&str; 5] = ["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];

@@ -1,30 +1,30 @@
-//! Words for interfaces in the plane and in space.
+//! Vocabulary for interfaces in the plane and in space.
 
 use std::f64::consts::PI;
 
-/// Names of columns, and words.
+/// Names of columns, and nouns.
 pub struct Words {
-    /// Column of what is enclosed.
+    /// Column of the enclosed measure.
     pub enclosed: &'static str,
-    /// Column of the size of the interface itself.
+    /// Column of the measure of the interface itself.
     pub own: &'static str,
-    /// Name of that.
+    /// Noun for this measure.
     pub size: &'static str,
-    /// The form that encloses most.
+    /// The form that encloses the largest measure.
     pub round: &'static str,
-    /// The form that has semi-axes.
+    /// The form with semi-axes.
     pub oval: &'static str,
-    /// The line that a cut makes of it.
+    /// Noun for the zero set, which chords intersect.
     pub cut: &'static str,
     /// Columns of the semi-axes, and their names.
     pub axes: &'static [(&'static str, &'static str)],
     /// Columns of the half extents, and their names.
     pub extents: &'static [(&'static str, &'static str)],
-    /// The extents in words.
+    /// Noun for the extents.
     pub widths: &'static str,
-    /// Radius of the round form of what is enclosed.
+    /// Radius of the round form from its enclosed measure.
     pub radius: fn(f64) -> f64,
-    /// Size of the round form of a radius.
+    /// Measure of the round form from its radius.
     pub round_size: fn(f64) -> f64,
 }
 
@@ -56,7 +56,7 @@ const SPACE: Words = Words {
     round_size: |radius| 4.0 * PI * radius * radius,
 };
 
-/// The words of a dimension.
+/// The vocabulary of a dimension.
 pub(super) fn words(dimension: usize) -> &'static Words {
     if dimension == 2 { &PLANE } else { &SPACE }
 }

@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(after(2), [3.0, 1.0, 3.0]);
     }
 
-    /// What was exchanged counts as energy in play; where nothing is in play nothing is created.
+    /// Exchanged energy counts as energy in play; without energy in play the residual is zero.
     #[test]
     fn the_residual_is_relative_to_the_energy_in_play() {
         let now = Energies { kinetic: 1.0, elastic: 4.0, ..Energies::default() };

@@ -178,13 +178,13 @@ fn widest(ticks: &[Tick]) -> f64 {
     numbers(ticks).map(|(_, l)| l.width(NUMBER)).fold(0.0, f64::max)
 }
 
-/// Whether the numbers of a vertical axis do not touch.
+/// True if the numbers of a vertical axis do not touch.
 fn rows_fit(ticks: &[Tick], length: f64) -> bool {
     let places: Vec<f64> = numbers(ticks).map(|(at, _)| at * length).collect();
     places.len() > 1 && places.windows(2).all(|p| p[1] - p[0] >= 1.8 * NUMBER)
 }
 
-/// Whether the numbers of a horizontal axis do not touch.
+/// True if the numbers of a horizontal axis do not touch.
 fn columns_fit(ticks: &[Tick], length: f64) -> bool {
     let half = |l: &Label| 0.5 * l.width(NUMBER);
     let ends = |(at, l): (f64, &Label)| [at * length - half(l), at * length + half(l)];

@@ -21,7 +21,7 @@ pub struct Slope {
     pub y: f64,
     /// The power.
     pub order: f64,
-    /// Whether the triangle lies above its slope, for a place above the curves; else below.
+    /// True if the triangle lies above its slope, for a place above the curves; else below.
     pub above: bool,
 }
 
@@ -36,7 +36,7 @@ impl Slope {
         let corner = if self.above { [left, end] } else { [right, self.y] };
         [[left, self.y], [right, end], corner]
     }
-    /// Whether logarithmic axes have a place for it.
+    /// True if logarithmic axes have a place for it.
     pub(super) fn is_sound(&self) -> bool {
         self.corners().iter().flatten().all(|v| v.is_finite() && *v > 0.0)
     }

@@ -1,4 +1,4 @@
-//! Values of expressions with their derivatives in space, carried along in one evaluation (forward mode).
+//! Spatial derivatives of expressions by automatic differentiation in forward mode.
 
 use super::operation::Operation::{self, *};
 use super::{Expression, Instruction, STACK, TIME};
@@ -13,8 +13,8 @@ struct Dual {
 impl Expression {
     /// The value at the point `x` and the time `t` with its gradient. Does not allocate.
     ///
-    /// Where the expression has a kink, as `abs` and `if` have, the gradient is that of one of its sides; comparisons, `floor`,
-    /// `ceil` and `sign` have none.
+    /// At a kink, as of `abs` and `if`, the gradient is that of one of the two sides. The
+    /// derivative of comparisons, `floor`, `ceil` and `sign` is zero.
     pub fn eval_with_gradient(&self, x: [f64; 3], t: f64) -> (f64, [f64; 3]) {
         let mut stack = [Dual::default(); STACK];
         let mut top = 0;
@@ -37,8 +37,8 @@ impl Expression {
     }
 }
 
-/// The chain rule. A derivative by an argument that does not change is not asked for: that of `x^2` by the exponent needs the
-/// logarithm of `x`.
+/// The chain rule. Derivatives by constant arguments are skipped: that of `x^2` by the exponent
+/// needs the logarithm of `x`.
 fn apply(operation: Operation, arguments: &[Dual]) -> Dual {
     let mut values = [0.0; 3];
     values.iter_mut().zip(arguments).for_each(|(v, a)| *v = a.value);
@@ -86,7 +86,7 @@ impl Operation {
         }
     }
 
-    /// By the first argument for `k = 0`, else by the second.
+    /// Derivative by the first argument for `k = 0`, else by the second.
     fn binary_derivative(self, x: f64, y: f64, k: usize) -> f64 {
         let first = k == 0;
         match self {

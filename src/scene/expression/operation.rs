@@ -1,6 +1,6 @@
 //! Operators and functions of expressions.
 
-/// What an instruction does with the topmost values of the stack.
+/// Operation of an instruction on the top values of the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Operation {
     Negate,
@@ -72,7 +72,7 @@ pub(super) const FUNCTIONS: [(&str, Operation); 23] = [
     ("if", If),
 ];
 
-/// How tightly an operator binds; a comparison does not chain, a power groups to the right.
+/// Precedence of the operators. Comparisons do not chain; powers are right-associative.
 pub(super) mod binding {
     pub const OR: u8 = 1;
     pub const AND: u8 = 2;
@@ -83,7 +83,7 @@ pub(super) mod binding {
     pub const POWER: u8 = 7;
 }
 
-/// The binary operators; one that begins like another stands after the longer one.
+/// The binary operators; an operator with another one as prefix comes before it.
 pub(super) const OPERATORS: [(&str, Operation, u8); 13] = [
     ("||", Or, binding::OR),
     ("&&", And, binding::AND),
@@ -101,7 +101,7 @@ pub(super) const OPERATORS: [(&str, Operation, u8); 13] = [
 ];
 
 impl Operation {
-    /// The number of values it takes.
+    /// The number of arguments.
     pub fn arity(self) -> usize {
         match self {
             If => 3,
@@ -110,7 +110,7 @@ impl Operation {
         }
     }
 
-    /// The result for the arguments `a`, of which [`arity`](Self::arity) are used. True is 1, false is 0.
+    /// The result for the first [`arity`](Self::arity) arguments of `a`. True is 1, false is 0.
     #[inline]
     pub fn apply(self, a: &[f64]) -> f64 {
         match *a {

@@ -1,4 +1,4 @@
-//! From text to postfix code by operator precedence (Pratt 1973).
+//! Compiles text to postfix code by operator precedence (Pratt 1973).
 
 use super::operation::{FUNCTIONS, OPERATORS, Operation, binding};
 use super::{ExpressionError, Instruction, STACK, VARIABLES};
@@ -6,12 +6,12 @@ use crate::scene::nearest::nearest;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Parentheses, prefixes and powers that may stand inside one another.
+/// Maximum nesting depth of parentheses, prefixes and powers.
 const DEPTH: usize = 64;
 
 type Result<T> = std::result::Result<T, ExpressionError>;
 
-/// The postfix code of `text`. Constant parts are evaluated here.
+/// The postfix code of `text`, with constants folded.
 pub(super) fn compile(text: &str, constants: &BTreeMap<String, f64>) -> Result<Vec<Instruction>> {
     let mut parser = Parser { text, at: 0, constants, code: Vec::new(), height: 0 };
     parser.skip_spaces();
@@ -31,11 +31,12 @@ fn error(message: impl Into<String>, at: Range<usize>, hint: impl Into<String>) 
 
 struct Parser<'a> {
     text: &'a str,
-    /// The next byte to read; never inside a character, and never on white space between two tokens.
+    /// The next byte to read; always at a character boundary, and at no white space between two
+    /// tokens.
     at: usize,
     constants: &'a BTreeMap<String, f64>,
     code: Vec<Instruction>,
-    /// Values on the stack when `code` has run.
+    /// Stack height after `code` has run.
     height: usize,
 }
 
@@ -62,7 +63,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// The next character, as the place of an error.
+    /// The range of the next character, for errors.
     fn here(&self) -> Range<usize> {
         self.at..self.at + self.rest().chars().next().map_or(0, char::len_utf8)
     }
@@ -131,7 +132,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The parenthesis that closes the one at byte `open`.
+    /// Reads the parenthesis that closes the one at byte `open`.
     fn close(&mut self, open: usize) -> Result<()> {
         if self.accept(")") {
             return Ok(());
@@ -142,7 +143,7 @@ impl<'a> Parser<'a> {
         Err(error("this `(` is never closed", open..open + 1, "add `)`"))
     }
 
-    /// The error for what stands where an operator was expected.
+    /// The error for an unexpected token in place of an operator.
     fn unexpected(&self) -> ExpressionError {
         let hint = match self.rest().chars().next() {
             Some(')') => "remove this `)` or add the `(` it closes",
@@ -205,7 +206,7 @@ impl<'a> Parser<'a> {
         self.emit(instruction, start)
     }
 
-    /// The arguments of a function, and the call.
+    /// Reads the arguments of a function and emits the call.
     fn call(&mut self, name: &str, operation: Operation, place: Range<usize>, depth: usize) -> Result<()> {
         let open = self.at;
         self.advance(1);
@@ -253,7 +254,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Appends an operation; does it at once when its arguments are constants. `start` is the place for an error.
+    /// Emits an operation; evaluates it at once if its arguments are constants. `start` is the
+    /// position for an error.
     fn emit_operation(&mut self, operation: Operation, start: usize) -> Result<()> {
         let arity = operation.arity();
         let mut arguments = [0.0; 3];

@@ -1,11 +1,11 @@
-//! A scene as a tree of values, each with the place where it was written.
+//! A scene as a tree of values, each with its source position.
 
 use crate::base::{Error, Result, Snippet};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Where something was written: in the file (source 0) or in an override (source k is the k-th).
+/// Source position: in the file (source 0) or in the k-th override (source k).
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct Place {
     pub source: usize,
@@ -24,14 +24,14 @@ pub(in crate::scene) enum Value {
     Table(Vec<Entry>),
 }
 
-/// A value and its place.
+/// A value and its position.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Node {
     pub value: Value,
     pub place: Place,
 }
 
-/// A key of a table with its value; entries stand in the order of the text, those of overrides last.
+/// A key of a table with its value; entries keep the order of the text, with overrides last.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Entry {
     pub key: String,
@@ -39,7 +39,7 @@ pub(in crate::scene) struct Entry {
     pub node: Node,
 }
 
-/// A text that was read.
+/// A source text.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Source {
     /// The name of the file, or `--set`.
@@ -47,7 +47,7 @@ pub(in crate::scene) struct Source {
     pub text: String,
 }
 
-/// The texts a scene was read from and the tree of its values.
+/// The source texts of a scene and the tree of its values.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Document {
     pub sources: Vec<Source>,
@@ -55,12 +55,12 @@ pub(in crate::scene) struct Document {
 }
 
 impl Place {
-    /// The source of a value that stands in no text.
+    /// The source of a value that is in no text.
     pub const NOWHERE: usize = usize::MAX;
 }
 
 impl Value {
-    /// What kind of value it is, in a sentence.
+    /// Type of the value, as a noun for error messages.
     pub fn kind(&self) -> &'static str {
         match self {
             Value::Text(_) => "text",
@@ -83,7 +83,7 @@ impl Document {
         Ok(Document { sources: vec![Source { path: path.to_string(), text: text.to_string() }], root })
     }
 
-    /// The error `what` about `place`, with the key in words.
+    /// The error `what` at `place`, with the key in words.
     pub fn error(&self, place: &Place, key: &str, what: impl Into<String>) -> Error {
         let error = Error::scene(what);
         let Some(source) = self.sources.get(place.source) else { return error };
@@ -98,14 +98,14 @@ impl Document {
         error.at(format!("{file}{key}")).snippet(snippet)
     }
 
-    /// The text written at `place`, shortened.
+    /// The text at `place`, shortened.
     pub fn written(&self, place: &Place) -> String {
         let text = self.sources.get(place.source).and_then(|s| s.text.get(place.span.clone())).unwrap_or("");
         let line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
         if line.chars().count() <= 60 { line } else { format!("{} ...", line.chars().take(56).collect::<String>()) }
     }
 
-    /// The place of the value at `keys`, or of the innermost table on the way to it that was written.
+    /// The position of the value at `keys`, or of the innermost table on its path that is present.
     pub fn locate(&self, keys: &[&str]) -> Place {
         let mut node = &self.root;
         let mut place = &node.place;
@@ -148,7 +148,7 @@ fn node(value: &Spanned<DeValue<'_>>, source: usize, shift: usize) -> Node {
         DeValue::String(s) => Value::Text(s.to_string()),
         DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
             Ok(i) => Value::Integer(i),
-            // Beyond 64 bits: still a number, no longer a count.
+            // Beyond 64 bits: a floating-point number, no integer.
             Err(_) => Value::Float(i.as_str().parse().unwrap_or(f64::INFINITY)),
         },
         DeValue::Float(f) => Value::Float(f.as_str().parse().unwrap_or(f64::NAN)),

@@ -1,4 +1,4 @@
-//! Typed reading of values, with an error that names place, value and remedy for each that does not fit.
+//! Typed reading of values, with errors that give position, value and remedy.
 
 use super::document::{Document, Entry, Node, Place, Value};
 use super::{Absent, Keys};
@@ -8,7 +8,7 @@ use crate::scene::nearest::{advice, nearest};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Properties of the scene that the reading of a value depends on.
+/// Properties of the scene that the reading of values depends on.
 #[derive(Clone)]
 pub(in crate::scene) struct Context {
     /// Components of a vector: 2 or 3.
@@ -23,13 +23,13 @@ pub(in crate::scene) struct Context {
 pub(in crate::scene) struct Item<'a> {
     document: &'a Document,
     node: &'a Node,
-    /// The place of the key, or of the value where there is none (in a list).
+    /// The position of the key, or of the value if it has no key (in a list).
     key_place: &'a Place,
-    /// All keys that lead here, joined by points.
+    /// The path of keys, joined by dots.
     pub key: String,
 }
 
-/// A table whose keys are all known.
+/// A table with validated keys.
 pub(in crate::scene) struct Table<'a> {
     document: &'a Document,
     entries: &'a [Entry],
@@ -37,7 +37,7 @@ pub(in crate::scene) struct Table<'a> {
     key: String,
 }
 
-/// The largest magnitude of a number in a scene; squares and cubes of it stay finite.
+/// The largest magnitude of a number in a scene; its square and cube remain finite.
 const LARGEST: f64 = 1e100;
 
 impl<'a> Item<'a> {
@@ -61,7 +61,7 @@ impl<'a> Item<'a> {
         self.document.error(self.key_place, &self.key, what).value(value)
     }
 
-    /// Says of an error that it is about this value.
+    /// Attaches the position of this value to an error.
     pub fn blame(&self, error: Error) -> Error {
         let placed = self.error("");
         let error = error.at(placed.place());
@@ -110,7 +110,7 @@ impl<'a> Item<'a> {
         self.error(format!("`{}` must be {words}", self.key)).remedy(format!("give a number {range}"))
     }
 
-    /// A whole number from `least` to `most`.
+    /// An integer from `least` to `most`.
     pub fn count(&self, least: usize, most: usize) -> Result<usize> {
         let Value::Integer(i) = self.node.value else {
             return Err(self.wrong_kind("a whole number").remedy(format!("give one from {least} to {most}")));
@@ -139,22 +139,22 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// True if this is the text `word`.
+    /// True if the value is the text `word`.
     pub fn is_word(&self, word: &str) -> bool {
         matches!(&self.node.value, Value::Text(s) if s == word)
     }
 
-    /// True if this is `false`.
+    /// True if the value is `false`.
     pub fn is_false(&self) -> bool {
         matches!(self.node.value, Value::Boolean(false))
     }
 
-    /// True if this is the number 0.
+    /// True if the value is the number 0.
     pub fn is_zero(&self) -> bool {
         matches!(self.node.value, Value::Integer(0))
     }
 
-    /// True if this is a table.
+    /// True if the value is a table.
     pub fn is_table(&self) -> bool {
         matches!(self.node.value, Value::Table(_))
     }
@@ -180,13 +180,13 @@ impl<'a> Item<'a> {
         Ok(nodes.iter().enumerate().map(|(i, n)| self.child(n, &n.place, &i.to_string())).collect())
     }
 
-    /// The items of a list of `n`, one a dimension of the scene.
+    /// The items of a list of length `n`, one for each dimension of the scene.
     fn components_of(&self, n: usize) -> Result<Vec<Item<'a>>> {
         let advice = format!("give {n} values in brackets; the scene has {n} dimensions");
         self.list_of(n).map_err(|e| if self.list().is_ok() { e.remedy(advice) } else { e })
     }
 
-    /// The items of a list of `n`.
+    /// The items of a list of length `n`.
     fn list_of(&self, n: usize) -> Result<Vec<Item<'a>>> {
         let items = self.list()?;
         if items.len() != n {
@@ -207,7 +207,7 @@ impl<'a> Item<'a> {
         Ok(v)
     }
 
-    /// A vector of `N` whole numbers from 1 to `most`.
+    /// A vector of `N` integers from 1 to `most`.
     pub fn counts<const N: usize>(&self, most: usize) -> Result<[usize; N]> {
         let mut v = [0; N];
         for (v, item) in v.iter_mut().zip(self.list_of(N)?) {
@@ -216,17 +216,17 @@ impl<'a> Item<'a> {
         Ok(v)
     }
 
-    /// As many numbers as `n`.
+    /// A list of `n` numbers.
     pub fn numbers(&self, n: usize) -> Result<Vec<f64>> {
         self.list_of(n)?.iter().map(Item::number).collect()
     }
 
-    /// A vector of as many numbers as the scene has dimensions.
+    /// A vector with one number for each dimension of the scene.
     pub fn point(&self, context: &Context) -> Result<Vec<f64>> {
         self.components_of(context.dimension)?.iter().map(Item::number).collect()
     }
 
-    /// A vector of as many numbers or expressions as the scene has dimensions.
+    /// A vector with one number or expression for each dimension of the scene.
     pub fn components(&self, context: &Context) -> Result<Vec<Expression>> {
         self.components_of(context.dimension)?.iter().map(|i| i.expression(&context.constants)).collect()
     }
@@ -254,7 +254,8 @@ impl<'a> Item<'a> {
         Ok(expression)
     }
 
-    /// The place of the bytes `at` of the text that this value holds; the whole value where it is written with escapes.
+    /// The position of the bytes `at` of the text in this value; the whole value if it contains
+    /// escapes.
     fn inside(&self, text: &str, at: &std::ops::Range<usize>) -> Place {
         let place = &self.node.place;
         let source = self.document.sources.get(place.source).map_or("", |s| s.text.as_str());
@@ -267,7 +268,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// The table this is, whose keys must all be among `known`.
+    /// The value as a table, whose keys must all be among `known`.
     pub fn table(&self, known: &Keys) -> Result<Table<'a>> {
         let table = self.open_table()?;
         match table.entries.iter().find(|e| known.get(&e.key).is_none()) {
@@ -287,7 +288,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// The table this is, with any keys.
+    /// The value as a table with arbitrary keys.
     pub fn open_table(&self) -> Result<Table<'a>> {
         match &self.node.value {
             Value::Table(entries) => {
@@ -299,7 +300,7 @@ impl<'a> Item<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The value of `key`, if it is written.
+    /// The value of `key`, if present.
     pub fn get(&self, key: &str) -> Option<Item<'a>> {
         self.entries.iter().find(|e| e.key == key).map(|e| self.item(e))
     }
@@ -309,7 +310,7 @@ impl<'a> Table<'a> {
         Item { document: self.document, node: &entry.node, key_place: &entry.key_place, key }
     }
 
-    /// The table `key`, whose keys must all be among `known`; without any where it is not written.
+    /// The table `key`, whose keys must all be among `known`; an empty table if absent.
     pub fn inner(&self, key: &str, known: &Keys) -> Result<Table<'a>> {
         match self.get(key) {
             Some(item) => item.table(known),
@@ -317,7 +318,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The value `node` as that of `key`, which is not written.
+    /// The default value `node` for the absent key `key`.
     pub fn unwritten<'b>(&'b self, key: &str, node: &'b Node) -> Item<'b> {
         Item { document: self.document, node, key_place: &node.place, key: joined(&self.key, key) }
     }
@@ -327,7 +328,7 @@ impl<'a> Table<'a> {
         self.document.error(self.place, &self.key, what).value(self.document.written(self.place))
     }
 
-    /// The last of the keys that lead here.
+    /// The last key of the path.
     pub fn name(&self) -> &str {
         self.key.rsplit('.').next().unwrap_or_default()
     }
@@ -337,12 +338,12 @@ impl<'a> Table<'a> {
         self.entries.iter().map(|e| (e.key.as_str(), self.item(e)))
     }
 
-    /// The value of `key` as `read` makes it, if it is written.
+    /// The value of `key` read by `read`, if present.
     pub fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
         self.get(key).map(|i| read(&i)).transpose()
     }
 
-    /// The value of `key` as `read` makes it; `remedy` says what to write where it is missing.
+    /// The value of `key` read by `read`; `remedy` is the advice if it is missing.
     pub fn required<T>(&self, key: &str, remedy: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<T> {
         match self.get(key) {
             Some(item) => read(&item),
@@ -350,7 +351,8 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The one value of which exactly one of `keys` must be written, with its key.
+    /// The single key among `keys` that is present, with its value; an error if there is none or
+    /// more than one.
     pub fn exactly_one(&self, keys: &Keys) -> Result<(&'static str, Item<'a>)> {
         let names = || keys.keys.iter().filter(|k| k.absent == Absent::OneOf).map(|k| k.name);
         let mut found = names().filter_map(|k| self.get(k).map(|i| (k, i)));
@@ -366,7 +368,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The error for something that is not there.
+    /// The error for a missing value.
     fn missing(&self, what: &str, key: &str) -> Error {
         let place = if self.key.is_empty() { "the scene".to_string() } else { format!("`{}`", self.key) };
         let error = self.document.error(self.place, &joined(&self.key, key), format!("{what} is missing in {place}"));

@@ -1,5 +1,5 @@
-//! Keys of a scene: their descriptions, from which tables are read and the reference is printed, and
-//! the typed reading and writing of values. Knows no particular table.
+//! Keys of a scene: their descriptions, from which tables are read and the reference is printed,
+//! and the typed reading and writing of values. Independent of any particular table.
 
 mod document;
 mod item;
@@ -25,39 +25,39 @@ pub(in crate::scene) use write::{Toml, Writer, key, list, name, number, text};
 pub struct Keys {
     /// Meaning of the table, in a sentence.
     pub about: &'static str,
-    /// All keys it may have.
+    /// All its keys.
     pub keys: &'static [Key],
 }
 
 /// A key of a table.
 #[derive(Debug)]
 pub struct Key {
-    /// As it is written.
+    /// The name in TOML.
     pub name: &'static str,
-    /// Values it can have.
+    /// Its possible values.
     pub kind: Kind,
     /// The unit in SI, for any consistent system; empty for a pure number and for words.
     pub unit: &'static str,
-    /// Meaning of its absence.
+    /// Meaning if the key is absent.
     pub absent: Absent,
     /// Meaning, in sentences.
     pub doc: &'static str,
 }
 
-/// Values that a key can have.
+/// Possible values of a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A value, in words.
     Value(&'static str),
     /// A value, in words, or false.
     OrFalse(&'static str),
-    /// So many numbers.
+    /// This many numbers.
     Numbers(usize),
-    /// So many numbers > 0.
+    /// This many numbers > 0.
     Lengths(usize),
-    /// A whole number from the first to the second.
+    /// An integer from the first to the second number.
     Count([usize; 2]),
-    /// So many whole numbers from the first to the second.
+    /// This many integers from the first to the second number.
     Counts(usize, [usize; 2]),
     /// One of these words.
     Choice(&'static [&'static str]),
@@ -73,18 +73,18 @@ pub enum Kind {
     Either(&'static str, &'static Keys),
 }
 
-/// Meaning of a key that is not written.
+/// Meaning of an absent key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
-    /// The scene is wrong.
+    /// An error.
     Required,
-    /// Another key of the table is written: exactly one of them must be.
+    /// Exactly one of several keys of the table must be present.
     OneOf,
     /// This value, in TOML.
     Default(&'static str),
-    /// The word "auto", which may be written too: the plan decides.
+    /// The word "auto", which may also be given: the value is derived by the plan.
     Auto,
-    /// The meaning in these words.
+    /// A derived value, described in words.
     Derived(&'static str),
     /// Nothing.
     Optional,
@@ -114,7 +114,7 @@ impl Keys {
 }
 
 impl Kind {
-    /// The keys of the table, or of each of the tables, that the value is or can be.
+    /// The keys of the table, or of each table of the list, if the value can be one.
     pub fn keys(&self) -> Option<&'static Keys> {
         match *self {
             Kind::Table(keys) | Kind::List(keys) | Kind::Named(keys) | Kind::Either(_, keys) => Some(keys),

@@ -1,9 +1,9 @@
-//! Names that a scene gives to what it holds.
+//! Names defined by a scene.
 
 use super::item::Item;
 use crate::base::Result;
 
-/// The entries of a table whose keys name them; a name becomes part of column and file names.
+/// The entries of a table whose keys are their names; a name becomes part of column and file names.
 pub(in crate::scene) fn named<T>(item: &Item, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
     let entries = item.open_table()?;
     let one = |(name, item): (&str, Item)| match is_identifier(name) {
@@ -13,7 +13,7 @@ pub(in crate::scene) fn named<T>(item: &Item, read: impl Fn(String, &Item) -> Re
     entries.items().map(one).collect()
 }
 
-/// The tables of a list, each with a name that neither another one nor anything in `taken` has.
+/// The tables of a list, each with a name distinct from all others and from those in `taken`.
 pub(in crate::scene) fn distinct<T>(
     item: Option<Item>,
     taken: &[&str],

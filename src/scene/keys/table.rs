@@ -1,4 +1,4 @@
-//! One declaration a table: its struct, its reference, its reading and its writing.
+//! Declaration of a table in one place: its struct, reference, reading and writing.
 
 use super::document::{Place, Value, parse_value};
 use super::item::{Context, Item, Table};
@@ -10,21 +10,21 @@ use crate::base::{Error, Result};
 pub(in crate::scene) trait Tabled: Sized {
     /// Its keys.
     const KEYS: &'static Keys;
-    /// Reads it from a table whose keys are known.
+    /// Reads the values from a table with validated keys.
     ///
     /// # Errors
-    /// Values that do not fit, with their place and a remedy.
+    /// Invalid values, with their position and a remedy.
     fn read_table(table: &Table<'_>, context: &Context) -> Result<Self>;
-    /// Its keys with their values, as they are written.
+    /// Its keys with their values in TOML.
     fn entries(&self) -> Entries;
-    /// Reads it.
+    /// Reads the table from a value.
     ///
     /// # Errors
-    /// Those of [`read_table`](Tabled::read_table), and a key that is not known.
+    /// Those of [`read_table`](Tabled::read_table), and unknown keys.
     fn read(item: &Item<'_>, context: &Context) -> Result<Self> {
         Self::read_table(&item.table(Self::KEYS)?, context)
     }
-    /// Reads the table `key`, as if it were empty where it is not written.
+    /// Reads the table `key`; an absent table is read as an empty one.
     ///
     /// # Errors
     /// Those of [`read`](Tabled::read).
@@ -43,7 +43,7 @@ pub(in crate::scene) trait Tabled: Sized {
     }
 }
 
-/// A table with the name that the scene gives it.
+/// A table with a name from the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T> {
     /// The name in results.
@@ -59,7 +59,7 @@ impl<T> std::ops::Deref for Named<T> {
     }
 }
 
-/// The entries in the order of the keys that are named, after all others.
+/// The entries, those with the keys in `order` moved to the end.
 pub(in crate::scene) fn last(mut entries: Entries, order: &[&str]) -> Entries {
     entries.sort_by_key(|(key, _)| {
         let first = key.split('.').next();
@@ -68,13 +68,13 @@ pub(in crate::scene) fn last(mut entries: Entries, order: &[&str]) -> Entries {
     entries
 }
 
-/// The value of `key`, if it is written.
+/// The value of `key`, if present.
 pub(in crate::scene) fn optional<K: Typed>(table: &Table<'_>, key: &str, context: &Context) -> Result<Option<K::Out>> {
     table.get(key).map(|i| K::read(&i, context)).transpose()
 }
 
-/// The value of `key`; where it is missing, the remedy is the first one, in space the last, with
-/// the name of the table for `{here}`.
+/// The value of `key`. The remedy for a missing key is the first one, in space the last, with
+/// `{here}` replaced by the name of the table.
 pub(in crate::scene) fn required<K: Typed>(
     table: &Table<'_>,
     key: &str,
@@ -86,7 +86,7 @@ pub(in crate::scene) fn required<K: Typed>(
     table.required(key, &remedy, |i| K::read(i, context))
 }
 
-/// The value of `key`, or that which the TOML `default` has.
+/// The value of `key`, or the value of the TOML text `default`.
 pub(in crate::scene) fn or_default<K: Typed>(
     table: &Table<'_>,
     key: &str,
@@ -106,7 +106,7 @@ pub(in crate::scene) fn or_default<K: Typed>(
     K::read(&table.unwritten(key, &node), context)
 }
 
-/// A text of several lines of documentation, each of which begins with a blank.
+/// Joins several lines of documentation, each of which begins with a space.
 pub(in crate::scene) const fn joined(lines: &'static str) -> &'static str {
     lines.split_at(1).1
 }
@@ -124,17 +124,18 @@ pub(in crate::scene) const fn joined(lines: &'static str) -> &'static str {
 /// }
 /// ```
 ///
-/// gives the struct `Name`, and its keys to the reference, to reading and to writing. Further
-/// traits to be derived follow the name after a colon. The unit may be missing. `Absent` is
+/// defines the struct `Name` with reference, reading and writing of its keys. Further
+/// derived traits follow the name after a colon. The unit is optional. `Absent` is
 /// - `Required("remedy")`, with a second remedy for scenes of space;
 /// - `Default(value in TOML)`;
-/// - `Derived("words")`, with the value to begin with where that is not the default of the type;
+/// - `Derived("words")`, with the initial value if it is not the default of the type;
 /// - `OneOf`;
-/// - `Inner`, which reads a table that is not written as an empty one;
-/// - or nothing, for what the kind says.
+/// - `Inner`, which reads an absent table as an empty one;
+/// - or absent, for the default meaning of the kind.
 ///
-/// `before` is called with the table before reading, and refuses keys that cannot stand there;
-/// `check` after reading, and may change what was read; `hide` tells keys that are not written.
+/// `before` is called with the table before reading and rejects invalid combinations of keys;
+/// `check` is called after reading and may change the values; `hide` selects the keys that are not
+/// written.
 macro_rules! table {
     ($(#[doc = $about:literal])* $name:ident $(: $($more:ident),+)? {
         $($(#[doc = $doc:literal])* $key:ident: $out:ty
@@ -213,7 +214,7 @@ macro_rules! table {
 }
 pub(in crate::scene) use table;
 
-/// Declares a table with exactly one of its keys for an enum that stands elsewhere:
+/// Declares a table with exactly one of its keys, for an enum that is defined elsewhere:
 ///
 /// ```text
 /// one_of! {
@@ -226,8 +227,8 @@ pub(in crate::scene) use table;
 /// }
 /// ```
 ///
-/// The pattern takes what `Kind` reads, the variant what the pattern binds, and back in writing.
-/// `check` is called with the key before its value is read.
+/// The pattern binds the value read by `Kind`, from which the variant is built; writing uses them
+/// in reverse. `check` is called with the key before its value is read.
 macro_rules! one_of {
     ($(#[doc = $about:literal])* $name:ident {
         $($(#[doc = $doc:literal])* $key:literal

@@ -13,18 +13,19 @@ pub(in crate::scene) type Entries = Vec<(String, String)>;
 
 /// A kind of value that a key can have.
 pub(in crate::scene) trait Typed {
-    /// The value once it is read.
+    /// The type of the value after reading.
     type Out;
     /// Its name in the reference.
     const KIND: Kind;
-    /// Meaning of a key that is not written, where the table does not say.
+    /// Default meaning of an absent key.
     const ABSENT: Absent = Absent::Optional;
-    /// True if it has one component a dimension: a default of the plane is continued by its last.
+    /// True if the value has one component for each dimension. A default for the plane is extended
+    /// to space with its last component.
     const SPATIAL: bool = false;
     /// Reads the value.
     ///
     /// # Errors
-    /// A value that does not fit, with its place and a remedy.
+    /// An invalid value, with its position and a remedy.
     fn read(item: &Item<'_>, context: &Context) -> Result<Self::Out>;
     /// The value as TOML.
     fn toml(out: &Self::Out) -> String;
@@ -96,8 +97,8 @@ kinds! {
 
 /// Declares the words of a choice: `Name: Type { "word" = value, ... }`.
 ///
-/// The name is a kind of value. [`Set`] is a list of such words; after `twice` stand the error for one
-/// that is repeated, and its remedy.
+/// The name is a kind of value. [`Set`] is a list of such words; `twice` is followed by the error
+/// for a repeated word and its remedy.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident: $out:ty { $($word:literal = $value:expr),* $(,)? }
         $(twice $what:literal, $remedy:literal)?) => {
@@ -128,19 +129,19 @@ pub(in crate::scene) use words;
 pub(in crate::scene) trait Words: Typed<Out: Copy + PartialEq + 'static> {
     /// Words with their values.
     const WORDS: &'static [(&'static str, Self::Out)];
-    /// The error, and its remedy, for a word that stands twice in a list.
+    /// The error and the remedy for a word that is repeated in a list.
     const TWICE: [&'static str; 2] = ["the word stands twice in the list", "name each once"];
 }
 
-/// A kind of value made of another one.
+/// An optional value.
 pub(in crate::scene) struct Opt<K>(PhantomData<K>);
-/// A value, or "auto": the plan decides.
+/// A value, or "auto" for one derived by the plan.
 pub(in crate::scene) struct Auto<K>(PhantomData<K>);
 /// A value, or false for none.
 pub(in crate::scene) struct OrFalse<K>(PhantomData<K>);
-/// A list that is left out where it is empty.
+/// A list that is omitted if empty.
 pub(in crate::scene) struct Many<K>(PhantomData<K>);
-/// A list of words, each once.
+/// A list of distinct words.
 pub(in crate::scene) struct Set<W>(PhantomData<W>);
 /// A table.
 pub(in crate::scene) struct Nested<T>(PhantomData<T>);

@@ -3,7 +3,7 @@
 use crate::scene::expression::Expression;
 use std::fmt::Write as _;
 
-/// A TOML text in the making.
+/// A TOML text under construction.
 #[derive(Default)]
 pub struct Writer {
     pub text: String,
@@ -16,12 +16,12 @@ impl Writer {
         self.push(format_args!("{gap}{header}\n"));
     }
 
-    /// Writes `key = value`; the value is TOML already.
+    /// Writes `key = value`, with the value already in TOML.
     pub fn entry(&mut self, key: &str, value: impl std::fmt::Display) {
         self.push(format_args!("{key} = {value}\n"));
     }
 
-    /// Writes keys with their values, which are TOML already.
+    /// Writes keys with their values, which are already in TOML.
     pub fn entries(&mut self, entries: impl IntoIterator<Item = (String, String)>) {
         entries.into_iter().for_each(|(key, value)| self.entry(&key, value));
     }
@@ -32,7 +32,7 @@ impl Writer {
     }
 }
 
-/// A value that has a form in TOML.
+/// A type with a TOML representation.
 pub(in crate::scene) trait Toml {
     /// The value as TOML.
     fn toml(&self) -> String;
@@ -68,7 +68,7 @@ impl Toml for std::path::PathBuf {
     }
 }
 
-/// A number where it was written as one.
+/// A constant expression is written as a number.
 impl Toml for Expression {
     fn toml(&self) -> String {
         self.text().parse::<f64>().map_or_else(|_| text(self.text()), number)
@@ -87,7 +87,7 @@ impl<T: Toml, const N: usize> Toml for [T; N] {
     }
 }
 
-/// A number as TOML, with all its digits.
+/// A number as TOML, with all digits.
 pub(in crate::scene) fn number(v: f64) -> String {
     format!("{v:?}")
 }
@@ -111,13 +111,13 @@ pub(in crate::scene) fn text(s: &str) -> String {
     quoted
 }
 
-/// A key as TOML, quoted where it must be.
+/// A key as TOML, quoted if necessary.
 pub(in crate::scene) fn key(s: &str) -> String {
     let bare = !s.is_empty() && s.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
     if bare { s.to_string() } else { text(s) }
 }
 
-/// The name of a choice.
+/// The word for a value of a choice.
 pub(in crate::scene) fn name<T: PartialEq>(value: T, choices: &[(&'static str, T)]) -> String {
     text(choices.iter().find(|c| c.1 == value).map_or("", |c| c.0))
 }

@@ -1,4 +1,4 @@
-//! Level sets of a scene in a velocity that is prescribed.
+//! Level sets of a scene in a prescribed velocity.
 
 use super::{fields, ground};
 use crate::base::{Error, PHASES, Result, Warning, same};
@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// Level sets of a scene in a prescribed velocity, ready to run.
 pub struct Advected<const D: usize = 2> {
-    /// The advection, at time 0 until it is stepped.
+    /// The advection, initially at time 0.
     pub advection: Advection<D>,
     /// Warnings before the first step.
     pub warnings: Vec<Warning>,
@@ -38,7 +38,7 @@ impl<const D: usize> Advected<D> {
     /// Builds the advection of a scene.
     ///
     /// # Errors
-    /// A velocity that has no finite value somewhere; shapes that do not lie on the mesh.
+    /// A velocity without a finite value at some node; shapes that do not lie on the mesh.
     pub fn new(scene: &Scene) -> Result<Advected<D>> {
         let (mut site, lengths) = ground::site::<D>(scene)?;
         let Some(velocity) = &scene.fluid.prescribed_velocity else {
@@ -57,7 +57,7 @@ impl<const D: usize> Advected<D> {
         Ok(Advected { advection, warnings, quality, scene, lengths, probes, carried_bands })
     }
 
-    /// Continues on another mesh of the domain.
+    /// Transfers the problem to another mesh of the domain.
     fn continue_on(&mut self, mesh: Mesh<D>, transfer: Transfer) -> Result<()> {
         let this: &mut dyn Any = self;
         let (Some(problem), Some(mesh)) = (this.downcast_mut::<Advected<2>>(), same(mesh)) else {

@@ -10,7 +10,7 @@ use crate::sim::Carried;
 use nalgebra::SVector;
 use std::path::Path;
 
-/// A field that is made for a file.
+/// A field computed for a file.
 enum Made<const D: usize> {
     Scalar(Vec<f64>),
     Vector(Vec<SVector<f64, D>>),
@@ -25,8 +25,8 @@ impl<const D: usize> Made<D> {
     }
 }
 
-/// Writes velocity (or, without a flow, an image), pressure, level sets, strains and curvatures into a
-/// VTU file.
+/// Writes velocity (or, for a segmentation, the image), pressure, level sets, strains and
+/// curvatures to a VTU file.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -58,9 +58,9 @@ pub(super) fn write<const D: usize>(path: &Path, view: &View<'_, D>, image: Opti
     write_vtu(path, view.space(), state.time, &fields)
 }
 
-/// Fields of the backward characteristics: the displacement `Y(x) - x` to the place at rest of each
-/// structure that resists shear, that to the place at time 0, and in space area and shear about each
-/// interface.
+/// Fields of the backward characteristics: the displacement `Y(x) - x` to the position at rest for
+/// each structure that resists shear, the displacement to the position at time 0, and in space area
+/// change and shear near each interface.
 fn strained<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
     let (mut made, carried, fields) = (Vec::new(), view.carried, &view.state.fields);
     if !view.has_backward_map() {
@@ -83,21 +83,21 @@ fn strained<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
     made
 }
 
-/// Two edges of the finest cell.
+/// Two edges of the finest cell: reach of the strain near a passive interface.
 fn thinnest<const D: usize>(carried: &Carried<D>) -> f64 {
     let mesh = carried.mesh();
     2.0 * (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min)
 }
 
-/// Unknowns of all level sets.
+/// Number of unknowns of all level sets.
 pub(super) fn level_set_unknowns<const D: usize>(view: &View<'_, D>) -> usize {
     view.space().len() * view.carried.structures().iter().filter(|s| s.level_set().is_some()).count()
 }
 
-/// The mesh that a checkpoint holds.
+/// The mesh in a checkpoint.
 ///
 /// # Errors
-/// Damaged bytes.
+/// Corrupt bytes.
 pub(super) fn mesh_from_bytes<const D: usize>(bytes: &[u8]) -> Result<Mesh<D>> {
     Mesh::from_bytes(bytes).ok_or_else(|| {
         Error::input("the mesh of the checkpoint is damaged")

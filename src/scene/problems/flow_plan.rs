@@ -10,18 +10,18 @@ use crate::scene::view::View;
 use crate::sim::{Coupling, Simulation};
 use crate::transport::Method;
 
-/// The ingredients of the plan of an immersed flow.
+/// The data for the plan of an immersed flow.
 pub(super) struct FlowPlan<'a, const D: usize> {
     pub scene: &'a Scene,
     pub sim: &'a Simulation<D>,
     pub view: View<'a, D>,
     pub limits: Limits,
-    /// Velocity scale that grad-div was derived from, if it was.
+    /// Velocity scale from which grad-div was derived, if it was.
     pub velocity_scale: Option<f64>,
 }
 
 impl<const D: usize> FlowPlan<'_, D> {
-    /// All sections but that of the mesh.
+    /// All sections except that of the mesh.
     pub fn sections(&self) -> [Section; 5] {
         [
             ("Solved", self.solved()),
@@ -195,7 +195,7 @@ impl<const D: usize> FlowPlan<'_, D> {
         lines
     }
 
-    /// True if density or viscosity change across an interface, which needs a band.
+    /// True if density or viscosity jump across an interface, which needs a band.
     fn is_stepped(&self) -> bool {
         let outside = self.scene.outside();
         self.scene.fluids().any(|f| f != outside) || self.scene.acting().any(|s| s.traits().mass > 0.0)

@@ -1,4 +1,4 @@
-//! The ground of a problem: mesh, conditions and structures of a scene.
+//! Common construction of problems: mesh, conditions and structures of a scene.
 
 use crate::base::{Error, Result, Warning};
 use crate::elastic::Band;
@@ -20,27 +20,27 @@ use crate::structure::Structure;
 use crate::transport::Method;
 use std::sync::Arc;
 
-/// Times at which a velocity that depends on time is looked at before it is used.
+/// Number of times at which a time-dependent velocity is sampled for checks.
 const SAMPLES: usize = 16;
-/// A normal velocity below this part of the largest speed is rounding, such as that of sin(pi).
+/// A normal velocity below this fraction of the largest speed is a rounding error, such as sin(pi).
 const ROUNDING: f64 = 1e-9;
-/// Degree of the quadrature rule when the scene does not say: FreeFEM's.
+/// Default degree of the quadrature rule, the same as in FreeFEM.
 pub(super) const QUADRATURE: usize = 5;
 
-/// Builds the mesh of a scene, adapted where the scene says so, and checks it. Returns the lengths that
-/// an adapted mesh keeps to.
+/// Builds and checks the mesh of a scene, with adaptation if requested. Returns the target lengths
+/// of an adapted mesh.
 ///
 /// # Errors
-/// A scene of another dimension; a mesh that cannot be built or falls into parts; names and conditions
-/// that do not fit it.
+/// A scene of another dimension; a mesh that cannot be built or is not connected; names and
+/// conditions that do not fit the mesh.
 pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option<Lengths>)> {
     if scene.dimension() != D {
         let e = Error::scene(format!("a scene of {} dimensions has no model of {D}", scene.dimension()));
         return Err(scene.blame(&["mesh"], e.remedy("build the model of the dimension of its mesh")));
     }
     let (mesh, mut warnings) = meshing::mesh::<D>(scene)?;
-    // `walls` names every side: one that lacks a condition is told by name and place when the unknowns
-    // are numbered.
+    // `walls` covers every side. A side without a condition is reported by name and position when
+    // the unknowns are numbered.
     let given = with_walls(mesh);
     let lengths = scene.adapt.as_ref().map(|a| Lengths::new(scene, a, &given)).transpose()?;
     let mesh = Arc::new(match &lengths {
@@ -59,11 +59,11 @@ pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option
     Ok((site, lengths))
 }
 
-/// Half-width of the bands: the scene's, or a multiple of the longest edge on the interfaces that act;
-/// `None` where none does.
+/// Half-width of the bands: given by the scene, or a multiple of the longest edge on the acting
+/// interfaces; `None` if there is none.
 ///
 /// # Errors
-/// An interface no part of which lies on the mesh.
+/// An interface that does not intersect the mesh.
 pub(super) fn thickness<const D: usize>(
     scene: &Scene,
     site: &Site<'_, D>,
@@ -84,8 +84,8 @@ pub(super) fn thickness<const D: usize>(
     if distances().next().is_none() {
         return Ok(None);
     }
-    // Edges on the interface first, then those in the band that they make, which on a graded mesh are
-    // longer.
+    // First the edges on the interface, then those in the resulting band, which are longer on a
+    // graded mesh.
     let eps = BAND * longest;
     let edges = distances().filter_map(|(_, d)| band_edges(&site.space, d, eps));
     let longest = edges.map(|e| e.largest).fold(longest, f64::max);
@@ -95,7 +95,7 @@ pub(super) fn thickness<const D: usize>(
 /// Builds the structures of a scene.
 ///
 /// # Errors
-/// Values that do not fit the mesh, with their place.
+/// Values that do not fit the mesh, with their position.
 pub(super) fn structures<const D: usize>(
     scene: &Scene,
     site: &mut Site<'_, D>,
@@ -113,7 +113,7 @@ pub(super) fn structures<const D: usize>(
     Ok(all)
 }
 
-/// For each structure the slope that its band is measured with, where that is carried.
+/// For each structure, the slope that its band is measured with, if the band is carried.
 pub(super) fn carried_bands(scene: &Scene) -> Vec<Option<f64>> {
     let slope = |traits: Traits| {
         let carried = band_of(&scene.numerics, traits.constant_tension) == Band::Carried;
@@ -133,10 +133,10 @@ pub(super) fn transport(scene: &Scene) -> Transport {
     }
 }
 
-/// A warning when two bands overlap: their stresses are added, and the fluid between them is not
+/// A warning if two bands overlap: their stresses are added, and the fluid between them is not
 /// resolved.
 fn warn_of_overlaps<const D: usize>(scene: &Scene, site: &mut Site<'_, D>, placed: &[Option<Placed<D>>], eps: f64) {
-    // What pulls at nothing may lie where another one is.
+    // A structure without force may overlap with others.
     let pulling = scene.structures().iter().zip(placed).filter(|(s, _)| s.traits().pulls);
     let pulling: Vec<_> = pulling.filter_map(|(s, p)| Some((s, &p.as_ref()?.nodal))).collect();
     for (k, (first, a)) in pulling.iter().enumerate() {
@@ -153,8 +153,8 @@ fn warn_of_overlaps<const D: usize>(scene: &Scene, site: &mut Site<'_, D>, place
     }
 }
 
-/// Refuses what backward characteristics cannot have: a map to the place at rest, a level set taken from
-/// the map and composed transport where particles pass periodic sides.
+/// Rejects features of backward characteristics that do not work with particles crossing periodic
+/// sides: a map to the position at rest, a level set computed from the map, and composed transport.
 fn check_map(scene: &Scene, periodic: bool) -> Result<()> {
     let composed = scene.numerics.transport == Method::Composed;
     if scene.output.backward_map && composed && (periodic || scene.structures().is_empty()) {
@@ -175,7 +175,7 @@ fn check_map(scene: &Scene, periodic: bool) -> Result<()> {
     Ok(())
 }
 
-/// Adds the name `walls` for the whole boundary to a mesh that does not have it.
+/// Adds the name `walls` for the whole boundary if the mesh does not have it.
 fn with_walls<const D: usize>(mut mesh: Mesh<D>) -> Mesh<D> {
     if !mesh.boundaries().contains_key(schema::WALLS) {
         let all = (0..mesh.facets().len() as u32).collect();
@@ -199,7 +199,7 @@ fn check_parts<const D: usize>(script: &Script, quality: &Quality<D>) -> Result<
         .remedy("run each part on its own, or join them (gmsh: Coherence; before meshing)"))
 }
 
-/// Refuses pictures on a plane that misses the domain.
+/// Rejects pictures on a plane outside the domain.
 fn check_slice<const D: usize>(script: &Script, (low, high): (Point<D>, Point<D>)) -> Result<()> {
     let Some((axis, at)) = script.output.picture.slice.and_then(|s| Some((s.axis, s.at?))) else { return Ok(()) };
     if axis < D && (low[axis]..=high[axis]).contains(&at) {
@@ -211,8 +211,9 @@ fn check_slice<const D: usize>(script: &Script, (low, high): (Point<D>, Point<D>
     Err(script.blame(&["output", "picture", "slice"], e))
 }
 
-/// Refuses composed transport where fluid may come in: a particle that was outside at time 0 has no value there. Warns of
-/// projected transport there, which amplifies what the characteristics bring in from the boundary.
+/// Rejects composed transport with inflow: a particle that was outside at time 0 has no value
+/// there. Warns of projected transport with inflow, which amplifies the values that characteristics
+/// carry in from the boundary.
 fn check_inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Result<Option<Warning>> {
     if scene.structures().is_empty() || scene.numerics.transport == Method::Nodal {
         return Ok(None);
@@ -229,7 +230,7 @@ fn check_inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translat
     Ok(Some(Warning::new(what, "use transport = \"nodal\" unless that side only moves along itself")))
 }
 
-/// A part of the boundary through which fluid may come in.
+/// A part of the boundary with possible inflow.
 fn inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Option<String> {
     let enters = |facets: &[u32], v: &[Expression]| {
         let v = vector(v);

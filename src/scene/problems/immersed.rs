@@ -28,22 +28,23 @@ use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Weight of the grad-div term over `rho U L` when the scene does not say: of a flow with a membrane,
-/// which the divergence would feed with energy, and of a flow alone, where more of it costs accuracy
+/// Default weight of the grad-div term over `rho U L`: for a flow with a membrane, to which
+/// divergence errors add energy, and for a flow alone, where a larger weight reduces the accuracy
 /// (driven cavity on 32 x 32, error of u_min: 6e-3 with a weight of 5, 2e-4 with 0.1).
 const GRAD_DIV: [f64; 2] = [5.0, 0.1];
-/// The same with a sharp membrane: the currents about a drop at rest fall like its inverse (n = 30: 9e-3
-/// at 5, 9e-4 at 50).
+/// Default weight with a sharp membrane: the spurious currents around a drop at rest are inversely
+/// proportional to it (n = 30: 9e-3 at 5, 9e-4 at 50).
 const GRAD_DIV_SHARP: f64 = 50.0;
-/// Weight of the grad-div term over the viscosity in a flow without inertia: with a band, and with a
-/// sharp membrane (lambda = 10, mu = 0.01, n = 20: 14 % spurious energy at 10, 2.8 % at 500).
+/// Default weight of the grad-div term over the viscosity in a flow without inertia: with a band,
+/// and with a sharp membrane (lambda = 10, mu = 0.01, n = 20: 14 % spurious energy at 10, 2.8 % at
+/// 500).
 const GRAD_DIV_STOKES: [f64; 2] = [10.0, 500.0];
-/// Times at which prescribed velocities are sampled for the velocity scale.
+/// Number of times at which prescribed velocities are sampled for the velocity scale.
 const SAMPLES: usize = 64;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
-    /// The simulation, at time 0 until it is stepped.
+    /// The simulation, initially at time 0.
     pub simulation: Simulation<D>,
     /// Warnings before the first step.
     pub warnings: Vec<Warning>,
@@ -53,15 +54,15 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub band_edges: Option<[f64; 2]>,
     /// Half-width of the bands.
     pub thickness: Option<f64>,
-    /// Velocity scale that grad-div was derived from, if it was.
+    /// Velocity scale from which grad-div was derived, if it was.
     pub velocity_scale: Option<f64>,
     /// Quality of the mesh.
     pub quality: Quality<D>,
     /// The scene.
     pub(in crate::scene) scene: Scene,
-    /// Lengths that an adapted mesh keeps to.
+    /// Target lengths of an adapted mesh.
     pub(in crate::scene) lengths: Option<Lengths>,
-    /// Nodes on the boundary, periodic sides left aside.
+    /// Nodes on the boundary without periodic sides.
     wall_nodes: Vec<u32>,
     probes: Probes<D>,
     carried_bands: Vec<Option<f64>>,
@@ -71,8 +72,8 @@ impl<const D: usize> ImmersedFlow<D> {
     /// Builds the flow of a scene.
     ///
     /// # Errors
-    /// Of kind `Scene` or `Input`: whatever cannot be run, with its place; a scene that has not `D`
-    /// dimensions.
+    /// Of kind `Scene` or `Input`: invalid values, with their position; a scene that does not have
+    /// `D` dimensions.
     pub fn new(scene: &Scene) -> Result<ImmersedFlow<D>> {
         check_flow(scene)?;
         let (mut site, lengths) = ground::site::<D>(scene)?;
@@ -114,15 +115,15 @@ impl<const D: usize> ImmersedFlow<D> {
         flow.follow_error(scales).map(|()| flow)
     }
 
-    /// Lets the steps follow the error where the scene gives a tolerance.
+    /// Enables adaptive steps if the scene gives a tolerance.
     fn follow_error(&mut self, scales: [f64; 2]) -> Result<()> {
         let Some(tolerance) = self.scene.time.tolerance else { return Ok(()) };
         let pacing = pacing(&self.scene, tolerance, scales);
         self.simulation.pace(pacing).map_err(|e| self.scene.blame(&["time", "tolerance"], e))
     }
 
-    /// The limit (1.54) for the current tension, with the finest edge of the bands; `None` without
-    /// tension.
+    /// The limit (1.54) for the current tension, with the shortest edge in the bands; `None`
+    /// without tension.
     pub fn step_limit(&self) -> Option<f64> {
         let ([edge, _], viscosity) = (self.band_edges?, self.simulation.least_viscosity());
         let limits = self.simulation.structures().iter().map(|s| s.step_limit(viscosity, edge));
@@ -141,7 +142,7 @@ impl<const D: usize> ImmersedFlow<D> {
         }
     }
 
-    /// Continues on another mesh of the domain.
+    /// Transfers the problem to another mesh of the domain.
     fn continue_on(&mut self, mesh: Mesh<D>, transfer: Transfer) -> Result<()> {
         let this: &mut dyn Any = self;
         let (Some(flow), Some(mesh)) = (this.downcast_mut::<ImmersedFlow<2>>(), crate::base::same(mesh)) else {
@@ -156,7 +157,7 @@ impl<const D: usize> ImmersedFlow<D> {
         Ok(())
     }
 
-    /// Measures the forces on boundaries, by the residual and by the stress.
+    /// Measures the forces on boundaries, from the residual and from the stress.
     fn measure_forces(&self, row: &mut Row) -> Result<()> {
         let (sim, viscosity) = (&self.simulation, self.simulation.viscosity());
         let pressure = sim.flow().pressure().space();
@@ -165,21 +166,21 @@ impl<const D: usize> ImmersedFlow<D> {
             let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
             let (space, flow) = (sim.space(), &sim.state().flow);
             let stress = traction(space, pressure, &viscosity, flow, &f.boundary, &about)?;
-            let ways = [("", &residual), ("stress_", &stress)];
-            for (way, load) in ways {
-                let prefix = format!("{}_{way}", f.name);
+            let methods = [("", &residual), ("stress_", &stress)];
+            for (method, load) in methods {
+                let prefix = format!("{}_{method}", f.name);
                 row.put_all(&prefix, force_columns(D, false).iter().zip(load.force.iter().copied()));
             }
-            for (way, load) in ways.into_iter().filter(|_| f.about.is_some()) {
-                // In the plane a moment has the last component alone.
+            for (method, load) in methods.into_iter().filter(|_| f.about.is_some()) {
+                // In the plane a moment has only the last component.
                 let moment = load.moment.iter().copied().skip(if D == 2 { 2 } else { 0 });
-                row.put_all(&format!("{}_{way}", f.name), force_columns(D, true).iter().zip(moment));
+                row.put_all(&format!("{}_{method}", f.name), force_columns(D, true).iter().zip(moment));
             }
         }
         Ok(())
     }
 
-    /// Energies, their balance, and numbers of the step.
+    /// Measures energies, their balance, and data of the step.
     fn measure_flow(&self, row: &mut Row) {
         let (sim, state) = (&self.simulation, self.simulation.state());
         let e = state.energies;
@@ -336,7 +337,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
 }
 
-/// Shortest and longest edge in the bands of the structures that act.
+/// Shortest and longest edge in the bands of the acting structures.
 fn edges_in_bands<const D: usize>(sim: &Simulation<D>, thickness: Option<f64>) -> Option<[f64; 2]> {
     let eps = thickness?;
     let fields = &sim.state().fields;
@@ -346,8 +347,8 @@ fn edges_in_bands<const D: usize>(sim: &Simulation<D>, thickness: Option<f64>) -
     edges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
-/// The largest of the speeds that walls, the start, gravity and the elastic waves of the structures
-/// give.
+/// The largest of the speeds due to walls, the initial state, gravity and the elastic waves of the
+/// structures.
 fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
     let (fluid, length) = (&scene.fluid, site.size());
     let density = heaviest(scene);
@@ -358,7 +359,7 @@ fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
             let v = vector(v);
             for &f in facets {
                 for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
-                    // Multiples of the golden ratio meet no period of an oscillation.
+                    // Multiples of the golden ratio are not in phase with any oscillation.
                     for k in 0..SAMPLES {
                         let t = scene.time.end * (k as f64 * 0.618_033_988_749_895).fract();
                         speed = speed.max(v(&site.space.nodes()[n as usize], t).norm());
@@ -380,8 +381,8 @@ fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
     speed
 }
 
-/// Weight of grad-div in units where `rho U L = 1`, at least the viscosity; `scales` are a speed and a
-/// length.
+/// Weight of grad-div in units with `rho U L = 1`, at least the viscosity; `scales` are a speed and
+/// a length.
 fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
     let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
     let sharp = scene.acting().any(|s| s.traits().on_interface);
@@ -393,7 +394,7 @@ fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
     (weight * heaviest(scene) * speed * length).max(viscosity)
 }
 
-/// The largest density that inertia has.
+/// The largest density in the inertia: of all fluids, or in the Boussinesq form of that outside.
 fn heaviest(scene: &Scene) -> f64 {
     let outside = scene.outside().density;
     match scene.fluid.boussinesq {

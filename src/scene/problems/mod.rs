@@ -1,4 +1,4 @@
-//! The problems that a scene can describe, each in a file of its own.
+//! Problems described by scenes, each in its own file.
 
 mod advected;
 mod fields;
@@ -19,7 +19,7 @@ use crate::base::{Result, Warning};
 /// Builds the problem that a scene describes.
 ///
 /// # Errors
-/// Of kind `Scene` or `Input`: whatever cannot be run, with its place.
+/// Of kind `Scene` or `Input`: invalid values, with their position.
 pub fn problem(scene: &Scene) -> Result<Box<dyn Problem>> {
     with_keys(match scene.dimension() {
         2 => problem_in::<2>(scene),
@@ -37,7 +37,7 @@ fn problem_in<const D: usize>(scene: &Scene) -> Result<Box<dyn Problem>> {
     })
 }
 
-/// The plan of a scene as plain text, and what the user should know beside it.
+/// The plan of a scene as plain text, with warnings.
 ///
 /// # Errors
 /// Those of [`problem`] and [`Problem::plan`].

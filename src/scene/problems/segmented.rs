@@ -1,5 +1,5 @@
-//! The level set of a scene that segments an image: its construction, its measures against a known
-//! answer, and the files of its end.
+//! Segmentation of an image by a level set: construction, comparison with a known answer, and the
+//! files written at the end.
 
 use super::{fields, ground};
 use crate::base::{Error, PHASES, Result, Warning};
@@ -20,18 +20,18 @@ use crate::structure::LevelSet;
 use std::any::Any;
 use std::path::Path;
 
-/// Half-width of the band in edges of the mesh when the scene does not say: four pixels on the mesh that
-/// is made for an image. With one edge the band is too thin for the mesh: the contour of
+/// Default half-width of the band in edges of the mesh: four pixels on the mesh generated for an
+/// image. With one edge the band is too thin for the mesh: the contour of
 /// `examples/active-contours` takes ten times as long.
 const BAND: f64 = 2.0;
-/// A level of the mask above this is inside.
+/// Grey levels of the mask above this are inside.
 const MIDDLE: f64 = 0.5;
-/// Part of a pixel by which a mesh may reach beyond the image.
+/// Fraction of a pixel by which a mesh may extend beyond the image.
 const ROUNDING: f64 = 1e-6;
 
 /// The level set of a scene that segments an image, ready to run.
 pub struct Segmented<const D: usize = 2> {
-    /// The segmentation, at time 0 until it is stepped.
+    /// The segmentation, initially at time 0.
     pub segmenting: Segmenting<D>,
     /// Warnings before the first step.
     pub warnings: Vec<Warning>,
@@ -48,7 +48,7 @@ impl<const D: usize> Segmented<D> {
     /// Builds the segmentation of a scene.
     ///
     /// # Errors
-    /// An image that cannot be read or that the mesh reaches beyond; as for level sets.
+    /// An image that cannot be read or is smaller than the mesh; otherwise as for level sets.
     pub fn new(scene: &Scene) -> Result<Segmented<D>> {
         let Some(image) = &scene.image else { return Err(Error::internal("no image is segmented")) };
         let (site, _) = ground::site::<D>(scene)?;
@@ -116,7 +116,7 @@ impl<const D: usize> Problem for Segmented<D> {
             format!(
                 "it descends along {alpha} E1 + {beta} E2, misfit and length, by (1.29) with c1 and c2 the mean levels inside and outside"
             ),
-            format!("its zero line moves by {eps} in a step at most, and finds only objects that it comes by"),
+            format!("its zero line moves by {eps} in a step at most, and finds only objects that it reaches"),
         ];
         let memory = self.segmenting.bytes() as f64 / 1e6;
         let unknowns = plan::level_sets(&view).into_iter();
@@ -178,7 +178,8 @@ impl<const D: usize> Problem for Segmented<D> {
     fn write_fields(&self, path: &Path) -> Result<()> {
         fields::write(path, &self.view(), Some(self.segmenting.image()))
     }
-    /// Writes `contours.csv`, `segmented.png` with the two mean levels, and `mask.png`, white inside.
+    /// Writes `contours.csv`, `segmented.png` with the two mean levels, and `mask.png`, white
+    /// inside.
     fn write_results(&self, folder: &Path) -> Result<()> {
         let (Some(image), Some(segmenting)) = (&self.scene.image, self.in_plane()) else {
             return Ok(());
@@ -220,7 +221,7 @@ impl<const D: usize> Problem for Segmented<D> {
     }
 }
 
-/// The one level set of the scene.
+/// The only level set of the scene.
 fn contour<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<LevelSet<D>> {
     let placed = ground::place(scene, site)?.into_iter().next().flatten();
     let (Some(placed), Some(kind)) = (placed, scene.structures().first()) else {
@@ -234,7 +235,7 @@ fn contour<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<LevelSet
     Ok(LevelSet::new(kind.name(), placed.nodal).with_function(placed.function))
 }
 
-/// Refuses a mesh that reaches beyond the image.
+/// Rejects a mesh that extends beyond the image.
 fn check_within<const D: usize>(scene: &Scene, site: &Site<'_, D>, pixels: &Pixels) -> Result<()> {
     let (low, high) = site.mesh.bounding_box();
     let (width, height, side) = (pixels.size[0], pixels.size[1], pixels.side);
@@ -259,7 +260,7 @@ impl Answer {
     /// Reads the mask of a scene, if it has one.
     ///
     /// # Errors
-    /// A mask that cannot be read or has another size than the image.
+    /// A mask that cannot be read or differs in size from the image.
     pub fn of(scene: &Scene) -> Result<Option<Answer>> {
         let Some((image, path)) = scene.image.as_ref().and_then(|i| Some((i, i.mask.as_ref()?))) else {
             return Ok(None);
@@ -284,7 +285,8 @@ impl Answer {
         Ok(Some(Answer { pixels, inside }))
     }
 
-    /// The area of pixels inside less that of the mask, over the latter, and the number of pixels on the wrong side.
+    /// The relative difference of the area of pixels inside from that of the mask, and the number
+    /// of misclassified pixels.
     fn compare(&self, segmenting: &Segmenting<2>) -> [f64; 2] {
         let (space, phi) = (segmenting.carried().space(), segmenting.level_set());
         let found = self.pixels.inside(space, &phi);

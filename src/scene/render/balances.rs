@@ -101,7 +101,7 @@ pub(super) fn energy_balance(run: &RunFolder) -> Option<f64> {
     run.summary.balance.energy.or_else(|| run.last("energy_balance"))
 }
 
-/// The change of the area (in space: volume) in a membrane from start to end, relative.
+/// The relative change of the area (in space: volume) in a membrane from start to end.
 pub(super) fn area_change(run: &RunFolder, membrane: &str) -> Option<f64> {
     let said = run.summary.balance.area.get(membrane).copied().flatten();
     said.or_else(|| run.column_of(membrane, run.words().enclosed).and_then(|a| Some(a.last()? / a.first()? - 1.0)))

@@ -30,8 +30,8 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
 /// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over the stretch there.
 fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     let (alone, words) = (run.scene.acting().count() == 1, run.words());
-    // Of a passive level set the length itself is drawn.
-    // With a map the area at rest is not that at the start over a number.
+    // For a passive level set the length itself is drawn. With a map the area at rest is not the
+    // initial area over a constant.
     for s in run.scene.acting() {
         let (name, traits) = (s.name(), s.traits());
         let mapped = traits.not_periodic.is_some_and(|(key, _)| key == "map");
@@ -111,7 +111,7 @@ fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     )
 }
 
-/// The integral of a rate since the first row, by trapezes.
+/// The integral of a rate since the first row, by the trapezoidal rule.
 fn cumulative(x: &[f64], rate: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = x.windows(2).zip(rate.windows(2)).map(|(x, r)| 0.5 * (x[1] - x[0]) * (r[0] + r[1]));
@@ -198,7 +198,7 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
     )
 }
 
-/// Curves on one chart at most: more colours cannot be told apart.
+/// Maximum number of curves in a chart: more colours cannot be distinguished.
 const MOST_CURVES: usize = 6;
 
 fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<Figure> {
@@ -208,7 +208,7 @@ fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<
     let columns: Vec<_> =
         table.names.iter().zip(&table.columns).filter(|(n, _)| !place.contains(&n.as_str())).collect();
     let every = columns.len().div_ceil(MOST_CURVES).max(1);
-    // Counted from the end, so that the last time is among them.
+    // Counted from the end, so that the last time is included.
     let first = columns.len().saturating_sub(1) % every;
     let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
     columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));

@@ -54,7 +54,7 @@ impl RunFolder {
         Ok(run)
     }
 
-    /// Profiles at times that the run has reached are there; without the file there was none.
+    /// Reads the profiles; warns of missing ones, whose times the run did not reach.
     fn read_profiles(&mut self) -> Result<()> {
         for profile in &self.scene.output.profiles {
             let file = self.path.join("profiles").join(format!("{}.csv", profile.name));
@@ -70,7 +70,7 @@ impl RunFolder {
         Ok(())
     }
 
-    /// Makes a folder in the folder of the run, unless it is there.
+    /// Creates a folder in the folder of the run, if it does not exist.
     pub fn folder(&self, name: &str) -> Result<PathBuf> {
         let path = self.path.join(name);
         std::fs::create_dir_all(&path).map_err(|e| {
@@ -82,7 +82,7 @@ impl RunFolder {
         Ok(path)
     }
 
-    /// A column of the series, if it has one of this name and any row.
+    /// A column of the series; `None` if it does not exist or has no rows.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns().column(name)
     }
@@ -91,7 +91,7 @@ impl RunFolder {
     pub fn columns(&self) -> Columns<'_> {
         Columns { series: &self.series, dimension: self.scene.dimension() }
     }
-    /// Words for the dimension of the scene.
+    /// Vocabulary for the dimension of the scene.
     pub fn words(&self) -> &'static Words {
         self.columns().words()
     }

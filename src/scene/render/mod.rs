@@ -1,6 +1,6 @@
-//! Pictures, a film, charts and the report page of a run, from nothing but its folder.
+//! Pictures, a film, charts and the report page of a run, generated from its folder alone.
 //!
-//! The same folder gives the same bytes, whenever and wherever it is rendered.
+//! The output depends only on the folder: the same folder gives the same bytes.
 
 mod balances;
 mod charts;
@@ -30,20 +30,23 @@ pub struct Rendered {
     pub warnings: Vec<Warning>,
 }
 
-/// Makes `pictures/NNNNNN.png`, `film.gif` (and `film.mp4` if the program `ffmpeg` is there), `charts/NAME.svg` and
-/// `report.html` in the folder of a run, and replaces those that are there.
+/// Generates `pictures/NNNNNN.png`, `film.gif` (and `film.mp4` if the program `ffmpeg` is
+/// available), `charts/NAME.svg` and `report.html` in the folder of a run. Existing files are
+/// replaced.
 ///
 /// # Errors
-/// Of kind [`Input`](crate::base::Kind::Input): the folder is not that of a run; a file of it is missing or damaged; a
-/// file cannot be written. Of kind [`Scene`](crate::base::Kind::Scene): its `scene.toml` is wrong.
+/// Of kind [`Input`](crate::base::Kind::Input): the folder is not that of a run; a file is missing
+/// or corrupt; a file cannot be written. Of kind [`Scene`](crate::base::Kind::Scene): its
+/// `scene.toml` is invalid.
 pub fn render(folder: &Path) -> Result<Rendered> {
     render_with(folder, &[])
 }
 
-/// As [`render`], with single values of the scene set, each written `key.sub=value`: `output.picture.field=speed`.
+/// As [`render`], with single values of the scene overridden, each in the form `key.sub=value`:
+/// `output.picture.field=speed`.
 ///
 /// # Errors
-/// As for [`render`]; a value that the scene does not take.
+/// As for [`render`]; an invalid value.
 pub fn render_with(folder: &Path, overrides: &[String]) -> Result<Rendered> {
     let mut run = RunFolder::open(folder, overrides)?;
     let gallery = pictures::draw(&mut run)?;

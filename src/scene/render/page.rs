@@ -168,19 +168,19 @@ fn side_by_side(lengths: &[f64]) -> String {
     lengths.iter().map(shown).collect::<Vec<_>>().join(" × ")
 }
 
-/// A word with a capital letter.
+/// A word with an initial capital.
 fn capitalised(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Membranes that have numbers at the top; the others stand in the tables.
+/// Maximum number of membranes with values at the top of the page; the others are in the tables.
 const MOST_MEMBRANES: usize = 2;
 
 /// The greatest speed of the run and its time.
 fn peak(run: &RunFolder) -> Option<String> {
     let speeds = run.column("time")?.iter().zip(run.column("velocity_max")?);
-    // Backwards, so that the first of equal ones is found.
+    // Reversed, so that the first of equal maxima is found.
     let (t, v) = speeds.rev().filter(|(_, v)| v.is_finite()).max_by(|a, b| a.1.total_cmp(b.1))?;
     Some(format!("greatest: {} at t = {}", rounded(*v, 4), rounded(*t, 4)))
 }
@@ -193,7 +193,7 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// A whole number with its digits in groups of three.
+/// An integer with its digits in groups of three.
 fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let starts = |i: usize| i > 0 && (digits.len() - i).is_multiple_of(3);

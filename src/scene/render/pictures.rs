@@ -1,4 +1,4 @@
-//! Pictures of the stored fields, and the film they make.
+//! Pictures of the stored fields, and the film made of them.
 
 use super::folder::{RunFolder, StoredFields};
 use crate::base::{Error, Result, Warning};
@@ -20,9 +20,9 @@ pub(super) struct Gallery {
     pub figures: Vec<Figure>,
 }
 
-/// The planes through the middle of space that are shown where there is no interface: across y and across z.
+/// The planes shown in space if there is no interface, through the middle: normal to y and to z.
 const SLICES: [usize; 2] = [1, 2];
-/// Pictures of a film at most: a page that holds it must stay small enough to open.
+/// Maximum number of frames in a film, so that the page remains small enough to open.
 const MOST_FRAMES: usize = 150;
 
 /// Draws all stored fields of a run.
@@ -46,7 +46,7 @@ fn draw_with<const D: usize>(run: &mut RunFolder, picture: Paint) -> Result<Gall
         write_file(&file(frame), &image.png()?)?;
         Ok(image)
     };
-    // A few at a time, so that memory stays bounded however long the run was.
+    // In batches, so that memory is bounded for runs of any length.
     let batch = 2 * rayon::current_num_threads();
     let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
     let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
@@ -102,7 +102,7 @@ fn shown(run: &RunFolder, file: impl Fn(&StoredFields) -> PathBuf) -> Result<Vec
     chosen.map(figure).collect()
 }
 
-/// Fields of the checkerboard around the equator and from pole to pole.
+/// Numbers of checkerboard fields around the equator and from pole to pole.
 const GLOBE: [usize; 2] = [16, 8];
 
 /// Style of the pictures of a run, all in one scale.
@@ -112,9 +112,9 @@ struct Painter {
     size: usize,
     interfaces: Vec<String>,
     scale: Scale,
-    /// The greatest speed, if arrows are drawn.
+    /// The largest speed, if arrows are drawn.
     fastest: Option<f64>,
-    /// In space: where the viewer stands, and the plane that is shown.
+    /// In space: direction of the viewer, and the displayed plane.
     view: [f64; 2],
     slice: Option<Cut>,
     window: Option<[Point<3>; 2]>,
@@ -123,7 +123,7 @@ struct Painter {
 }
 
 impl Painter {
-    /// Reads all fields once for the scale.
+    /// Reads all fields once to determine the scale.
     fn new<const D: usize>(run: &RunFolder) -> Result<Painter> {
         let picture = run.scene.output.picture;
         let mut painter = Painter {
@@ -159,7 +159,8 @@ impl Painter {
                 let strong = strong(&values);
                 Ok(Scale { low: if D == 2 { -strong } else { 0.0 }, high: strong })
             }
-            // Far from the interface the slope of the level set is no stretch, and where fronts meet it is zero.
+            // Far from the interface the slope of the level set is not a stretch, and where fronts
+            // meet it is zero.
             Field::Interface(values) => {
                 let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
                 let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
@@ -184,7 +185,7 @@ impl Painter {
         })
     }
 
-    /// The name of a field of the one interface.
+    /// The name of a field of the only interface.
     fn column(&self, field: &str) -> String {
         format!("{}.{field}", self.interfaces.first().map_or("", |name| name))
     }
@@ -196,20 +197,21 @@ impl Painter {
         Ok(snapshot.space.nodes().iter().zip(displacement).map(|(x, d)| x + d).collect())
     }
 
-    /// The mean of where the material about the interface is at rest.
+    /// The mean position at rest of the material near the interface.
     fn middle_of(&self, snapshot: &Snapshot<3>) -> Result<Point<3>> {
         let (near, rest) = (near_interface(snapshot, self.level_set(snapshot)?), self.at_rest(snapshot)?);
         let (mut sum, mut count) = (Point::<3>::zeros(), 0.0);
         for (y, _) in rest.iter().zip(near).filter(|(_, near)| *near) {
             (sum, count) = (sum + y, count + 1.0);
         }
-        // To a thousandth of the size: that of a sphere in the middle of a mesh is the middle.
+        // Rounded to a thousandth of the size, so that a sphere in the middle of a mesh gives
+        // exactly the middle.
         let (low, high) = snapshot.space.mesh().bounding_box();
         let unit = 1e-3 * (high - low).norm();
         Ok((sum / count).map(|v| (v / unit).round() * unit))
     }
 
-    /// The level set of the interface; a scene asks for it only when there is exactly one.
+    /// The level set of the interface; there is exactly one when a scene requests it.
     fn level_set<'a, const D: usize>(&self, snapshot: &'a Snapshot<D>) -> Result<&'a [f64]> {
         level_set(snapshot, self.interfaces.first().map_or("", |name| name))
     }
@@ -248,7 +250,7 @@ impl Painter {
             _ => Vec::new(),
         };
         let coat = match (&field, self.quantity) {
-            // It is zero on the interface.
+            // The level set is zero on the interface.
             (_, Quantity::LevelSet) => Coat::Plain,
             (_, Quantity::Checkerboard) => {
                 let pattern = Pattern::Globe { centre: self.middle, around: GLOBE[0], along: GLOBE[1] };
@@ -331,7 +333,7 @@ impl Painter {
 enum Field<'a, const D: usize> {
     Borrowed(FieldData<'a, D>),
     Vorticity(Vec<f64>),
-    /// One that means something on the interface alone.
+    /// A field with a meaning on the interface only.
     Interface(Vec<f64>),
 }
 
@@ -348,10 +350,11 @@ fn level_set<'a, const D: usize>(snapshot: &'a Snapshot<D>, membrane: &str) -> R
     snapshot.scalar(&format!("{membrane}.level_set"))
 }
 
-/// Part of the nodes whose vorticity may be stronger than the colours show: next to corners and in films that break it is many times that elsewhere.
+/// Fraction of the nodes whose vorticity may exceed the colour range: next to corners and in
+/// rupturing films it is many times larger than elsewhere.
 const STRONGEST: f64 = 0.01;
 
-/// The modulus that all but the [`STRONGEST`] values stay below.
+/// The bound that all values except the fraction [`STRONGEST`] stay below in magnitude.
 fn strong(values: &[f64]) -> f64 {
     let mut moduli: Vec<f64> = values.iter().map(|v| v.abs()).filter(|v| v.is_finite()).collect();
     moduli.sort_by(f64::total_cmp);

@@ -22,13 +22,13 @@ pub struct Summary {
     pub error: Option<String>,
     /// Steps made.
     pub steps: Option<u64>,
-    /// The time that was reached.
+    /// The time reached.
     pub end_time: Option<f64>,
     /// Cells of the mesh.
     pub cells: Option<u64>,
     /// Longest edge of the mesh.
     pub edge: Option<f64>,
-    /// Bytes of all that grows with the mesh, an estimate.
+    /// Memory of all data that scale with the mesh, in bytes; an estimate.
     pub memory: Option<u64>,
     /// Unknowns by field.
     pub unknowns: BTreeMap<String, u64>,
@@ -36,9 +36,9 @@ pub struct Summary {
     pub solves: Solves,
     /// Seconds by phase.
     pub seconds: Numbers,
-    /// Seconds of all processors by phase; those of `first_step` are a part of those of `steps`.
+    /// CPU seconds by phase; those of `first_step` are included in those of `steps`.
     pub cpu_seconds: Numbers,
-    /// Seconds of all processors by phase of the steps.
+    /// CPU seconds by phase of the steps.
     pub step_seconds: Numbers,
     /// Bandwidth of the substitutions; of long runs alone.
     pub bandwidth: Option<Bandwidth>,
@@ -86,7 +86,7 @@ impl Summary {
     /// Reads the file.
     ///
     /// # Errors
-    /// It cannot be read, is no JSON, or a value is of the wrong kind.
+    /// The file cannot be read, is not JSON, or contains a value of the wrong type.
     pub fn read(path: &Path) -> Result<Summary> {
         serde_json::from_str(&read_text(path)?).map_err(|e| {
             Error::input("the summary of the run cannot be read")

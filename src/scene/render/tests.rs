@@ -9,7 +9,7 @@ use std::fs;
 use std::io::BufReader;
 use std::sync::Arc;
 
-/// Runs of which everything but the numbers is true.
+/// A run with valid files and arbitrary numbers.
 struct Case {
     membranes: &'static [&'static str],
     output: &'static str,
@@ -64,7 +64,7 @@ fn scene(case: &Case) -> String {
     )
 }
 
-/// Writes the folder of a run whose membranes are circles.
+/// Writes the folder of a run with circular membranes.
 fn write(case: &Case, folder: &Path) {
     write_with(case, folder, |p, x| (p - SVector::<f64, 2>::new(x, 0.5)).norm() - 0.15);
 }
@@ -183,7 +183,7 @@ fn one_stored_field_gives_a_picture_and_no_film() {
     assert!(dir.path().join("pictures/000000.png").exists() && !dir.path().join("film.gif").exists());
 }
 
-/// Pixels of the commonest colour of a picture beside its white ground.
+/// Number of pixels of the most frequent colour of a picture, except its white background.
 fn pixels_of_one_colour(picture: &Path) -> usize {
     let mut reader = png::Decoder::new(BufReader::new(fs::File::open(picture).unwrap())).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -196,7 +196,8 @@ fn pixels_of_one_colour(picture: &Path) -> usize {
     count.into_values().max().unwrap()
 }
 
-/// The distance from a line has slope 1 everywhere; that from a circle, on so coarse a mesh, has not.
+/// The distance from a line has slope 1 everywhere; that from a circle does not on such a coarse
+/// mesh.
 #[test]
 fn the_stretch_of_a_distance_is_one_in_one_colour() {
     let dir = tempfile::tempdir().unwrap();
@@ -204,7 +205,7 @@ fn the_stretch_of_a_distance_is_one_in_one_colour() {
     let picture = dir.path().join("pictures/000001.png");
     write_with(&case, dir.path(), |x, at| x[0] - at);
     render(dir.path()).unwrap();
-    // The square is 131 pixels wide; axes, the two lines of the interface and the bar take the rest.
+    // The square is 131 pixels wide, less axes, the two lines of the interface and the colour bar.
     assert!(pixels_of_one_colour(&picture) > 15000);
     write(&case, dir.path());
     render(dir.path()).unwrap();

@@ -9,21 +9,21 @@ use crate::scene::problem::{Facts, Problem};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Content of a checkpoint: the record, and mesh and state as [`Problem::save`] gave them.
+/// Content of a checkpoint: the record, and mesh and state from [`Problem::save`].
 pub(super) struct Kept {
     pub record: Record,
     pub mesh: Vec<u8>,
     pub state: Vec<u8>,
 }
 
-/// The folder of a run, with the scene as resolved in it.
+/// The folder of a run, with the resolved scene in it.
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder of a new run, or of one to go on with. Writes nothing yet.
+    /// Opens the folder of a new run, or of one to resume. Writes nothing yet.
     ///
     /// # Errors
-    /// A folder that holds a run which is not to be resumed, or whose run had another scene.
+    /// A folder that contains a run which is not to be resumed, or a run of another scene.
     pub(super) fn open(scene: &Scene, options: &Options<'_>) -> Result<Folder> {
         let folder = Folder(options.folder.clone());
         let kept = folder.0.join("scene.toml");
@@ -46,10 +46,10 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Makes the folder and keeps the scene in it.
+    /// Creates the folder and writes the scene to it.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The folder cannot be written.
     pub(super) fn make(&self, scene: &Scene) -> Result<()> {
         for path in [self.0.clone(), self.0.join("fields"), self.0.join("checkpoint"), self.0.join("profiles")] {
             std::fs::create_dir_all(&path).map_err(|e| {
@@ -75,9 +75,9 @@ impl Folder {
         self.0.join("checkpoint").join("latest.bin")
     }
 
-    /// Keeps the state, and what has been written up to it, in one file that is replaced as a whole: the
-    /// length of the record and its hash, 8 bytes each, the record as JSON; the same of the mesh, which
-    /// is empty unless it is adapted; the state.
+    /// Writes the state and the record of all output so far to one file, which is replaced as a
+    /// whole: the length of the record and its hash, 8 bytes each, the record as JSON; the same for
+    /// the mesh, which is empty if not adapted; the state.
     pub(super) fn save(&self, scene: &Scene, record: &Record, problem: &dyn Problem) -> Result<()> {
         let record =
             serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
@@ -92,7 +92,7 @@ impl Folder {
         write_file(&self.latest(), &bytes)
     }
 
-    /// The checkpoint that was kept last, if there is one.
+    /// The last checkpoint, if there is one.
     pub(super) fn checkpoint(&self) -> Result<Option<Kept>> {
         let path = self.latest();
         let bytes = match std::fs::read(&path) {
@@ -123,7 +123,7 @@ impl Folder {
         restored.map_err(|e| if e.place().is_empty() { e.at(self.latest().display().to_string()) } else { e })
     }
 
-    /// The file of the fields after `step` steps.
+    /// The field file after `step` steps.
     pub(super) fn fields(&self, step: usize) -> PathBuf {
         self.0.join(field_file(step))
     }
@@ -133,7 +133,7 @@ impl Folder {
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
-    /// Writes a profile: its points, by their coordinates, and its columns.
+    /// Writes a profile: the coordinates of its points, and its columns.
     pub(super) fn write_profile(&self, name: &str, points: &[Vec<f64>], values: &[Column]) -> Result<()> {
         let column = |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
         let square = |p: &Vec<f64>| p.iter().zip(&points[0]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
@@ -198,7 +198,8 @@ impl Folder {
     }
 }
 
-/// The part at the front that `Folder::save` wrote with its length and hash, and what follows; `None` when it is damaged.
+/// The first part written by `Folder::save` with its length and hash, and the rest; `None` if it is
+/// corrupt.
 fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (size, rest) = bytes.split_first_chunk::<8>()?;
     let (check, rest) = rest.split_first_chunk::<8>()?;
@@ -206,8 +207,8 @@ fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     (fnv1a(part) == u64::from_le_bytes(*check)).then_some((part, rest))
 }
 
-/// Bytes that the substitutions read of the factor in a second, and speed at which a large block of
-/// memory is copied on this machine; not for a run so short that the measurement would show in its time.
+/// Bytes of the factor read per second by the substitutions, and speed of copying a large block of
+/// memory on this machine; null for a run so short that the measurement would affect its time.
 fn bandwidth(facts: &Facts, record: &Record) -> serde_json::Value {
     let solve = record.step_seconds.get("solve").copied().unwrap_or_default();
     let factor = facts.factor.map_or(0, |(_, bytes)| bytes);
@@ -218,14 +219,15 @@ fn bandwidth(facts: &Facts, record: &Record) -> serde_json::Value {
     json!({ "factor_bytes": factor, "substitutions": record.substitutions, "achieved": achieved, "copy": copy_bandwidth() })
 }
 
-/// Seconds in solves from which on the bandwidth is measured, which takes some hundredths of a second.
+/// Minimum time of the solves in seconds for a measurement of the bandwidth, which takes some
+/// hundredths of a second.
 const LONG_ENOUGH: f64 = 0.5;
 
 fn field_file(step: usize) -> String {
     format!("fields/{step:06}.vtu")
 }
 
-/// Tells scenes apart: a checkpoint fits only the scene that it was made with.
+/// Identifies a scene: a checkpoint fits only the scene it was written for.
 fn tag(scene: &Scene) -> u64 {
     fnv1a(scene.to_toml().as_bytes())
 }

@@ -1,4 +1,4 @@
-//! What a run has put into its folder so far; a checkpoint holds it beside the state.
+//! Record of the output of a run so far; a checkpoint contains it beside the state.
 
 use super::Clock;
 use super::solves::Solves;
@@ -9,50 +9,51 @@ use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A column of a profile: its name, which tells the time, and its values.
+/// A column of a profile: its name, which contains the time, and its values.
 pub(super) type Column = (String, Vec<f64>);
 
-/// What was written, and the extremes that were seen.
+/// The output written, and extreme values of the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Record {
     /// Rows of the series.
     pub rows: usize,
-    /// Steps whose fields were written, and their times.
+    /// Steps with field files, and their times.
     pub fields: Vec<(usize, f64)>,
     /// Profiles by name.
     pub profiles: BTreeMap<String, Vec<Column>>,
-    /// Largest rise of kinetic and elastic energy in one step, over the initial energy; only what walls and forces did not put in.
+    /// Largest rise of kinetic and elastic energy in one step that is not the work of walls and
+    /// forces, over the initial energy.
     pub largest_rise: f64,
-    /// Largest energy balance residual.
+    /// Largest residual of the energy balance.
     pub worst_balance: f64,
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
     pub area_change: BTreeMap<String, f64>,
-    /// When the band of a membrane first reached the boundary.
+    /// First time at which the band of a membrane reached the boundary.
     pub at_wall: BTreeMap<String, f64>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
-    /// How the linear systems were solved.
+    /// Solves of the linear systems.
     #[serde(default)]
     pub solves: Solves,
-    /// Looks at the mesh, each of which may have made it anew.
+    /// Checks of the mesh, each of which may have rebuilt it.
     pub looks: u64,
-    /// Shortest and longest edge in the bands when the current mesh was made.
+    /// Shortest and longest edge in the bands when the current mesh was built.
     pub band_edges: Option<[f64; 2]>,
     /// The meshes of an adapted run.
     pub meshes: Vec<MeshRecord>,
-    /// Seconds by phase, of all sessions of the run.
+    /// Seconds by phase, in all sessions of the run.
     pub seconds: BTreeMap<String, f64>,
-    /// Seconds of all processors by phase, of all sessions of the run.
+    /// CPU seconds by phase, in all sessions of the run.
     pub cpu_seconds: BTreeMap<String, f64>,
-    /// Seconds of all processors by phase of the steps.
+    /// CPU seconds by phase of the steps.
     #[serde(default)]
     pub step_seconds: BTreeMap<String, f64>,
-    /// How often the factor of the flow was read, each time twice.
+    /// Number of substitutions with the factor of the flow, each of which reads it twice.
     #[serde(default)]
     pub substitutions: u64,
-    /// Bytes of the factors that were read so.
+    /// Bytes of the factors read by these substitutions.
     #[serde(default)]
     pub factor_bytes_read: f64,
 }
@@ -60,18 +61,18 @@ pub(super) struct Record {
 /// A mesh of an adapted run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct MeshRecord {
-    /// When it was made.
+    /// Time of its construction.
     pub time: f64,
     /// Its cells.
     pub cells: usize,
     /// Unknowns of velocity and pressure on it.
     pub unknowns: usize,
-    /// Energy that bringing the fields to all meshes so far has added.
+    /// Energy added by all transfers of fields to new meshes so far.
     pub energy_transferred: f64,
 }
 
 impl Record {
-    /// Notes the mesh of a run that adapts it.
+    /// Records the current mesh of a run with adaptation.
     pub(super) fn note_mesh(&mut self, problem: &dyn Problem) {
         let facts = problem.facts();
         if facts.adapted {
@@ -85,13 +86,13 @@ impl Record {
         }
     }
 
-    /// Counts the time since `start` for a phase.
+    /// Adds the time since `start` to a phase.
     pub(super) fn spent(&mut self, phase: &str, start: &Clock) {
         *self.seconds.entry(phase.to_string()).or_default() += start.0.elapsed().as_secs_f64();
         *self.cpu_seconds.entry(phase.to_string()).or_default() += start.1.elapsed().as_secs_f64();
     }
 
-    /// Counts the costs of the steps since this was called last.
+    /// Adds the costs of the steps since the last call.
     pub(super) fn note_costs(&mut self, problem: &mut dyn Problem) {
         let (seconds, substitutions) = problem.take_costs();
         for ((_, name), s) in PHASES.iter().zip(seconds) {
@@ -102,13 +103,14 @@ impl Record {
         self.factor_bytes_read += 2.0 * factor as f64 * substitutions as f64;
     }
 
-    /// Notes what the first step cost, a part of `steps`: with a constant matrix it alone factors.
+    /// Records the cost of the first step, a part of `steps`: with a constant matrix only this step
+    /// factors.
     pub(super) fn note_first_step(&mut self) {
         let spent = self.cpu_seconds.get("steps").copied().unwrap_or_default();
         self.cpu_seconds.insert("first_step".to_string(), spent);
     }
 
-    /// Notes a rise of the energy, `before` it, in the step that was just made.
+    /// Records a rise of the energy from `before` in the last step.
     pub(super) fn note_rise(&mut self, before: f64, problem: &dyn Problem) {
         let Some((e, budget)) = problem.energies() else { return };
         let put_in = e.power.max(0.0) * problem.moment().dt;
@@ -118,22 +120,22 @@ impl Record {
         self.worst_balance = self.worst_balance.max(budget.residual(&e));
     }
 
-    /// Notes the structures whose bands reach the boundary.
+    /// Records the structures whose bands reach the boundary.
     pub(super) fn note_walls(&mut self, problem: &dyn Problem) {
         for name in problem.cut_bands() {
             self.at_wall.entry(name).or_insert(problem.moment().time);
         }
     }
 
-    /// Notes a row of the series.
+    /// Records a row of the series.
     pub(super) fn note_row(&mut self, scene: &Scene, row: &Row) {
-        // JSON knows no NaN: what could not be measured is left out.
+        // JSON has no NaN: values that could not be measured are omitted.
         self.last =
             row.names().iter().cloned().zip(row.values().iter().copied()).filter(|(_, v)| v.is_finite()).collect();
         let [enclosed, _] = scene.extents();
-        // Where an image is segmented nothing keeps the area.
+        // A segmentation does not conserve the area.
         for name in scene.interfaces().filter(|_| scene.image.is_none()) {
-            // An interface that is gone has no area.
+            // An interface that has vanished has no area.
             let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);
             let first = *self.area.entry(name.to_string()).or_insert(area);
             let change = area / first - 1.0;

@@ -1,30 +1,31 @@
-//! How the linear systems of a run were solved.
+//! Statistics of the solves of linear systems.
 
 use crate::flow::StepReport;
 use serde::{Deserialize, Serialize};
 
-/// Counts of factorisations and iterations, of all sessions of the run.
+/// Numbers of factorisations and iterations, in all sessions of the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Solves {
     /// Numeric factorisations.
     pub factorisations: u64,
-    /// Systems that were solved by iterations: with an older factor, or with one that is not exact.
+    /// Number of systems solved iteratively: with an older factor, or with an inexact one.
     pub krylov: u64,
-    /// Systems whose iterations with an older factor were given up: factored, and solved with their own.
+    /// Number of systems whose iterations with an older factor did not converge, so that they were
+    /// factored and solved directly.
     pub given_up: u64,
-    /// Iterations in all.
+    /// Total number of iterations.
     pub iterations: u64,
-    /// Mean number of iterations of a system that was solved by them.
+    /// Mean number of iterations per system solved iteratively.
     pub mean_iterations: f64,
-    /// Largest such number.
+    /// Largest number of iterations of a system.
     pub most_iterations: u64,
-    /// Largest relative residual that was accepted, of direct solves and iterations.
+    /// Largest accepted relative residual of direct solves and iterations.
     pub worst_residual: f64,
 }
 
 impl Solves {
-    /// Counts a step.
+    /// Adds the statistics of a step.
     pub(super) fn note(&mut self, report: &StepReport) {
         let (iterations, solve) = (report.solve.iterations as u64, &report.solve);
         self.factorisations += u64::from(report.refactored);

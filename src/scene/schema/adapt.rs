@@ -1,4 +1,4 @@
-//! `[mesh.adapt]`: a mesh that follows the interfaces and the fields.
+//! `[mesh.adapt]`: mesh adaptation to the interfaces and the fields.
 
 use crate::base::Result;
 use crate::scene::keys::{
@@ -70,7 +70,7 @@ kinds! {
 }
 
 impl Adapt {
-    /// Checks that the scene has what the mesh is to follow.
+    /// Checks that the scene has the interfaces or fields for the adaptation.
     pub(in crate::scene) fn check_use(&self, item: &Item, has_interfaces: bool, is_prescribed: bool) -> Result<()> {
         let table = item.open_table()?;
         if let (Some(item), true) = (table.get("fields"), is_prescribed && self.fields.contains(&AdaptField::Pressure))
@@ -142,7 +142,7 @@ impl Adapt {
     }
 }
 
-/// A ratio that is large enough.
+/// A ratio that satisfies `large_enough`.
 fn ratio(item: &Item, words: &str, large_enough: impl Fn(f64) -> bool) -> Result<f64> {
     let v = item.number()?;
     if large_enough(v) {

@@ -1,18 +1,18 @@
-//! `[boundary.NAME]`: what happens on the named parts of the boundary.
+//! `[boundary.NAME]`: conditions on the named parts of the boundary.
 
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{Components, Context, Item, Kind, Tabled, Text, Typed, Writer, key, one_of};
 
-/// The name that stands for the whole boundary.
+/// The name of the whole boundary.
 pub const WALLS: &str = "walls";
 
 /// The condition on a named part of the boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Boundary {
-    /// A boundary of the mesh, or [`WALLS`] for all facets that no other entry names.
+    /// A boundary of the mesh, or [`WALLS`] for all facets without another entry.
     pub name: String,
-    /// The condition that holds there.
+    /// The condition on it.
     pub condition: Condition,
 }
 
@@ -21,13 +21,13 @@ pub struct Boundary {
 pub enum Condition {
     /// A given velocity.
     Velocity(Vec<Expression>),
-    /// No velocity.
+    /// Zero velocity.
     NoSlip,
-    /// No normal velocity, no tangential stress.
+    /// Zero normal velocity and zero tangential stress.
     Slip,
-    /// No stress (do-nothing).
+    /// Zero stress (do-nothing).
     Open,
-    /// The same flow as on the boundary of this name, which is its translate.
+    /// The same flow as on the boundary of this name, which is a translate of it.
     Periodic(String),
 }
 
@@ -69,7 +69,8 @@ impl Typed for True {
     }
 }
 
-/// All entries, in the order of the scene; without any, no slip on the whole boundary, or nothing where the velocity is `prescribed`.
+/// Reads all entries, in the order of the scene. By default there is no slip on the whole boundary,
+/// or no condition if the velocity is `prescribed`.
 pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
     let Some(item) = item else {
         if prescribed {
@@ -99,7 +100,8 @@ pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Con
     Ok(boundaries)
 }
 
-/// A periodic boundary has one partner, which is another boundary with no condition of its own.
+/// Checks that a periodic boundary has one partner, another boundary without a condition of its
+/// own.
 fn check_pair(item: &Item, boundaries: &[Boundary]) -> Result<()> {
     let Some(item) = item.open_table()?.get("periodic") else { return Ok(()) };
     let name = item.key.strip_prefix("boundary.").and_then(|k| k.strip_suffix(".periodic")).unwrap_or("");

@@ -1,4 +1,4 @@
-//! `[exact]`: a solution that is known, against which the run measures itself.
+//! `[exact]`: a known solution, to which the run is compared.
 
 use crate::scene::expression::Expression;
 use crate::scene::keys::{Kind, Opt, kinds, table};

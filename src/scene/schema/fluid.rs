@@ -1,4 +1,4 @@
-//! `[fluid]`: what flows, and what drives it.
+//! `[fluid]`: properties of the fluid, and forces on it.
 
 use crate::base::Result;
 use crate::scene::expression::Expression;
@@ -48,7 +48,7 @@ kinds! {
     InitialVelocity: Vec<Expression> = Kind::Value("vector of numbers or expressions"), initial, spatial;
 }
 
-/// A number of the kind `K`, or one on each side.
+/// A number of the kind `K`, or one for each side.
 pub(in crate::scene) struct Contrasted<K>(PhantomData<K>);
 
 impl<K: Typed<Out = f64>> Typed for Contrasted<K> {
@@ -71,7 +71,7 @@ impl<K: Typed<Out = f64>> Typed for Contrasted<K> {
 }
 
 impl Contrast {
-    /// The same on both sides.
+    /// The same value on both sides.
     pub fn uniform(value: f64) -> Contrast {
         Contrast { inside: value, outside: value }
     }
@@ -81,11 +81,12 @@ impl Contrast {
     }
 }
 
-/// All keys but `prescribed_velocity`.
+/// All keys except `prescribed_velocity`.
 const SOLVED: [&str; 6] = ["density", "viscosity", "boussinesq", "gravity", "force", "initial_velocity"];
 
 impl Fluid {
-    /// Reads a fluid; `structures` are the names of those that hold one, each with true if it names it.
+    /// Reads a fluid; `structures` are the names of those that enclose one, each with true if it
+    /// specifies the fluid itself.
     pub(in crate::scene) fn read_among(item: &Item, structures: &[(String, bool)], context: &Context) -> Result<Fluid> {
         let (fluid, table) = (Fluid::read(item, context)?, item.open_table()?);
         let sides = ["density", "viscosity"].into_iter().filter_map(|key| table.get(key));
@@ -103,7 +104,7 @@ impl Fluid {
         }
     }
 
-    /// A velocity that is prescribed stands in place of all else.
+    /// Replaces all other values by a prescribed velocity; without one a viscosity is required.
     fn check(&mut self, table: &Table<'_>, context: &Context) -> Result<()> {
         if let Some(velocity) = self.prescribed_velocity.take() {
             *self = Fluid::prescribed(velocity);
@@ -122,13 +123,13 @@ impl Fluid {
         self.is_prescribed() && SOLVED.contains(&key)
     }
 
-    /// Nothing flows: the velocity is zero at all times.
+    /// A fluid at rest: the velocity is zero at all times.
     pub(in crate::scene) fn none(dimension: usize) -> Fluid {
         let zero = vec![Expression::constant(0.0); dimension];
         Fluid::prescribed(zero)
     }
 
-    /// No flow is solved: the velocity is given.
+    /// A prescribed velocity, so that no flow is solved.
     fn prescribed(velocity: Vec<Expression>) -> Fluid {
         let (none, zero) = (Contrast::uniform(0.0), vec![Expression::constant(0.0); velocity.len()]);
         Fluid {
@@ -163,7 +164,8 @@ fn initial(item: &Item, context: &Context) -> Result<Vec<Expression>> {
     Ok(velocity)
 }
 
-/// A property that differs inside and outside needs exactly one structure, without one of its own.
+/// A property with different values inside and outside needs exactly one structure that does not
+/// specify its own fluid.
 fn check_sides(item: &Item, structures: &[(String, bool)]) -> Result<()> {
     if let Some((drop, _)) = structures.iter().find(|(_, own)| *own) {
         return Err(item

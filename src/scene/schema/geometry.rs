@@ -1,23 +1,23 @@
-//! What `[output]` asks of the geometry of interfaces: delta functions, curvatures, curves between them.
+//! Geometry of interfaces in `[output]`: delta functions, curvatures, intersection curves.
 
 use crate::base::Result;
 use crate::scene::keys::{Context, Item, Kind, Table, Words, kinds, table, words};
 
-/// A delta function that interfaces are measured with, beside the cut one.
+/// A delta function for measurements on interfaces, beside the cut one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeltaName {
     /// Spread over the band, with `numerics.kernel` and `numerics.width`.
     Smeared,
-    /// Smereka's first.
+    /// The first one of Smereka.
     Smereka1,
-    /// Smereka's second.
+    /// The second one of Smereka.
     Smereka2,
-    /// Towers'.
+    /// The one of Towers.
     Towers,
 }
 
 impl DeltaName {
-    /// The end of the names of its columns.
+    /// The suffix of the names of its columns.
     pub fn word(self) -> &'static str {
         Deltas::WORDS.iter().find(|d| d.1 == self).map_or("", |d| d.0)
     }
@@ -47,7 +47,7 @@ kinds! {
 }
 
 impl Curve {
-    /// Refuses curves in the plane.
+    /// Rejects curves in the plane.
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         if context.dimension == 3 {
             return Ok(());
@@ -56,7 +56,7 @@ impl Curve {
         Err(table.key_error(what).remedy("leave output.curves out"))
     }
 
-    /// A curve belongs to two of the `interfaces` of a scene.
+    /// Checks that a curve belongs to two of the `interfaces` of a scene.
     pub(in crate::scene) fn check(&self, item: &Item, interfaces: &[&str]) -> Result<()> {
         let Some(named) = item.open_table()?.get("of") else { return Ok(()) };
         let known = format!("the scene has {}", interfaces.join(", "));

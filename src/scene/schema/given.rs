@@ -1,11 +1,11 @@
-//! Properties of a scene that the values of `[output]` must agree with.
+//! Properties of a scene that the values of `[output]` depend on.
 
 use super::fluid::Fluid;
 use super::time::Time;
 use crate::base::Result;
 use crate::scene::keys::{Context, Item, Table};
 
-/// A field that can be asked for.
+/// A field that a scene can request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The pressure.
@@ -16,28 +16,29 @@ pub enum Quantity {
     Speed,
     /// The vorticity, [`Space::vorticity`](crate::fem::Space::vorticity).
     Vorticity,
-    /// The level set of the one interface.
+    /// The level set of the only interface.
     LevelSet,
-    /// The stretch of the one interface.
+    /// The stretch of the only interface.
     Stretch,
-    /// `Z1` on the one interface; in pictures of space alone.
+    /// `Z1` on the only interface; in pictures of space only.
     AreaChange,
-    /// `Z2` on the one interface; in pictures of space alone.
+    /// `Z2` on the only interface; in pictures of space only.
     Shear,
-    /// The grey levels of the image that is segmented; in pictures alone.
+    /// The grey levels of the segmented image; in pictures only.
     Image,
-    /// A checkerboard on the one interface when it is at rest, which its material carries; in pictures of space alone.
+    /// A checkerboard on the only interface at rest, carried by its material; in pictures of space
+    /// only.
     Checkerboard,
 }
 
 /// The cause of the motion of interfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) enum Motion {
-    /// A flow that is solved.
+    /// A computed flow.
     Flow,
-    /// A velocity that is given.
+    /// A prescribed velocity.
     Prescribed,
-    /// The fit to an image; nothing flows.
+    /// The fit to an image, without a flow.
     Image,
 }
 
@@ -51,7 +52,7 @@ impl Motion {
     }
 }
 
-/// Properties of the scene that the values of `[output]` must agree with.
+/// Properties of the scene that the values of `[output]` depend on.
 pub(in crate::scene) struct Given<'a> {
     pub time: &'a Time,
     /// Names of all interfaces.
@@ -63,7 +64,7 @@ pub(in crate::scene) struct Given<'a> {
 }
 
 impl Given<'_> {
-    /// Refuses a quantity that the scene does not have.
+    /// Rejects a quantity that the scene does not have.
     pub(in crate::scene) fn check_quantity(&self, item: &Item, quantity: Quantity) -> Result<()> {
         let n = self.interfaces.len();
         if self.motion == Motion::Image && quantity != Quantity::LevelSet {
@@ -84,7 +85,7 @@ impl Given<'_> {
         Ok(())
     }
 
-    /// Refuses times that do not rise.
+    /// Rejects times that do not increase.
     pub(super) fn check_times(&self, item: &Item) -> Result<()> {
         let mut last = None;
         for item in item.list()? {
@@ -99,7 +100,7 @@ impl Given<'_> {
         Ok(())
     }
 
-    /// Columns of the series begin with the name of what they measure: no two may share it.
+    /// Rejects repeated names: columns of the series begin with the name of the measured object.
     pub(super) fn check_names(&self, table: &Table<'_>) -> Result<()> {
         let mut taken: Vec<&str> = self.interfaces.to_vec();
         for key in ["probes", "forces", "fluxes", "curves"] {

@@ -1,4 +1,4 @@
-//! `[image]`: an image that level sets cut into two grey levels, in place of a flow.
+//! `[image]`: an image segmented into two grey levels by a level set, without a flow.
 
 use super::mesh::{MeshSource, Rectangle, absolute};
 use crate::base::Result;
@@ -37,7 +37,8 @@ kinds! {
     File: PathBuf = Kind::Value("path"), file;
 }
 
-/// A mesh of more pixels is not made by itself: its matrix has as many unknowns as the image has pixels.
+/// Maximum number of pixels for an automatic mesh: its matrix has as many unknowns as the image has
+/// pixels.
 const MOST_PIXELS: usize = 1 << 20;
 
 fn file(item: &Item, context: &Context) -> Result<PathBuf> {
@@ -48,7 +49,7 @@ fn file(item: &Item, context: &Context) -> Result<PathBuf> {
 }
 
 impl Image {
-    /// The place of the image.
+    /// The pixel grid of the image.
     ///
     /// # Errors
     /// Those of [`GreyImage::size`].
@@ -56,7 +57,8 @@ impl Image {
         Ok(Pixels { size: GreyImage::size(&self.file)?, side: self.pixel })
     }
 
-    /// The mesh of a scene that gives none: a rectangle over the image with squares of two pixels, so that P2 nodes are where pixels meet.
+    /// The default mesh of a scene: a rectangle over the image with squares of two pixels, so that
+    /// the P2 nodes are the corners of the pixels.
     pub(in crate::scene) fn mesh(&self, item: &Item) -> Result<MeshSource> {
         let written = item.open_table()?.get("file");
         let size = GreyImage::size(&self.file).map_err(|e| written.as_ref().unwrap_or(item).blame(e))?;
@@ -74,7 +76,8 @@ impl Image {
     }
 }
 
-/// An image is segmented by one level set in the plane, and nothing else happens.
+/// Checks that an image is segmented by one level set in the plane, without tables and keys of a
+/// flow.
 pub(in crate::scene) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result<()> {
     if dimension != 2 {
         return Err(image

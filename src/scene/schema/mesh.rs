@@ -1,4 +1,4 @@
-//! `[mesh]`: where the mesh comes from.
+//! `[mesh]`: source of the mesh.
 
 use super::adapt::Adapt;
 use super::shape::Shape;
@@ -19,10 +19,11 @@ pub enum MeshSource {
         path: PathBuf,
         /// 3 for a mesh of tetrahedra, 2 for one of triangles.
         dimension: usize,
-        /// Times that every triangle is cut into four, every tetrahedron into eight.
+        /// Number of refinements, each of which divides a triangle into four, a tetrahedron into
+        /// eight.
         refine: usize,
-        /// Curves (in space: surfaces) that boundaries of the mesh stand for, by name: new points
-        /// of a refined mesh are moved onto them.
+        /// Curves (in space: surfaces) of boundaries of the mesh, by name: new points of a refined
+        /// mesh are projected onto them.
         geometry: Vec<(String, Shape)>,
     },
     /// A rectangle of triangles.
@@ -31,7 +32,7 @@ pub enum MeshSource {
     Disc(Disc),
     /// A box of tetrahedra.
     Box(Block),
-    /// A box of tetrahedra that is fine about a sphere: [`mesh::ball_in_box`].
+    /// A box of tetrahedra, refined near a sphere: [`mesh::ball_in_box`].
     BallInBox(BallInBox),
 }
 
@@ -103,7 +104,7 @@ words! {
     }
 }
 
-/// By hand: some of its keys are for files alone, and `adapt` is read elsewhere.
+/// Written by hand: some of its keys are for files only, and `adapt` is read elsewhere.
 pub(in crate::scene) static KEYS: Keys = Keys {
     about: "Where the mesh comes from: exactly one of file, rectangle, disc, box and ball_in_box.",
     keys: &[
@@ -167,14 +168,14 @@ pub(in crate::scene) static KEYS: Keys = Keys {
     ],
 };
 
-/// A mesh refined more often has a million times its triangles.
+/// Maximum number of refinements: after this many a mesh has a million times its triangles.
 const MOST_REFINEMENTS: usize = 10;
-/// More cells along an axis exceed any memory.
+/// Maximum number of cells along an axis: more exceed any memory.
 const MOST_CELLS: usize = 100_000;
 
 impl MeshSource {
-    /// Reads `[mesh]`. Without a word from the scene a mesh file has the dimension `assumed`, or
-    /// that which it says, or 2.
+    /// Reads `[mesh]`. Unless the scene gives it, the dimension of a mesh file is `assumed`, or
+    /// that in the file, or 2.
     pub(in crate::scene) fn read(item: &Item, context: &Context, assumed: Option<usize>) -> Result<MeshSource> {
         let mesh = item.table(&KEYS)?;
         let (kind, item) = mesh.exactly_one(&KEYS)?;
@@ -196,7 +197,7 @@ impl MeshSource {
         }
     }
 
-    /// Components of a vector: 2 or 3.
+    /// Dimension of space: 2 or 3.
     pub fn dimension(&self) -> usize {
         match self {
             MeshSource::File { dimension, .. } => *dimension,
@@ -205,7 +206,7 @@ impl MeshSource {
         }
     }
 
-    /// The mesh in space that this generates; `None` for files and for meshes of the plane.
+    /// The generated mesh in space; `None` for files and for meshes of the plane.
     pub fn generated(&self) -> Option<Result<Mesh<3>>> {
         match *self {
             MeshSource::Box(Block { min, max, cells }) => Some(mesh::box_mesh(min, max, cells)),
@@ -249,7 +250,7 @@ impl MeshSource {
     }
 }
 
-/// A mesh file; `item` is its name.
+/// Reads a mesh file; `item` is its name.
 fn file(mesh: &Table<'_>, item: &Item<'_>, context: &Context, assumed: Option<usize>) -> Result<MeshSource> {
     let file = item.text()?;
     if file.is_empty() {
@@ -258,7 +259,7 @@ fn file(mesh: &Table<'_>, item: &Item<'_>, context: &Context, assumed: Option<us
     let path = absolute(&context.folder.join(file));
     let dimension = match mesh.optional("dimension", |i| i.count(2, 3))? {
         Some(dimension) => dimension,
-        // Errors of the file are told when the mesh is made.
+        // Errors of the file are reported when the mesh is built.
         None => assumed.or_else(|| gmsh::dimension(&path).ok()).unwrap_or(2),
     };
     let context = Context { dimension, ..context.clone() };
@@ -270,7 +271,7 @@ fn file(mesh: &Table<'_>, item: &Item<'_>, context: &Context, assumed: Option<us
     })
 }
 
-/// Curves by the name of their boundary.
+/// Reads the curves, by the name of their boundary.
 fn curves(item: &Item, context: &Context) -> Result<Vec<(String, Shape)>> {
     item.open_table()?.items().map(|(name, item)| Ok((name.to_string(), Shape::read(&item, context)?))).collect()
 }
@@ -293,7 +294,7 @@ impl BallInBox {
     }
 }
 
-/// Refuses a corner `max` that is not larger than `min` in every coordinate.
+/// Rejects a corner `max` that is not larger than `min` in every coordinate.
 fn above(table: &Table<'_>, min: &[f64], max: &[f64]) -> Result<()> {
     match table.get("max").filter(|_| !max.iter().zip(min).all(|(a, b)| a > b)) {
         None => Ok(()),
@@ -303,7 +304,7 @@ fn above(table: &Table<'_>, min: &[f64], max: &[f64]) -> Result<()> {
     }
 }
 
-/// The path from the root of the file system.
+/// The absolute path.
 pub(in crate::scene) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }

@@ -1,5 +1,5 @@
-//! Tables of a scene: types, defaults and checks, and how they are written. The lists of structures
-//! stand in `scene::structures`.
+//! Tables of a scene: types, defaults, checks and writing. The lists of structures are in
+//! `scene::structures`.
 
 mod adapt;
 mod boundary;
@@ -43,25 +43,24 @@ use crate::base::Result;
 use crate::flow;
 use std::collections::BTreeMap;
 
-/// All tables of a scene but its structures, with defaults filled in and every value checked.
+/// All tables of a scene except its structures, with defaults filled in and all values checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tables {
     /// Title of the scene.
     pub title: String,
-    /// Units of the scene, in words; may be empty.
+    /// Units of the scene, as text; may be empty.
     pub units: String,
-    /// Names that expressions may use, beside x, y, z, t and pi.
+    /// Names for expressions, beside x, y, z, t and pi.
     pub constants: BTreeMap<String, f64>,
     /// Source of the mesh.
     pub mesh: MeshSource,
     /// Adaptation of the mesh, if there is one.
     pub adapt: Option<Adapt>,
-    /// The fluid; nothing where there is an image.
+    /// The fluid; at rest for a segmentation.
     pub fluid: Fluid,
-    /// The image that the one level set segments, in place of a flow.
+    /// The image to segment, in place of a flow.
     pub image: Option<Image>,
-    /// Conditions on the boundary, in the order of the scene; empty only when the velocity is
-    /// prescribed.
+    /// Boundary conditions, in the order of the scene; empty only for a prescribed velocity.
     pub boundaries: Vec<Boundary>,
     /// The time grid.
     pub time: Time,
@@ -69,11 +68,12 @@ pub struct Tables {
     pub numerics: Numerics,
     /// Output of a run.
     pub output: Output,
-    /// The exact solution, where one is known.
+    /// The exact solution, if known.
     pub exact: Exact,
 }
 
-/// Keys before the lists of structures; by hand, as these lists stand in their midst.
+/// Keys before the lists of structures; declared by hand, as these lists are between them and the
+/// rest.
 pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
     row("title", Value("text"), "", Derived("the name of the file"), "What the scene is called."),
     row("units", Value("text"), "", Default("\"\""), "The units of the scene, in words; nothing is converted."),
@@ -101,7 +101,7 @@ pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
         "What happens on the named parts of the boundary.",
     ),
 ];
-/// Keys after them.
+/// Keys after the lists of structures.
 pub(in crate::scene) const KEYS_AFTER: [Key; 4] = [
     row("time", Table(Time::KEYS), "", Required, "How long, in which steps."),
     row("numerics", Table(Numerics::KEYS), "", Optional, "How the equations are solved."),
@@ -115,7 +115,7 @@ impl Tables {
         let (density, viscosity) = (self.fluid.density.outside, self.fluid.viscosity.outside);
         flow::Fluid { density, viscosity }
     }
-    /// Names of the columns of what an interface encloses and of its own size.
+    /// Names of the columns of the measure enclosed by an interface and of its own measure.
     pub fn extents(&self) -> [&'static str; 2] {
         if self.mesh.dimension() == 2 { ["area", "perimeter"] } else { ["volume", "surface"] }
     }
@@ -135,7 +135,7 @@ impl Tables {
         }
         boundary::write(&self.boundaries, out);
     }
-    /// Writes the tables after them.
+    /// Writes the tables after the lists of structures.
     pub(in crate::scene) fn write_after(&self, out: &mut Writer) {
         self.time.section("[time]", out);
         self.numerics.write(out);
@@ -146,7 +146,7 @@ impl Tables {
     }
 }
 
-/// Names with numbers, or with expressions of the names before them.
+/// Reads names with numbers, or with expressions of the preceding names.
 pub(in crate::scene) fn constants(item: &Item) -> Result<BTreeMap<String, f64>> {
     let mut constants = BTreeMap::new();
     for (name, item) in item.open_table()?.items() {

@@ -1,4 +1,4 @@
-//! `[numerics]`: how the equations are solved.
+//! `[numerics]`: numerical methods.
 
 use super::redistance::Redistance;
 use crate::base::Result;
@@ -123,18 +123,18 @@ const SOLVE_TOLERANCE: f64 = 1e-10;
 const LARGEST_SOLVE_TOLERANCE: f64 = 1e-6;
 
 impl Numerics {
-    /// True if surface tension is a continuum force, and no stress.
+    /// True if surface tension is a continuum force and not a stress.
     pub fn has_continuum_force(&self) -> bool {
         self.surface_tension.is_some_and(|s| s.by_curvature)
     }
 
-    /// The solution of the linear systems of the flow, and the memory it may take.
+    /// The solver for the linear systems of the flow, and its memory limit.
     pub fn solver(&self) -> SolverOptions {
         let memory = self.memory.map(|gigabytes| (gigabytes * GIGABYTE) as usize);
         SolverOptions { kind: self.solver, memory }
     }
 
-    /// A published scheme brings its own coupling.
+    /// Sets the coupling of a published scheme, beside which no other one may be given.
     fn check(&mut self, table: &Table<'_>, _: &Context) -> Result<()> {
         let Some(scheme) = self.surface_tension else { return Ok(()) };
         self.coupling = scheme.coupling;
@@ -145,7 +145,8 @@ impl Numerics {
         })
     }
 
-    /// The table of redistancing has a header of its own.
+    /// True for keys that this table omits: redistancing, which has its own header, and the
+    /// coupling of a published scheme.
     fn hides(&self, key: &str) -> bool {
         key == "redistance" || key == "coupling" && self.surface_tension.is_some()
     }

@@ -1,4 +1,4 @@
-//! `[output]`: what is written, and when.
+//! `[output]`: results to write, and their times.
 
 use super::given::{Given, Motion, Quantity};
 use super::geometry::{Curve, DeltaName, Deltas};
@@ -117,8 +117,8 @@ kinds! {
         |i, _| i.list()?.iter().map(Item::non_negative).collect();
 }
 
-/// Without a word from the scene: field files and pictures in a run, and rows of the series of
-/// steps that follow the error.
+/// Default number of field files and pictures in a run, and of rows of the series for adaptive
+/// steps.
 const FIELD_FILES: f64 = 10.0;
 const PICTURES: f64 = 50.0;
 const ROWS: f64 = 200.0;
@@ -134,7 +134,7 @@ impl Output {
         Ok(output)
     }
 
-    /// Fills in what follows from the rest of the scene.
+    /// Derives the remaining values from the rest of the scene.
     fn complete(&mut self, table: &Table<'_>, given: &Given<'_>) -> Result<()> {
         let (time, paced) = (given.time, given.time.tolerance.is_some());
         let part = |parts: f64| Some((time.end / parts).max(if paced { 0.0 } else { time.step }));
@@ -204,7 +204,7 @@ impl Profile {
     }
 }
 
-/// The entries of the named tables `key`.
+/// The entries of the table of named tables `key`.
 fn items<'a>(table: &Table<'a>, key: &str) -> Result<Vec<Item<'a>>> {
     let named = table.get(key).map(|i| i.open_table()).transpose()?;
     Ok(named.map_or_else(Vec::new, |t| t.items().map(|(_, item)| item).collect()))

@@ -1,4 +1,4 @@
-//! `[output.picture]`: how pictures look.
+//! `[output.picture]`: appearance of pictures.
 
 use super::given::{Given, Motion, Quantity};
 use crate::base::Result;
@@ -68,7 +68,7 @@ words! {
 }
 words! { Axes: usize { "x" = 0, "y" = 1, "z" = 2 } }
 
-/// A field that a picture can show: not the velocity, which is a vector.
+/// A field that a picture can show: any except the velocity, which is a vector.
 pub(in crate::scene) struct Shown;
 
 impl Typed for Shown {
@@ -120,7 +120,7 @@ impl Picture {
 }
 
 impl Given<'_> {
-    /// The field of a picture for which the scene names none.
+    /// The default field of a picture.
     pub(in crate::scene) fn default_field(&self) -> Quantity {
         match (self.motion, self.interfaces.len()) {
             (Motion::Image, _) => Quantity::Image,
@@ -129,7 +129,7 @@ impl Given<'_> {
         }
     }
 
-    /// Refuses a field that the scene does not have.
+    /// Rejects a field that the scene does not have.
     pub(in crate::scene) fn check_field(&self, item: &Item, field: Quantity) -> Result<()> {
         if field == Quantity::Image {
             return match self.motion {

@@ -19,7 +19,7 @@ kinds! {
 
 const REMEDY: &str = "give at least three corners: points = [[0, 0], [1, 0], [0, 1]]";
 
-/// Reads at least three corners; no two sides meet but neighbours in their corner.
+/// Reads at least three corners. Sides must not intersect except neighbours in their common corner.
 fn corners(list: &Item, _: &Context) -> Result<Vec<[f64; 2]>> {
     let items = list.list()?;
     let points: Vec<[f64; 2]> = items.iter().map(Item::vector).collect::<Result<_>>()?;
@@ -34,7 +34,7 @@ fn corners(list: &Item, _: &Context) -> Result<Vec<[f64; 2]>> {
     }
 }
 
-/// Two sides that meet although they should not, the smaller number first.
+/// Two sides with an invalid intersection, the smaller index first.
 fn crossing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
     let n = points.len();
     let side = |i: usize| (points[i], points[(i + 1) % n]);
@@ -65,7 +65,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// True if the second side, which begins where the first one ends, runs back along it.
+/// True if the second side, which begins at the end of the first one, runs back along it.
 fn folds((a, b): Side, (_, c): Side) -> bool {
     turn(a, b, c) == 0.0 && (c[0] - b[0]) * (b[0] - a[0]) + (c[1] - b[1]) * (b[1] - a[1]) < 0.0
 }

@@ -1,4 +1,4 @@
-//! `[numerics.redistance]`: level sets that become distances again.
+//! `[numerics.redistance]`: redistancing of level sets.
 
 use crate::base::Result;
 use crate::levelset;

@@ -1,4 +1,4 @@
-//! `[[membrane]] shape`: the form of an interface at time 0.
+//! `[[membrane]] shape`: the initial form of an interface.
 
 use super::polygon::Polygon;
 use crate::base::Result;
@@ -17,7 +17,7 @@ pub enum Shape {
     Ellipse(Ellipse),
     /// A rectangle with rounded corners; in space a box with rounded edges.
     RoundedBox(RoundedBox),
-    /// A simple polygon, in either sense of rotation.
+    /// A simple polygon, of either orientation.
     Polygon(Polygon),
     /// A sphere, in space.
     Sphere(Sphere),
@@ -25,9 +25,9 @@ pub enum Shape {
     Ellipsoid(Ellipsoid),
     /// A torus, in space.
     Torus(Torus),
-    /// All points that lie in one of the shapes.
+    /// The union of the shapes.
     Union(Vec<Shape>),
-    /// The points where a level function of x, y (and z) is negative.
+    /// The set where a level function of x, y (and z) is negative.
     Expression(Expression),
 }
 
@@ -167,9 +167,9 @@ impl Typed for Shapes {
     }
 }
 
-/// Unions that may stand inside one another.
+/// Maximum nesting depth of unions.
 const DEPTH: usize = 8;
-/// Shapes of one number of dimensions alone.
+/// Shapes in the plane only.
 const OF_THE_PLANE: [&str; 3] = ["circle", "ellipse", "polygon"];
 const OF_SPACE: [&str; 3] = ["sphere", "ellipsoid", "torus"];
 
@@ -185,7 +185,7 @@ impl Torus {
 }
 
 impl RoundedBox {
-    /// Refuses a turn that the number of dimensions does not have.
+    /// Rejects a rotation that does not fit the dimension.
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         let (other, what, remedy) = match context.dimension {
             2 => ("rotation", "in the plane a shape is turned by one angle", "give angle = 30, in degrees"),
@@ -198,7 +198,7 @@ impl RoundedBox {
         table.get(other).map_or(Ok(()), |item| Err(item.key_error(what).remedy(remedy)))
     }
 
-    /// Refuses corners that are too large.
+    /// Rejects corners that are too large.
     fn check(&mut self, table: &Table<'_>, _: &Context) -> Result<()> {
         let half_size = &self.half_size;
         match table.get("radius").filter(|_| half_size.iter().any(|h| self.radius > *h)) {
@@ -221,7 +221,7 @@ fn axis(item: &Item, _: &Context) -> Result<[f64; 3]> {
     }
 }
 
-/// Refuses a shape of the plane in space, and one of space in the plane.
+/// Rejects a shape of the plane in space, and one of space in the plane.
 fn check_dimension(kind: &str, item: &Item, context: &Context) -> Result<()> {
     let (others, place, remedy) = match context.dimension {
         2 => (

@@ -1,4 +1,4 @@
-//! `[time]`: how long, in which steps.
+//! `[time]`: end time and steps.
 
 use crate::base::Result;
 use crate::scene::keys::{Context, Count, Item, Kind, Opt, Positive, Table, kinds, table};
@@ -29,11 +29,11 @@ kinds! {
     Tolerance: f64 = Kind::Value("number > 0, at most 0.1"), tolerance;
 }
 
-/// Relative rounding that a multiple of the step may have.
+/// Relative rounding error allowed for a multiple of the step.
 const ROUNDING: f64 = 1e-9;
 const MOST_STEPS: f64 = 1e9;
 const MOST_TOLERANCE: f64 = 0.1;
-/// The shortest step over the first, where the scene does not say.
+/// Default shortest step over the first step.
 const LEAST: f64 = 1e-4;
 
 impl Time {
@@ -68,7 +68,7 @@ impl Time {
             .remedy(format!("the nearest ends are {}", ends.join(" and "))))
     }
 
-    /// The shortest and the longest step that the error may ask for.
+    /// The shortest and the longest adaptive step.
     pub fn bounds(&self) -> [f64; 2] {
         [self.step_min.unwrap_or(LEAST * self.step), self.step_max.unwrap_or(self.end)]
     }
@@ -95,7 +95,7 @@ fn tolerance(item: &Item, _: &Context) -> Result<f64> {
         .remedy(format!("give a number up to {MOST_TOLERANCE}, for example 1e-3")))
 }
 
-/// A number without the rounding of its last digits.
+/// A number without the rounding error of its last digits.
 fn short(v: f64) -> String {
     format!("{v:.12e}").parse::<f64>().unwrap_or(v).to_string()
 }

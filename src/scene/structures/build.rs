@@ -1,4 +1,4 @@
-//! Construction of structures on the site of a scene.
+//! Construction of structures on the mesh of a scene.
 
 use crate::base::{Error, Result, Warning};
 use crate::elastic::{AreaLaw, Band, ContinuumForce, Membrane};
@@ -9,19 +9,19 @@ use crate::scene::schema::Numerics;
 use crate::scene::site::{Placed, Site};
 use crate::structure::{Immersed, ImmersedInterface, Structure};
 
-/// A structure under construction: its place in the scene and on the mesh.
+/// A structure under construction, with its keys in the scene and its data on the mesh.
 pub(in crate::scene) struct Build<'a, 's, const D: usize> {
-    /// The site; warnings are added to it.
+    /// The mesh with its spaces; warnings are added to it.
     pub site: &'a mut Site<'s, D>,
-    /// List of the scene and number in it.
+    /// Key of the list in the scene, and index in this list.
     pub keys: [String; 2],
     /// Signed distance of its shape, if it has one.
     pub placed: Option<Placed<D>>,
     /// Half-width of the bands.
     pub thickness: f64,
-    /// Fluid inside, where it is another one.
+    /// Fluid inside, if it differs from that outside.
     pub inside: Option<Fluid>,
-    /// Nodes on the boundary, periodic sides left aside.
+    /// Nodes on the boundary without periodic sides.
     pub walls: &'a [u32],
 }
 
@@ -33,7 +33,7 @@ impl<const D: usize> Build<'_, '_, D> {
     pub fn placed(&self) -> Result<&Placed<D>> {
         self.placed.as_ref().ok_or_else(|| Error::internal("a structure without a shape was placed"))
     }
-    /// Says of an error that it is about this key of the structure.
+    /// Attaches the position of this key of the structure to an error.
     pub fn blame(&self, key: &str, error: Error) -> Error {
         self.site.script.blame(&[&self.keys[0], &self.keys[1], key], error)
     }
@@ -42,15 +42,15 @@ impl<const D: usize> Build<'_, '_, D> {
         let outside = self.site.script.outside();
         0.5 * (self.inside.unwrap_or(outside).viscosity + outside.viscosity)
     }
-    /// `count` points on the interface at equal distances.
+    /// `count` equidistant points on the interface.
     ///
     /// # Errors
-    /// An interface that cannot have them.
+    /// An interface on which this is not possible.
     pub fn markers(&self, count: usize) -> Result<Vec<Point<D>>> {
         let Placed { nodal, function } = self.placed()?;
         Interface::cut(&self.site.space, &nodal[..])?.markers(&**function, count)
     }
-    /// Refuses an interface no part of which lies on the mesh.
+    /// Rejects an interface that does not intersect the mesh.
     ///
     /// # Errors
     /// Such an interface.
@@ -62,7 +62,8 @@ impl<const D: usize> Build<'_, '_, D> {
         Err(self.blame("shape", e))
     }
     /// Checks that the mesh resolves the band of the structure `name`, if it has one, and that the
-    /// band, `widest` times as wide as its half-width where it is wider, keeps clear of the boundary.
+    /// band does not reach the boundary. `widest` is the largest half-width of the band over the
+    /// nominal one.
     ///
     /// # Errors
     /// A band that is too thin or reaches the boundary.
@@ -95,8 +96,8 @@ impl<const D: usize> Build<'_, '_, D> {
     }
 }
 
-/// A structure whose law is spread over a band: by its stress, or by the continuum force where the
-/// scene asks for that.
+/// A structure with its force spread over a band: by its stress, or by the continuum force if the
+/// scene requests it.
 pub(super) fn smeared<const D: usize>(
     interface: ImmersedInterface<D>,
     law: AreaLaw,
@@ -112,8 +113,8 @@ pub(super) fn smeared<const D: usize>(
     Immersed::boxed(interface, force.with_kernel(kernel, norm))
 }
 
-/// The band of a structure: the scene's, or the book's, but one that is carried where the tension is
-/// constant, which with the other would feed the currents about a drop at rest.
+/// The type of band of a structure. Default: renormalised, but carried for constant tension, where
+/// a renormalised band would increase the spurious currents around a drop at rest.
 pub(in crate::scene) fn band_of(numerics: &Numerics, constant_tension: bool) -> Band {
     let derived = if constant_tension { Band::Carried } else { Band::Renormalised };
     numerics.band.unwrap_or(derived)

@@ -54,7 +54,8 @@ table! {
 }
 
 impl Drop {
-    /// Reads a drop; some schemes spread surface tension over a band.
+    /// Reads a drop. The default force is smeared for schemes that spread surface tension over a
+    /// band.
     fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
         let mut drop = Drop::read(item, context)?;
         let banded = numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;

@@ -1,4 +1,4 @@
-//! Laws of membranes: of area, of shear, of both.
+//! Constitutive laws of membranes: for area, for shear, for both.
 
 use crate::base::Result;
 use crate::elastic::{AreaLaw, Force, ShearLaw, SurfaceLaw};
@@ -69,7 +69,7 @@ table! {
     }
 }
 
-/// Refuses laws that exclude each other, or that do not go with the force or the dimension.
+/// Rejects laws that exclude each other, or that are not available for the force or the dimension.
 pub(super) fn check(table: &Table<'_>, force: Force, context: &Context) -> Result<()> {
     let (shear, whole) = (table.get("shear"), table.get("law"));
     if let Some(item) = shear.as_ref().or(whole.as_ref()) {

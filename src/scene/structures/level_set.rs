@@ -1,4 +1,4 @@
-//! `[[level_set]]`: interfaces that are carried and act on nothing.
+//! `[[level_set]]`: passive interfaces.
 
 use super::build::Build;
 use super::{KindIn, Registered, StructureKind, Traits};
@@ -57,7 +57,7 @@ impl LevelSet {
                 .remedy("leave them out")),
         }
     }
-    /// Points on the interface, which no periodic side may interrupt.
+    /// Points on the interface, which must not cross periodic sides.
     fn markers<const D: usize>(&self, of: &Build<'_, '_, D>) -> Result<Vec<Point<D>>> {
         if self.markers == 0 {
             return Ok(Vec::new());

@@ -95,7 +95,7 @@ impl Membrane {
         self.surface().is_none() && ["map", "area_change", "level_set"].contains(&key)
     }
 
-    /// Law of its area; of one whose law is of area and shear together, that for small changes.
+    /// Its area law; for a law of area and shear together, the small-strain limit.
     pub fn area(&self) -> AreaLaw {
         match self.law {
             Some(law) => AreaLaw::Linear { modulus: law.response(1.0, 1.0).second[0] },
@@ -103,7 +103,7 @@ impl Membrane {
         }
     }
 
-    /// Law of one that resists shear.
+    /// The surface law of a membrane that resists shear.
     pub fn surface(&self) -> Option<SurfaceLaw> {
         self.law.or(self.shear.map(|shear| SurfaceLaw::Split { area: self.area(), shear }))
     }
@@ -112,7 +112,7 @@ impl Membrane {
         Cuts { chords: &self.chords, rings: &self.rings }
     }
 
-    /// The level set at time 0 whose distance is `distance`: times the area stretch at the start, so
+    /// The level set at time 0 from the signed `distance`: scaled by the initial area stretch, so
     /// that its slope on the membrane is `Z1`.
     fn level_set<const D: usize>(
         &self,
@@ -134,14 +134,13 @@ impl Membrane {
             let derivative = |i: usize, j: usize| map[i].eval_with_gradient(coordinates(x), 0.0).1[j];
             let grad_y = SMatrix::<f64, D, D>::from_fn(derivative);
             let area = SurfaceStrain::new(&gradient.normalize(), &grad_y, stretch).z1;
-            // In the middle of a shape its distance has no gradient.
+            // The distance has no gradient on the medial axis of a shape.
             distance(x) * if area.is_finite() { area } else { stretch }
         })
     }
 
-    /// Refuses a map to the place at rest that has no finite value at a node, or no area or a mirrored
-    /// one, or a hundred times as much or as little, where the membrane may be: within its band and
-    /// on the cells that it cuts.
+    /// Rejects a map to the position at rest that has no finite value at some node, or gives an
+    /// area out of the range of [`MOST`] at a node in the band.
     fn check_map<const D: usize>(&self, of: &Build<'_, '_, D>, phi: &[f64]) -> Result<()> {
         if self.map.is_empty() {
             return Ok(());
@@ -181,7 +180,7 @@ impl Membrane {
     }
 }
 
-/// The largest area over that at rest, and the inverse of the least, that a map may give.
+/// Bound of the area from a map over that from the stretch, and of its inverse.
 const MOST: f64 = 100.0;
 
 fn rest_map<const D: usize>(map: &[Expression]) -> Arc<RestMap<D>> {
@@ -201,7 +200,7 @@ impl<const D: usize> KindIn<D> for Membrane {
     fn build(&self, of: &mut Build<'_, '_, D>) -> Result<Box<dyn Structure<D>>> {
         let script = of.site.script;
         let numerics = &script.numerics;
-        // A sharp force needs no band; a fluid that changes across the interface does.
+        // A sharp force needs no band, but a fluid that changes across the interface does.
         let smeared = self.force == Force::Smeared;
         let banded = smeared || self.mass > 0.0 || of.inside.is_some();
         let renormalised = smeared && self.band(numerics) == Band::Renormalised;

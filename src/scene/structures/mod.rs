@@ -1,5 +1,5 @@
-//! Kinds of structures: one file a kind, with its keys, its construction, its words of the plan, its
-//! columns and its charts. A further kind is a file here and a line in `KINDS`.
+//! Kinds of structures. Each has one file with its keys, its construction, its text in the plan,
+//! its columns and its charts. A new kind is a new file and one line in `KINDS`.
 
 mod build;
 mod drop;
@@ -30,9 +30,9 @@ pub(super) struct Registered {
     pub list: &'static str,
     /// Keys of each of its tables.
     pub keys: &'static Keys,
-    /// Meaning of the list, for the reference.
+    /// Description of the list, for the reference.
     pub doc: &'static str,
-    /// Keys that a table must have beside its shape, in a scene of that many dimensions: an example.
+    /// Required keys of a table beside its shape, for a scene of the given dimension; an example.
     #[cfg(test)]
     pub example: fn(usize) -> &'static str,
     /// Reads one table.
@@ -58,27 +58,27 @@ pub(super) static KINDS: &[Registered] = &[
 /// Properties of a structure that the rest of a scene depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traits {
-    /// True if it acts on the flow or holds a fluid; else it is only carried.
+    /// True if it acts on the flow or encloses a fluid; otherwise it is passive.
     pub acts: bool,
-    /// Slope of its level set at the start: the stretch.
+    /// Initial slope of its level set: the stretch.
     pub slope: f64,
-    /// True if it pulls with the same tension whatever its strain.
+    /// True if its tension does not depend on the strain.
     pub constant_tension: bool,
-    /// Elastic modulus or tension, force per length: scale of its waves.
+    /// Elastic modulus or tension, force per length: the scale of its waves.
     pub modulus: f64,
-    /// True if it pulls at all, so that other bands must keep clear of its own.
+    /// True if it exerts a force, so that other bands must not overlap its own.
     pub pulls: bool,
     /// True if its force acts on the interface itself and not over a band.
     pub on_interface: bool,
     /// Mass per area at rest.
     pub mass: f64,
-    /// Density and viscosity of its own inside, as far as it names them.
+    /// Density and viscosity of its inside fluid, if specified by the structure.
     pub own_fluid: [Option<f64>; 2],
-    /// True if it resists shear, which takes the backward characteristics.
+    /// True if it resists shear, which requires the backward characteristics.
     pub resists_shear: bool,
-    /// Key that cannot be used where particles pass periodic sides, and its meaning.
+    /// Key that is not available where particles cross periodic sides, and its meaning.
     pub not_periodic: Option<(&'static str, &'static str)>,
-    /// True if its form at rest is round, so that its mean stretch is known from its size.
+    /// True if it is round at rest, so that its mean stretch follows from its size.
     pub round_at_rest: bool,
     /// True for a fluid with surface tension.
     pub is_drop: bool,
@@ -103,14 +103,14 @@ impl Default for Traits {
     }
 }
 
-/// Construction and measures of a structure in `D` dimensions.
+/// Construction and measurements of a structure in `D` dimensions.
 pub(super) trait KindIn<const D: usize> {
     /// Builds the structure.
     ///
     /// # Errors
-    /// Values that do not fit the mesh, with their place.
+    /// Values that do not fit the mesh, with their position.
     fn build(&self, of: &mut Build<'_, '_, D>) -> Result<Box<dyn Structure<D>>>;
-    /// Measures the structure, number `k`, into columns that begin with its name and a dot.
+    /// Measures structure number `k`, in columns that begin with its name and a dot.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -122,19 +122,19 @@ pub(super) trait KindIn<const D: usize> {
 pub trait StructureKind: KindIn<2> + KindIn<3> + Debug + Send + Sync {
     /// Name in results; unique in the scene.
     fn name(&self) -> &str;
-    /// Name of the list it stands in.
+    /// Name of its list in the scene.
     fn list(&self) -> &'static str;
-    /// Form at time 0, whose signed distance its level set is made of; `None` for one without.
+    /// Initial form, from whose signed distance the level set is computed; `None` without one.
     fn shape(&self) -> Option<&Shape>;
     /// Properties that the rest of the scene depends on.
     fn traits(&self) -> Traits;
-    /// Its lines of the plan, under "Solved".
+    /// Its lines in the plan, under "Solved".
     fn words(&self) -> Vec<String>;
-    /// Its line of the plan under "Numerics", if there is one.
+    /// Its line in the plan under "Numerics", if there is one.
     fn numerics(&self, _tables: &Tables) -> Option<String> {
         None
     }
-    /// Columns of half-chords that the scene asks for, after its name and a dot.
+    /// Columns of requested half-chords, after its name and a dot.
     fn chords(&self) -> Vec<String> {
         Vec::new()
     }
@@ -144,7 +144,7 @@ pub trait StructureKind: KindIn<2> + KindIn<3> + Debug + Send + Sync {
     fn write(&self, out: &mut Writer);
     /// A copy.
     fn boxed(&self) -> Box<dyn StructureKind>;
-    /// This value, for those that know its type.
+    /// This value, for downcasting.
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
@@ -155,7 +155,7 @@ impl Clone for Box<dyn StructureKind> {
 }
 
 impl PartialEq for Box<dyn StructureKind> {
-    /// Structures are equal when they are written alike.
+    /// Structures are equal if their TOML texts are equal.
     fn eq(&self, other: &Self) -> bool {
         let written = |s: &dyn StructureKind| {
             let mut out = Writer::default();
@@ -166,13 +166,13 @@ impl PartialEq for Box<dyn StructureKind> {
     }
 }
 
-/// Gives access to a kind in `D` dimensions.
+/// Upcast of a kind to `D` dimensions.
 type Up<const D: usize> = for<'a> fn(&'a dyn StructureKind) -> &'a dyn KindIn<D>;
 
 /// A kind in `D` dimensions, 2 or 3.
 ///
 /// # Errors
-/// Internal, in another number of dimensions.
+/// Internal, for another dimension.
 pub(super) fn kind_in<const D: usize>(kind: &dyn StructureKind) -> Result<&dyn KindIn<D>> {
     let (plane, solid): (Up<2>, Up<3>) = (|k| k, |k| k);
     let up: Option<Up<D>> = same(plane).or_else(|| same(solid));

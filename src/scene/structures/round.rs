@@ -1,4 +1,4 @@
-//! Measures of drops alone: roundness and mean velocity.
+//! Measurements of drops only: roundness and mean velocity.
 
 use crate::base::Result;
 use crate::mesh::Point;
@@ -16,13 +16,13 @@ fn roundness(dimension: usize) -> &'static str {
     if dimension == 2 { "circularity" } else { "sphericity" }
 }
 
-/// Measures structure number `k`, which encloses `enclosed` and is as long (in space: large) as
-/// `own`: size of the round form of what is enclosed over its own, at most 1, and the mean velocity
-/// inside.
+/// Measures structure number `k` with the enclosed measure `enclosed` and the length (in space:
+/// area) `own`: the size of the round form of the same measure over `own`, at most 1, and the mean
+/// velocity inside.
 ///
-/// The velocity is taken over the interface, `int_S (x - c)_i u . n ds / enclosed`, which for a
-/// velocity without divergence is the mean of `u_i` for any `c`; it is NaN for a drop that walls or
-/// periodic sides cut.
+/// The velocity is computed over the interface, `int_S (x - c)_i u . n ds / enclosed`, which is the
+/// mean of `u_i` for any `c` if the velocity is divergence-free. It is NaN for a drop that is cut
+/// by walls or periodic sides.
 ///
 /// # Errors
 /// A level set that is not finite.
@@ -46,7 +46,7 @@ pub(super) fn measure<const D: usize>(
         flux += (p.at.x - middle) * (p.at.weight * through);
         closed += p.normal * p.at.weight;
     }
-    // The normals of a closed interface add up to nothing.
+    // The integral of the normal over a closed interface vanishes.
     let whole = closed.norm() < 1e-3 * own;
     row.put(format!("{name}.{}", roundness(D)), if whole { round / own } else { f64::NAN });
     for (axis, f) in AXES.iter().zip(flux.iter()) {
@@ -55,7 +55,8 @@ pub(super) fn measure<const D: usize>(
     Ok(())
 }
 
-/// The column of a drop, unless walls or periodic sides cut it all the time: then it holds no number.
+/// The column of a drop; `None` if walls or periodic sides cut it at all times, so that it has no
+/// values.
 fn measured<'a>(of: &Columns<'a>, name: &str, column: &str) -> Option<&'a [f64]> {
     of.column_of(name, column).filter(|values| values.iter().any(|v| v.is_finite()))
 }

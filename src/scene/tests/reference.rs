@@ -1,11 +1,12 @@
-//! The reference of the scene format, held against reading and writing.
+//! Consistency of the reference of the scene format with reading and writing.
 
 use super::*;
 use crate::scene::keys::{Absent, Keys, Kind};
 use crate::scene::structures::{KINDS, Registered};
 use std::collections::BTreeSet;
 
-/// Checks that `keys` describe the table `written`; notes by its path each key whose default is stated and written.
+/// Checks that `keys` describe the table `written`; records the path of each key with a stated
+/// default that is written.
 fn described(
     written: &toml::Table,
     keys: &'static Keys,
@@ -24,7 +25,7 @@ fn described(
         if let (Some(stated), true) = (stated, check_defaults) {
             let number = |text: &str| text.parse::<f64>().ok();
             let same = number(stated).is_some_and(|v| number(&value.to_string()) == Some(v));
-            // A vector of the plane stands for the one of space with another component like its last.
+            // A default vector of the plane is extended to space with its last component.
             let vector = stated.strip_suffix("]").and_then(|v| Some(format!("{v}, {}]", v.rsplit_once(", ")?.1)));
             let same = same || value.to_string() == stated || vector.is_some_and(|v| v == value.to_string());
             assert!(same, "default of {path}: {value}, said to be {stated}");
@@ -60,7 +61,7 @@ fn stated(keys: &'static Keys, path: &str, all: &mut BTreeSet<String>) {
     }
 }
 
-/// Only what must be written: the defaults of all else show.
+/// Required keys only, so that all defaults are used.
 const BARE: &str = r#"
 [mesh]
 rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }
@@ -96,7 +97,7 @@ end = 1
 step = 0.1
 "#;
 
-/// With an image, which is not looked at where there is a mesh.
+/// The same with an image, which is not read if there is a mesh.
 const IMAGE: &str = r#"
 [mesh]
 rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }
@@ -170,7 +171,7 @@ fn the_reference_has_the_keys_that_reading_allows() {
                 }
                 (Kind::Named(inner), toml::Value::Table(named)) => {
                     let (name, value) = named.iter().next().unwrap();
-                    // A name with a blank cannot be given by an override.
+                    // A name with a space cannot be given by an override.
                     let name = if name.contains(' ') { "left" } else { name };
                     tables.push((format!("{path}.{name}"), inner, named.get(name).unwrap_or(value).clone()));
                 }

@@ -1,4 +1,4 @@
-//! The throw-away structure in a scene: `[[spring]]`.
+//! The test structure in a scene: `[[spring]]`.
 
 use super::physics::Spring as Pulled;
 use crate::base::Result;

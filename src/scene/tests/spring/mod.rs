@@ -1,5 +1,5 @@
-//! One structure, one file: a structure that nothing else knows is added by one file of physics, one of
-//! the scene and one line of registration, and has everything that others have.
+//! Extensibility: a new structure needs one file of physics, one file of the scene and one line of
+//! registration, and has all features of the others.
 
 mod kind;
 mod physics;
@@ -40,7 +40,7 @@ film = false
 picture = { size = 200 }
 "#;
 
-/// Stops a run after some steps; keeps the plan.
+/// Stops a run after some steps; stores the plan.
 #[derive(Default)]
 struct Listener<'a> {
     stop: Option<(usize, &'a AtomicBool)>,
@@ -65,7 +65,7 @@ fn scene(set: &[&str]) -> Scene {
     Scene::parse_with(SCENE, Path::new("case/scene.toml"), &set).unwrap()
 }
 
-/// Runs a scene into a folder; with `stop` it is interrupted after so many steps.
+/// Runs a scene in a folder; with `stop` it is interrupted after this many steps.
 fn go(scene: &Scene, folder: &Path, resume: bool, stop: Option<usize>) -> Result<String> {
     let flag = AtomicBool::new(false);
     let mut listener = Listener { stop: stop.map(|step| (step, &flag)), ..Listener::default() };
@@ -105,13 +105,13 @@ fn it_runs_resumes_writes_fields_and_charts() {
     let read = |folder: &Path, name: &str| fs::read(folder.join(name)).unwrap();
     for name in ["series.csv", "fields/000020.vtu", "checkpoint/latest.bin"] {
         let same = read(&whole, name) == read(&parts, name);
-        // The record of a checkpoint holds times of the clock.
+        // The record of a checkpoint contains wall times.
         assert!(same || name.starts_with("checkpoint"), "{name} differs");
     }
     let series = crate::output::Series::read(&whole.join("series.csv")).unwrap();
     let last = |name: &str| *series.column(name).unwrap().last().unwrap();
     assert!(last("disc.centre_x") > 0.81 && last("disc.path") > 0.01);
-    // The spring gives what the fluid takes.
+    // The energy of the spring is transferred to the fluid.
     assert!(last("energy_balance").abs() < 5e-3, "{}", last("energy_balance"));
     assert!(last("energy_kinetic") > 1e-4 && last("energy_elastic") < 0.5 * 2.0 * 0.17);
     let field = String::from_utf8(read(&whole, "fields/000020.vtu")).unwrap_or_default();
@@ -133,7 +133,7 @@ fn it_follows_an_adapted_mesh() {
     assert!(path.windows(2).all(|w| w[1] > w[0]), "{path:?}");
 }
 
-/// The spring is a surface in space too, and steps that follow the error take it along.
+/// The spring is also available in space, and with adaptive steps.
 #[test]
 fn it_is_built_in_space_and_stepped_by_the_error() {
     let text = SCENE
@@ -155,7 +155,7 @@ fn it_is_built_in_space_and_stepped_by_the_error() {
     assert!(paced.row().unwrap().get("disc.centre_x").unwrap() > 0.81);
 }
 
-/// No file beside those of the spring and the line of registration may know it.
+/// No file except those of the spring and the registration may refer to it.
 #[test]
 fn no_other_file_knows_it() {
     fn sources(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
@@ -170,10 +170,10 @@ fn no_other_file_knows_it() {
     }
     let mut files = Vec::new();
     sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
-    let knows = |path: &&std::path::PathBuf| {
+    let mentions_it = |path: &&std::path::PathBuf| {
         let text = fs::read_to_string(path).unwrap_or_default();
         text.lines().filter(|l| l.to_lowercase().contains("spring") && !l.contains("Springer")).count() > 0
     };
-    let known: Vec<_> = files.iter().filter(knows).map(|p| p.file_name().unwrap().to_owned()).collect();
-    assert_eq!(known.len(), 2, "the registration and the declaration of the test alone: {known:?}");
+    let found: Vec<_> = files.iter().filter(mentions_it).map(|p| p.file_name().unwrap().to_owned()).collect();
+    assert_eq!(found.len(), 2, "the registration and the declaration of the test alone: {found:?}");
 }

@@ -1,4 +1,4 @@
-//! Physics of the throw-away structure: a disc of fluid that a spring pulls to a point.
+//! Physics of the test structure: a disc of fluid pulled to a point by a spring.
 
 use crate::base::Result;
 use crate::fem::{At, Basis, Cells, VectorForm, integrate};
@@ -8,8 +8,9 @@ use crate::mesh::Point;
 use crate::structure::{Carry, Data, Declaration, FieldId, Fields, Host, Moved, Place, Rule, Structure, Velocity};
 use nalgebra::{SMatrix, SVector};
 
-/// A disc of fluid whose centre a spring pulls to an anchor: `F(v) = -k (X - A) . mean of v inside`, with
-/// the energy `k |X - A|^2 / 2`. The length of the path of the centre is a number of its own.
+/// A disc of fluid whose centre is pulled to an anchor by a spring: `F(v) = -k (X - A) . mean of v
+/// inside`, with the energy `k |X - A|^2 / 2`. The length of the path of the centre is an
+/// additional unknown.
 #[derive(Clone)]
 pub struct Spring<const D: usize> {
     pub name: String,
@@ -19,7 +20,7 @@ pub struct Spring<const D: usize> {
     pub width: f64,
     field: FieldId,
     path: FieldId,
-    /// Level set, size and force of what was prepared last.
+    /// Level set, size and force of the last preparation.
     inside: Vec<f64>,
     pull: SVector<f64, D>,
     weights: Vec<f64>,
