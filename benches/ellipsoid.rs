@@ -1,7 +1,10 @@
-//! The explicit step of a membrane in space beside FreeFEM's: an ellipsoid, stretched beforehand, relaxes in a closed box.
+//! The explicit step of a membrane in space beside FreeFEM's: an ellipsoid, stretched beforehand,
+//! relaxes in a closed box.
 //!
-//! `cargo bench --bench ellipsoid -- 8 12` runs boxes of 8 and 12 blocks along a side; `steps=20` sets how many steps, `mesh=FOLDER` also writes
-//! the meshes as `FOLDER/ellipsoid-N.mesh` for `FreeFem++ -nw -v 0 examples/ellipsoid/twin.edp -mesh FOLDER/ellipsoid-N.mesh -eps 3/N -steps 20` (3/N as a number). One thread.
+//! `cargo bench --bench ellipsoid -- 8 12` runs boxes of 8 and 12 blocks along a side; `steps=20`
+//! sets how many steps, `mesh=FOLDER` also writes the meshes as `FOLDER/ellipsoid-N.mesh` for
+//! `FreeFem++ -nw -v 0 examples/ellipsoid/twin.edp -mesh FOLDER/ellipsoid-N.mesh -eps 3/N -steps
+//! 20` (3/N as a number). One thread.
 
 #![allow(clippy::print_stdout, reason = "the figures are the point of a bench")]
 
@@ -29,7 +32,9 @@ fn main() {
     let value = |key: &str| arguments.iter().find_map(|a| a.strip_prefix(key).map(str::to_owned));
     let steps = value("steps=").and_then(|s| s.parse().ok()).unwrap_or(10);
     let sizes: Vec<usize> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
-    println!("n,cells,unknowns,set_up,first_step,per_step,peak_mb,time,a,b,c,kinetic,elastic,largest_speed");
+    println!(
+        "n,cells,unknowns,set_up,first_step,per_step,peak_mb,time,a,b,c,kinetic,elastic,largest_speed"
+    );
     for n in if sizes.is_empty() { vec![8] } else { sizes } {
         run(n, steps, value("mesh=").as_deref());
     }
@@ -39,7 +44,8 @@ fn run(n: usize, steps: usize, folder: Option<&str>) {
     let begin = ProcessTime::now();
     let mesh = Arc::new(box_mesh([0.0; 3], [2.0; 3], [n; 3]).unwrap());
     if let Some(folder) = folder {
-        std::fs::write(format!("{folder}/ellipsoid-{n}.mesh"), freefem::text(&mesh).unwrap()).unwrap();
+        std::fs::write(format!("{folder}/ellipsoid-{n}.mesh"), freefem::text(&mesh).unwrap())
+            .unwrap();
     }
     let mut sim = simulation(&mesh, 3.0 / n as f64);
     let set_up = begin.elapsed().as_secs_f64();
@@ -76,11 +82,14 @@ fn simulation(mesh: &Arc<immersa::mesh::Mesh<3>>, thickness: f64) -> Simulation<
         )
     };
     let space = Space::new(mesh, Element::P2);
-    let level = |x: &Point<3>| (0..3).map(|k| ((x[k] - 1.0) / AXES[k]).powi(2)).sum::<f64>().sqrt() - 1.0;
+    let level =
+        |x: &Point<3>| (0..3).map(|k| ((x[k] - 1.0) / AXES[k]).powi(2)).sum::<f64>().sqrt() - 1.0;
     let phi = space.interpolate(|x| STRETCH * AXES[1] * level(x));
     let membrane = Membrane::new(AreaLaw::Linear { modulus: 1.0 }, thickness);
     let structure = Immersed::boxed(
-        ImmersedInterface::new("membrane", phi, thickness).stretched(STRETCH).coupled(Coupling::Explicit),
+        ImmersedInterface::new("membrane", phi, thickness)
+            .stretched(STRETCH)
+            .coupled(Coupling::Explicit),
         membrane,
     );
     Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
@@ -96,7 +105,11 @@ fn radius(sim: &Simulation<3>, axis: usize) -> f64 {
         let mut x = Point::<3>::repeat(1.0);
         x[axis] += middle;
         let at = locator.locate(space.mesh(), &x).unwrap();
-        if space.value(phi, at.cell as usize, &at.barycentric) < 0.0 { inside = middle } else { outside = middle }
+        if space.value(phi, at.cell as usize, &at.barycentric) < 0.0 {
+            inside = middle
+        } else {
+            outside = middle
+        }
     }
     0.5 * (inside + outside)
 }
@@ -105,5 +118,6 @@ fn radius(sim: &Simulation<3>, axis: usize) -> f64 {
 fn peak() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
-    line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok()).map_or(f64::NAN, |kb| kb / 1024.0)
+    line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok())
+        .map_or(f64::NAN, |kb| kb / 1024.0)
 }

@@ -1,4 +1,5 @@
-//! What a time step is made of, kernel by kernel, and whole steps, in two and three dimensions, on one thread.
+//! What a time step is made of, kernel by kernel, and whole steps, in two and three dimensions, on
+//! one thread.
 
 mod case;
 
@@ -44,8 +45,10 @@ macro_rules! benches {
                 let case = $case(n);
                 let (matrix, _) = case.factored();
                 let first = case.numbering().first_pressure();
-                bencher
-                    .bench_local(|| Factor::analyse(&matrix, Ordering::saddle_point(&matrix, first).unwrap()).unwrap());
+                bencher.bench_local(|| {
+                    Factor::analyse(&matrix, Ordering::saddle_point(&matrix, first).unwrap())
+                        .unwrap()
+                });
             }
             #[divan::bench(args = $sizes, sample_count = 5, sample_size = 1)]
             fn refactor(bencher: Bencher, n: usize) {
@@ -63,7 +66,8 @@ macro_rules! benches {
             fn feet_of_quadrature(bencher: Bencher, n: usize) {
                 let case = $case(n);
                 let (tracer, mut feet) = (Tracer::new(case.velocity.space(), &[]), Feet::default());
-                bencher.bench_local(|| tracer.from_quadrature(&case.u, DT, &case.velocity, &mut feet));
+                bencher
+                    .bench_local(|| tracer.from_quadrature(&case.u, DT, &case.velocity, &mut feet));
             }
             #[divan::bench(args = $sizes, sample_count = SAMPLES, sample_size = 1)]
             fn right_hand_side(bencher: Bencher, n: usize) {
@@ -85,7 +89,9 @@ macro_rules! benches {
                 bencher.bench_local(|| {
                     membrane.prepare(&case.velocity, &case.phi, None);
                     let Support::Cells(cells) = membrane.support() else { return };
-                    assemble_vector(&case.velocity, cells, &mut load, &mut scratch, |at| membrane.force(at));
+                    assemble_vector(&case.velocity, cells, &mut load, &mut scratch, |at| {
+                        membrane.force(at)
+                    });
                 });
             }
             #[divan::bench(args = $sizes, sample_count = SAMPLES, sample_size = 1)]
@@ -110,7 +116,8 @@ macro_rules! benches {
                 let case = $case(n);
                 let membrane = case.membrane();
                 let dimension = case.u[0].len();
-                let fine = Basis::new(case.velocity.space(), &Arc::new(Rule::simplex(dimension, 8)));
+                let fine =
+                    Basis::new(case.velocity.space(), &Arc::new(Rule::simplex(dimension, 8)));
                 bencher.bench_local(|| membrane.energy(&fine, &case.phi));
             }
             #[divan::bench(args = $sizes, sample_count = SAMPLES, sample_size = 1)]
@@ -148,5 +155,7 @@ benches!(space, Case::space, SPACE);
 #[divan::bench(args = PLANE, sample_count = SAMPLES, sample_size = 1)]
 fn contour(bencher: Bencher, n: usize) {
     let case = Case::plane(n);
-    bencher.bench_local(|| Contour::new(case.velocity.space(), black_box(&case.phi)).unwrap().measures().unwrap());
+    bencher.bench_local(|| {
+        Contour::new(case.velocity.space(), black_box(&case.phi)).unwrap().measures().unwrap()
+    });
 }

@@ -1,4 +1,5 @@
-//! What a second thread brings: the kernels of a step with one thread and with two, in turn, the best of many each.
+//! What a second thread brings: the kernels of a step with one thread and with two, in turn, the
+//! best of many each.
 
 #![allow(clippy::print_stdout, reason = "the figures are the point of a bench")]
 #[allow(dead_code, reason = "some of it is for the other benches alone")]
@@ -31,10 +32,17 @@ fn main() {
     let mut row = |name: &str, work: &mut (dyn FnMut() + Send)| {
         let best = compare(work);
         (total[0], total[1]) = (total[0] + best[0], total[1] + best[1]);
-        println!("{name:<20} {:8.3} ms {:8.3} ms {:6.2} times", 1e3 * best[0], 1e3 * best[1], best[0] / best[1]);
+        println!(
+            "{name:<20} {:8.3} ms {:8.3} ms {:6.2} times",
+            1e3 * best[0],
+            1e3 * best[1],
+            best[0] / best[1]
+        );
     };
     println!("60 x 60 squares       one thread  two threads");
-    row("feet of quadrature", &mut || tracer.from_quadrature(&case.u, DT, &case.velocity, &mut feet));
+    row("feet of quadrature", &mut || {
+        tracer.from_quadrature(&case.u, DT, &case.velocity, &mut feet)
+    });
     row("right-hand side", &mut || {
         assemble_source(&case.velocity, &mut load, &mut scratch, |c, cell| {
             let own = space.on_cell(&case.u, c);
@@ -43,7 +51,13 @@ fn main() {
     });
     row("force", &mut || {
         membrane.prepare(&case.velocity, &case.phi, None);
-        assemble_vector(&case.velocity, membrane.support().cells(), &mut load, &mut scratch, |at| membrane.force(at));
+        assemble_vector(
+            &case.velocity,
+            membrane.support().cells(),
+            &mut load,
+            &mut scratch,
+            |at| membrane.force(at),
+        );
     });
     row("transport", &mut || {
         tracer.from_nodes(&case.u, DT, &mut feet);

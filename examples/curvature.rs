@@ -1,4 +1,5 @@
-//! Curvatures of surfaces (annex 7.1 of the book) and of curves between two level sets (section 1.3), with their errors and orders.
+//! Curvatures of surfaces (annex 7.1 of the book) and of curves between two level sets (section
+//! 1.3), with their errors and orders.
 //!
 //!     cargo run --release --example curvature -- --out FOLDER
 //!
@@ -8,7 +9,9 @@
 
 use immersa::base::{Error, Result};
 use immersa::fem::{Element, Recovery, Space};
-use immersa::levelset::{Curvature, Ellipsoid, Isosurface, Shape, SpaceCurve, Torus, vertices_near};
+use immersa::levelset::{
+    Curvature, Ellipsoid, Isosurface, Shape, SpaceCurve, Torus, vertices_near,
+};
 use immersa::mesh::{Mesh, Point, box_mesh};
 use immersa::output::write_file;
 use std::fmt::Write as _;
@@ -39,13 +42,21 @@ impl Errors {
     }
     /// Largest and mean of the first, largest and mean of the second, over the largest exact value.
     fn relative(&self) -> [f64; 4] {
-        let of = |k: usize| [self.largest[k] / self.scale[k], self.sums[k] / self.weight / self.scale[k]];
+        let of = |k: usize| {
+            [self.largest[k] / self.scale[k], self.sums[k] / self.weight / self.scale[k]]
+        };
         [of(0)[0], of(0)[1], of(1)[0], of(1)[1]]
     }
 }
 
 /// A row of a table, with the orders from the last mesh.
-fn write_row(out: &mut String, what: &str, (h, last_h): (f64, f64), errors: [f64; 4], last: Option<[f64; 4]>) {
+fn write_row(
+    out: &mut String,
+    what: &str,
+    (h, last_h): (f64, f64),
+    errors: [f64; 4],
+    last: Option<[f64; 4]>,
+) {
     let _ = write!(out, "{what},{h:.4}");
     for k in 0..4 {
         let order = last.map_or(f64::NAN, |l| (l[k] / errors[k]).ln() / (last_h / h).ln());
@@ -67,7 +78,8 @@ fn surface(
         let mesh = Arc::new(mesh(n)?);
         let space = Space::new(&mesh, Element::P2);
         let phi = space.interpolate(phi);
-        let curvature = Curvature::new(&Recovery::new(&mesh), &space, &phi, &vertices_near(&space, &phi, 0.0));
+        let curvature =
+            Curvature::new(&Recovery::new(&mesh), &space, &phi, &vertices_near(&space, &phi, 0.0));
         let mut errors = Errors::default();
         for p in Isosurface::new(&space, &phi)?.points_of_forms(&space, &phi) {
             let (cell, l) = (p.at.cell, &p.at.barycentric);
@@ -89,7 +101,10 @@ fn surfaces(out: &mut String) -> Result<()> {
         let s = axes.map(|a| a * a);
         let q: [f64; 3] = std::array::from_fn(|i| x[i] * x[i] / s[i]);
         let w: f64 = (0..3).map(|i| q[i] / s[i]).sum();
-        let (product, h) = (s[0] * s[1] * s[2], q[0] * (s[1] + s[2]) + q[1] * (s[0] + s[2]) + q[2] * (s[0] + s[1]));
+        let (product, h) = (
+            s[0] * s[1] * s[2],
+            q[0] * (s[1] + s[2]) + q[1] * (s[0] + s[2]) + q[2] * (s[0] + s[1]),
+        );
         [h / (product * w.powf(1.5)), 1.0 / (product * w * w)]
     };
     let cube = |n: usize| box_mesh([-1.2; 3], [1.2; 3], [n, n, n]);
@@ -177,8 +192,10 @@ fn markdown(csv: &str) -> String {
 
 fn main() -> Result<()> {
     let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
-    std::fs::create_dir_all(&folder).map_err(|e| Error::input("cannot make the folder").at(folder.clone()).value(e))?;
-    let write = |name: &str, text: &str| write_file(&Path::new(&folder).join(name), text.as_bytes());
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| Error::input("cannot make the folder").at(folder.clone()).value(e))?;
+    let write =
+        |name: &str, text: &str| write_file(&Path::new(&folder).join(name), text.as_bytes());
     let columns = |a: &str, b: &str| {
         let of = |q: &str| format!("{q} largest,order,{q} mean,order");
         format!("h,{},{}\n", of(a), of(b))

@@ -1,10 +1,11 @@
-//! Table 1.1 of the book, the length of an ellipse by delta functions, with more rows: every delta function of `levelset::Delta`, signed
-//! distance and not, square and crooked meshes; and the smeared one over its width, cut-off function and norm.
+//! Table 1.1 of the book, the length of an ellipse by delta functions, with more rows: every delta
+//! function of `levelset::Delta`, signed distance and not, square and crooked meshes; and the
+//! smeared one over its width, cut-off function and norm.
 //!
 //!     cargo run --release --example delta -- --out FOLDER
 //!
-//! writes `delta.csv`, `width.csv`, the same as Markdown, and a chart there: the means of the absolute relative errors over random orientations and
-//! centres.
+//! writes `delta.csv`, `width.csv`, the same as Markdown, and a chart there: the means of the
+//! absolute relative errors over random orientations and centres.
 
 #![allow(clippy::print_stdout, reason = "an example says what it does")]
 
@@ -49,7 +50,8 @@ impl Random {
     }
 }
 
-/// Squares cut into two over [-2, 2]^2, with P2 nodes `step` apart; crooked, with inner vertices moved by up to 0.2 edges in each direction.
+/// Squares cut into two over [-2, 2]^2, with P2 nodes `step` apart; crooked, with inner vertices
+/// moved by up to 0.2 edges in each direction.
 fn mesh(step: f64, crooked: bool) -> Result<Arc<Mesh<2>>> {
     let n = (2.0 / step).round() as usize;
     let regular = rectangle([-2.0; 2], [2.0; 2], [n, n], Diagonals::Right)?;
@@ -62,7 +64,10 @@ fn mesh(step: f64, crooked: bool) -> Result<Arc<Mesh<2>>> {
         if x.iter().all(|c| c.abs() < 2.0 - 1e-9) { x + by } else { *x }
     };
     let points = regular.points().iter().map(&mut moved).collect();
-    Ok(Arc::new(Mesh::new(points, (0..regular.cell_count()).flat_map(|c| regular.cell(c).to_vec()).collect())?))
+    Ok(Arc::new(Mesh::new(
+        points,
+        (0..regular.cell_count()).flat_map(|c| regular.cell(c).to_vec()).collect(),
+    )?))
 }
 
 /// What the ellipse is the zero set of.
@@ -99,13 +104,20 @@ fn level_sets<'a>(
 }
 
 /// The mean of the absolute relative errors of the delta functions.
-fn errors(space: &Space<2>, function: Function, places: usize, deltas: &[Delta]) -> Result<Vec<f64>> {
+fn errors(
+    space: &Space<2>,
+    function: Function,
+    places: usize,
+    deltas: &[Delta],
+) -> Result<Vec<f64>> {
     let mut sums = vec![0.0; deltas.len()];
     for phi in level_sets(space, function, places) {
         let phi = phi?;
         let mut found = vec![Ok(0.0); deltas.len()];
         parallel::fill(&mut found, 1, |first, part| {
-            part.iter_mut().enumerate().for_each(|(i, length)| *length = deltas[first + i].measure(space, &phi));
+            part.iter_mut()
+                .enumerate()
+                .for_each(|(i, length)| *length = deltas[first + i].measure(space, &phi));
         });
         for (sum, length) in sums.iter_mut().zip(found) {
             *sum += (length? / LENGTH - 1.0).abs() / places as f64;
@@ -131,7 +143,8 @@ impl Case {
         for step in STEPS {
             let space = Space::new(&mesh(step, crooked)?, Element::P2);
             let renormalised = smeared(Kernel::Cosine, Norm::L2, WIDTH * step);
-            let deltas = [Delta::Smereka1, renormalised, Delta::Smereka2, Delta::Towers, Delta::Cut];
+            let deltas =
+                [Delta::Smereka1, renormalised, Delta::Smereka2, Delta::Towers, Delta::Cut];
             found.push(errors(&space, function, PLACES, &deltas)?);
             println!("crooked: {crooked}, {step}: {:.2e}", found[found.len() - 1][0]);
         }
@@ -152,13 +165,18 @@ impl Case {
         for (k, name) in NAMES.iter().enumerate() {
             for (i, step) in STEPS.iter().enumerate() {
                 let (error, order) = (self.errors[i][k], self.order(k, i));
-                let _ = writeln!(out, "{},{},{name},{step},{error:.3e},{order:.2}", self.mesh, self.phi);
+                let _ = writeln!(
+                    out,
+                    "{},{},{name},{step},{error:.3e},{order:.2}",
+                    self.mesh, self.phi
+                );
             }
         }
     }
     /// All delta functions, one a column.
     fn markdown(&self) -> String {
-        let mut out = format!("| h | {} |\n|---|{}\n", NAMES.join(" | "), "---|".repeat(NAMES.len()));
+        let mut out =
+            format!("| h | {} |\n|---|{}\n", NAMES.join(" | "), "---|".repeat(NAMES.len()));
         for (i, step) in STEPS.iter().enumerate() {
             let cells: Vec<String> = (0..NAMES.len()).map(|k| self.cell(k, i)).collect();
             let _ = writeln!(out, "| {step} | {} |", cells.join(" | "));
@@ -167,7 +185,8 @@ impl Case {
     }
 }
 
-/// Table 1.1 beside ours: the renormalised delta of the quadratic function, Smereka's of the distance.
+/// Table 1.1 beside ours: the renormalised delta of the quadratic function, Smereka's of the
+/// distance.
 fn published(distance: &Case, quadratic: &Case) -> String {
     let mut out = String::from("| h |");
     NAMES[..3].iter().for_each(|name| out.push_str(&format!(" {name}: book | ours |")));
@@ -204,13 +223,16 @@ fn chart(case: &Case) -> String {
     chart.svg()
 }
 
-/// The smeared delta over its width, cut-off function and norm: as CSV and, of the finest step, as Markdown.
+/// The smeared delta over its width, cut-off function and norm: as CSV and, of the finest step, as
+/// Markdown.
 fn widths() -> Result<[String; 2]> {
     let mut csv = String::from("eps over h,kernel,norm,h,distance,quadratic\n");
     let mut markdown = String::new();
     for step in [0.05, 0.025, 0.0125] {
         let space = Space::new(&mesh(step, false)?, Element::P2);
-        markdown = String::from("| eps/h | cosine, l2 | cosine, l1 | hat, l2 | hat, l1 |\n|---|---|---|---|---|\n");
+        markdown = String::from(
+            "| eps/h | cosine, l2 | cosine, l1 | hat, l2 | hat, l1 |\n|---|---|---|---|---|\n",
+        );
         for width in [1.0, 1.5, 2.0, 3.0, 4.0, 6.0] {
             let (mut deltas, mut names) = (Vec::new(), Vec::new());
             for (kernel, a) in [(Kernel::Cosine, "cosine"), (Kernel::Hat, "hat")] {
@@ -234,8 +256,10 @@ fn widths() -> Result<[String; 2]> {
 
 fn main() -> Result<()> {
     let folder = std::env::args().skip_while(|a| a != "--out").nth(1).unwrap_or_else(|| ".".into());
-    std::fs::create_dir_all(&folder).map_err(|e| Error::input("cannot make the folder").at(folder.clone()).value(e))?;
-    let write = |name: &str, text: &str| write_file(&Path::new(&folder).join(name), text.as_bytes());
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| Error::input("cannot make the folder").at(folder.clone()).value(e))?;
+    let write =
+        |name: &str, text: &str| write_file(&Path::new(&folder).join(name), text.as_bytes());
     let squares = [Case::new(false, Function::Distance)?, Case::new(false, Function::Quadratic)?];
     let crooked = [Case::new(true, Function::Distance)?, Case::new(true, Function::Quadratic)?];
     let mut csv = String::from("mesh,phi,delta,h,error,order\n");

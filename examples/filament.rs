@@ -1,5 +1,5 @@
-//! Figs. 1.5 and 1.6 of the book: a disc is drawn out into a filament by a vortex, with and without redistancing; where its interface
-//! lies at the end, and how long it is over time.
+//! Figs. 1.5 and 1.6 of the book: a disc is drawn out into a filament by a vortex, with and without
+//! redistancing; where its interface lies at the end, and how long it is over time.
 //!
 //!     cargo run --release --example filament -- --out runs/filament
 
@@ -44,7 +44,8 @@ const JACOBI: Way = way("hamilton-jacobi", "Hamilton-Jacobi", &["method=hamilton
 const MARCHING: Way = way("fast-marching", "fast marching", &["method=fast-marching"]);
 const EXACT: Way = way("exact", "exact distance", &["method=exact"]);
 const AREA: Way = way("exact-area", "exact distance and area", &["method=exact", "volume=true"]);
-const RARELY: Way = Way { rarely: true, ..way("exact-rarely", "exact distance, four times", &["method=exact"]) };
+const RARELY: Way =
+    Way { rarely: true, ..way("exact-rarely", "exact distance, four times", &["method=exact"]) };
 const COMPOSED: Way = Way { transport: "composed", ..way("composed", "composed map", &[]) };
 
 /// What was measured in one computation.
@@ -73,7 +74,13 @@ fn course(cells: usize, way: Way) -> Result<Course> {
     }
     let scene = Scene::parse_with(SCENE, Path::new("examples/vortex/scene.toml"), &set)?;
     let mut flow = Advected::<2>::new(&scene)?.advection;
-    let mut course = Course { time: vec![], length: Default::default(), area: vec![], lines: vec![], markers: vec![] };
+    let mut course = Course {
+        time: vec![],
+        length: Default::default(),
+        area: vec![],
+        lines: vec![],
+        markers: vec![],
+    };
     let every = (EVERY / step).round() as usize;
     for k in 0..=steps {
         if k > 0 {
@@ -100,10 +107,12 @@ fn course(cells: usize, way: Way) -> Result<Course> {
     Ok(course)
 }
 
-/// The length of the interface by the renormalised delta of half-width `eps`, `zeta(phi/(eps |grad phi|))/eps`.
+/// The length of the interface by the renormalised delta of half-width `eps`, `zeta(phi/(eps |grad
+/// phi|))/eps`.
 fn by_delta(space: &Space<2>, phi: &[f64], eps: f64) -> Result<f64> {
     let width = Width::Renormalised(Norm::L2);
-    Delta::Smeared(Smeared { kernel: Kernel::Cosine, width, thickness: eps, degree: 8 }).measure(space, phi)
+    Delta::Smeared(Smeared { kernel: Kernel::Cosine, width, thickness: eps, degree: 8 })
+        .measure(space, phi)
 }
 
 fn lines(contour: &Contour) -> Vec<Vec<Point<2>>> {
@@ -114,8 +123,9 @@ fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().collect();
     let out = arguments.iter().position(|a| a == "--out").and_then(|i| arguments.get(i + 1));
     let out = PathBuf::from(out.map_or("runs/filament", String::as_str));
-    std::fs::create_dir_all(&out)
-        .map_err(|e| Error::input("cannot make the folder").at(out.display().to_string()).value(e))?;
+    std::fs::create_dir_all(&out).map_err(|e| {
+        Error::input("cannot make the folder").at(out.display().to_string()).value(e)
+    })?;
     let write = |name: &str, text: &str| write_file(&out.join(name), text.as_bytes());
 
     let mut table = String::from("time,nodes,way,cut,delta,markers,area\n");
@@ -131,7 +141,11 @@ fn main() -> Result<()> {
     for (nodes, way, c) in &all {
         for i in 0..c.time.len() {
             let [cut, delta, markers] = [0, 1, 2].map(|k| c.length[k][i]);
-            let _ = writeln!(table, "{},{nodes},{},{cut},{delta},{markers},{}", c.time[i], way.key, c.area[i]);
+            let _ = writeln!(
+                table,
+                "{},{nodes},{},{cut},{delta},{markers},{}",
+                c.time[i], way.key, c.area[i]
+            );
         }
         let last = c.time.len() - 1;
         println!(
@@ -143,8 +157,13 @@ fn main() -> Result<()> {
 
     let find = |nodes, way: Way| all.iter().find(|a| a.0 == nodes && a.1 == way).map(|a| &a.2);
     let reference = &all[0].2;
-    let markers =
-        Curve { name: "markers", x: &reference.time, y: &reference.length[2], stroke: Stroke::Line, colour: Some(6) };
+    let markers = Curve {
+        name: "markers",
+        x: &reference.time,
+        y: &reference.length[2],
+        stroke: Stroke::Line,
+        colour: Some(6),
+    };
     // Fig. 1.6: by the delta, both ways at three resolutions.
     let mut curves = vec![markers];
     let named: Vec<(usize, String, Stroke, Way)> = [64, 128, 256]
@@ -158,12 +177,25 @@ fn main() -> Result<()> {
         .collect();
     for (k, (n, label, stroke, way)) in named.iter().enumerate() {
         let Some(c) = find(*n, *way) else { continue };
-        curves.push(Curve { name: label, x: &c.time, y: &c.length[1], stroke: *stroke, colour: Some(k / 2) });
+        curves.push(Curve {
+            name: label,
+            x: &c.time,
+            y: &c.length[1],
+            stroke: *stroke,
+            colour: Some(k / 2),
+        });
     }
-    // The composed map evaluates the level set wherever it is cut, so that its length is that of the interface.
+    // The composed map evaluates the level set wherever it is cut, so that its length is that of
+    // the interface.
     if let Some(c) = find(128, COMPOSED) {
         let label = "composed map, N = 128";
-        curves.push(Curve { name: label, x: &c.time, y: &c.length[0], stroke: Stroke::Points, colour: Some(6) });
+        curves.push(Curve {
+            name: label,
+            x: &c.time,
+            y: &c.length[0],
+            stroke: Stroke::Points,
+            colour: Some(6),
+        });
     }
     let chart = Chart { x_label: "time", y_label: "length", curves, ..Chart::default() };
     write("lengths.svg", &chart.svg())?;
@@ -171,7 +203,13 @@ fn main() -> Result<()> {
     let mut curves = vec![markers];
     for (_, way, c) in all.iter().filter(|a| a.0 == 128) {
         let stroke = if *way == COMPOSED { Stroke::Points } else { Stroke::Line };
-        curves.push(Curve { name: way.name, x: &c.time, y: &c.length[0], stroke, colour: Some(curves.len() - 1) });
+        curves.push(Curve {
+            name: way.name,
+            x: &c.time,
+            y: &c.length[0],
+            stroke,
+            colour: Some(curves.len() - 1),
+        });
     }
     let chart = Chart { x_label: "time", y_label: "length", curves, ..Chart::default() };
     write("ways.svg", &chart.svg())?;
@@ -188,7 +226,8 @@ fn main() -> Result<()> {
 fn interfaces(not: &Course, exact: &Course) -> String {
     const SIZE: f64 = 380.0;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"14\">\n",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" \
+         font-family=\"sans-serif\" font-size=\"14\">\n",
         2.0 * SIZE + 20.0,
         SIZE + 24.0
     );
@@ -207,12 +246,14 @@ fn interfaces(not: &Course, exact: &Course) -> String {
         let _ = writeln!(svg, "<text x=\"{left}\" y=\"14\" fill=\"#888888\">{name}</text>");
         let _ = writeln!(
             svg,
-            "<rect x=\"{left}\" y=\"22\" width=\"{SIZE}\" height=\"{SIZE}\" fill=\"none\" stroke=\"#888888\"/>"
+            "<rect x=\"{left}\" y=\"22\" width=\"{SIZE}\" height=\"{SIZE}\" fill=\"none\" \
+             stroke=\"#888888\"/>"
         );
         let inside: String = course.lines.iter().map(|line| path(line, "Z")).collect();
         let _ = writeln!(
             svg,
-            "<path d=\"{inside}\" fill=\"#1F82C0\" fill-opacity=\"0.35\" fill-rule=\"evenodd\" stroke=\"#1F82C0\"/>"
+            "<path d=\"{inside}\" fill=\"#1F82C0\" fill-opacity=\"0.35\" fill-rule=\"evenodd\" \
+             stroke=\"#1F82C0\"/>"
         );
         let _ = writeln!(
             svg,

@@ -1,5 +1,6 @@
-//! The program of section 3.6.1.1 of the book, written against the library: a stretched elliptical membrane relaxes to a
-//! circle in a viscous fluid. Line by line the FreeFEM original, with a grad-div term, which it needs to be stable.
+//! The program of section 3.6.1.1 of the book, written against the library: a stretched elliptical
+//! membrane relaxes to a circle in a viscous fluid. Line by line the FreeFEM original, with a
+//! grad-div term, which it needs to be stable.
 //!
 //!     cargo run --release --example membrane
 
@@ -59,7 +60,10 @@ fn main() -> Result<()> {
         tracer.from_quadrature(&old, dt, flow.velocity(), &mut points);
         membrane.prepare(flow.velocity(), &phi, None);
         let history = [History { weight: 1.0, u: &old, feet: Some(&points) }];
-        flow.step(&Step { terms: &[&membrane], ..Step::backward_euler(t, dt, &history) }, &mut state)?;
+        flow.step(
+            &Step { terms: &[&membrane], ..Step::backward_euler(t, dt, &history) },
+            &mut state,
+        )?;
 
         // Transport of phi
         tracer.from_nodes(&state.u, dt, &mut nodes);

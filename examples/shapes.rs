@@ -1,9 +1,10 @@
-//! Draws the image of `examples/active-contours`: four objects in two grey levels under noise, with spots that are no objects, and the mask of
-//! the objects.
+//! Draws the image of `examples/active-contours`: four objects in two grey levels under noise, with
+//! spots that are no objects, and the mask of the objects.
 //!
 //!     cargo run --release --example shapes -- examples/active-contours [NOISE]
 //!
-//! The same numbers come out everywhere: the noise is made by a congruential generator (Knuth's MMIX) from a fixed seed.
+//! The same numbers come out everywhere: the noise is made by a congruential generator (Knuth's
+//! MMIX) from a fixed seed.
 
 use immersa::base::Result;
 use immersa::levelset::{Circle, Ellipse, RoundedBox, Shape};
@@ -34,7 +35,9 @@ const SPOT: f64 = 2.0;
 /// Whether a place lies in the disc, the ellipse, the square with round corners or the ring.
 fn is_inside(x: &Point<2>) -> Result<bool> {
     let p = |x: f64, y: f64| Point::<2>::new(x, y);
-    let ring = Circle::new(p(90.0, 38.0), 22.0)?.distance(x).max(-Circle::new(p(90.0, 38.0), 11.0)?.distance(x));
+    let ring = Circle::new(p(90.0, 38.0), 22.0)?
+        .distance(x)
+        .max(-Circle::new(p(90.0, 38.0), 11.0)?.distance(x));
     let objects = [
         Circle::new(p(36.0, 92.0), 17.0)?.distance(x),
         Ellipse::new(p(90.0, 94.0), p(24.0, 13.0), 25.0)?.distance(x),
@@ -50,7 +53,8 @@ struct Normal(u64);
 impl Normal {
     /// Between 0 and 1, 0 left out.
     fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 11) as f64 + 1.0) / (1u64 << 53) as f64
     }
     fn next(&mut self) -> f64 {
@@ -79,7 +83,8 @@ pub const SEED: u64 = 1;
 #[allow(dead_code, reason = "a test draws with the functions above")]
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
-    let folder = PathBuf::from(arguments.next().unwrap_or_else(|| "examples/active-contours".into()));
+    let folder =
+        PathBuf::from(arguments.next().unwrap_or_else(|| "examples/active-contours".into()));
     let noise = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(NOISE);
     let [image, mask] = draw(noise, SEED)?;
     write_file(&folder.join("shapes.png"), &image.png()?)?;

@@ -1,4 +1,5 @@
-//! What a step allocates, and that what a scene does not need is not there. In a program of its own: it counts all allocations.
+//! What a step allocates, and that what a scene does not need is not there. In a program of its
+//! own: it counts all allocations.
 
 use immersa::mesh::Location;
 use immersa::scene::{ImmersedFlow, Scene};
@@ -14,7 +15,10 @@ static CALLS: AtomicUsize = AtomicUsize::new(0);
 static BYTES: AtomicUsize = AtomicUsize::new(0);
 static HELD: AtomicUsize = AtomicUsize::new(0);
 
-#[allow(unsafe_code, reason = "an allocator can be watched only from within; each call is handed on as it came")]
+#[allow(
+    unsafe_code,
+    reason = "an allocator can be watched only from within; each call is handed on as it came"
+)]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         CALLS.fetch_add(1, Relaxed);
@@ -45,7 +49,8 @@ fn cavity(n: usize, fluid: &str, more: &str) -> ImmersedFlow {
     ImmersedFlow::<2>::new(&Scene::parse(&text, Path::new("scene.toml")).unwrap()).unwrap()
 }
 
-const MEMBRANE: &str = "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\nstretch = 1.2\narea.linear = { modulus = 1 }\n\
+const MEMBRANE: &str = "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\nstretch = \
+    1.2\narea.linear = { modulus = 1 }\n\
                         [numerics]\nthickness = 0.2\ncoupling = \"explicit\"\n";
 
 /// The same scene with the semi-implicit coupling.
@@ -79,9 +84,13 @@ fn a_step_allocates_no_more_often_on_a_finer_mesh() {
     let _alone = ALONE.lock();
     let implicit = MEMBRANE.replace("explicit", "implicit");
     let semi = semi_implicit();
-    for (fluid, more, constant_matrix) in
-        [("", "", true), ("density = 0", "", true), ("", MEMBRANE, true), ("", &implicit, false), ("", &semi, true)]
-    {
+    for (fluid, more, constant_matrix) in [
+        ("", "", true),
+        ("density = 0", "", true),
+        ("", MEMBRANE, true),
+        ("", &implicit, false),
+        ("", &semi, true),
+    ] {
         let coarse = calls_of_a_step(cavity(16, fluid, more), constant_matrix);
         let fine = calls_of_a_step(cavity(32, fluid, more), constant_matrix);
         // Lists that grow by doubling, and the queues of the threads, may ask a few times more.
@@ -101,9 +110,14 @@ fn a_warmed_up_step_allocates_nothing_that_grows_with_the_mesh() {
     let first = format!("order = 1\n{MEMBRANE}");
     let projected = format!("{MEMBRANE}transport = \"projected\"\n");
     let implicit = MEMBRANE.replace("explicit", "implicit");
-    for (fluid, more) in
-        [("", ""), ("density = 0", ""), ("", &first[..]), ("", MEMBRANE), ("", &projected), ("", &implicit)]
-    {
+    for (fluid, more) in [
+        ("", ""),
+        ("density = 0", ""),
+        ("", &first[..]),
+        ("", MEMBRANE),
+        ("", &projected),
+        ("", &implicit),
+    ] {
         for n in [16, 32] {
             let mut model = cavity(n, fluid, more);
             let mut step = || {
@@ -115,10 +129,14 @@ fn a_warmed_up_step_allocates_nothing_that_grows_with_the_mesh() {
                 for _ in 0..4 {
                     step();
                 }
-                // Lists that follow the band, and the vectors of iterations, grow by doubling now and then.
+                // Lists that follow the band, and the vectors of iterations, grow by doubling now
+                // and then.
                 (0..4).map(|_| step()).min().unwrap_or_default()
             });
-            assert!(bytes < LITTLE, "{bytes} bytes allocated in a step on {n} x {n} squares: {fluid} {more}");
+            assert!(
+                bytes < LITTLE,
+                "{bytes} bytes allocated in a step on {n} x {n} squares: {fluid} {more}"
+            );
         }
     }
 }
@@ -127,7 +145,8 @@ fn a_warmed_up_step_allocates_nothing_that_grows_with_the_mesh() {
 fn what_a_scene_does_not_need_is_not_allocated() {
     let _alone = ALONE.lock();
     let (n, cells) = (24, 2 * 24 * 24);
-    // Feet of the quadrature points: a cell and barycentric coordinates each, two sets for the second order.
+    // Feet of the quadrature points: a cell and barycentric coordinates each, two sets for the
+    // second order.
     let feet = 2 * cells * 7 * size_of::<Location>();
     let projection = format!("{MEMBRANE}transport = \"projected\"\n");
     // Threads and libraries make their own buffers at the first use.
@@ -143,7 +162,8 @@ fn what_a_scene_does_not_need_is_not_allocated() {
     );
     assert!(navier_stokes - unconvected >= feet);
     assert!(membrane > navier_stokes);
-    // Nodal transport has no mass matrix, and only the semi-implicit coupling has a predictor: no factor is held but that of the flow.
+    // Nodal transport has no mass matrix, and only the semi-implicit coupling has a predictor: no
+    // factor is held but that of the flow.
     let factors = |more: &str| {
         let mut model = cavity(n, "", more);
         model.simulation.step().unwrap();

@@ -1,4 +1,5 @@
-//! Benchmarks of the flow and of drops: published numbers, and solutions in closed form or by a small linear system.
+//! Benchmarks of the flow and of drops: published numbers, and solutions in closed form or by a
+//! small linear system.
 
 #![allow(clippy::print_stdout, reason = "the measured numbers are the point of a benchmark")]
 
@@ -11,7 +12,8 @@ use immersa::mesh::Locator;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 
-/// A flow that has become steady with long steps goes on with shorter ones, whose error it then has.
+/// A flow that has become steady with long steps goes on with shorter ones, whose error it then
+/// has.
 fn settle(text: &str, stages: &[(f64, usize)]) -> Case {
     let mut state = None;
     let mut last = None;
@@ -38,7 +40,8 @@ fn along(case: &Case, a: V, b: V, k: usize) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// The largest of `sign * f` on `[0, 1]`, by the parabola through the best three of many samples; with its sign.
+/// The largest of `sign * f` on `[0, 1]`, by the parabola through the best three of many samples;
+/// with its sign.
 fn extreme(sign: f64, f: impl Fn(f64) -> f64) -> f64 {
     let n = 400;
     let at = |i: usize| sign * f(i as f64 / n as f64);
@@ -89,7 +92,8 @@ fn flow_around_a_cylinder() {
     let drop = case.get("front") - case.get("back");
     let relative = |found: f64, exact: f64| found / exact - 1.0;
     println!(
-        "cylinder: c_D {:.5} ({:+.1e}), by stress {:.5} ({:+.1e}), c_L {:.6} ({:+.1e}), by stress {:.6}, dp {drop:.6} ({:+.1e}), moment {:.3e}, by stress {:.3e}",
+        "cylinder: c_D {:.5} ({:+.1e}), by stress {:.5} ({:+.1e}), c_L {:.6} ({:+.1e}), by stress \
+         {:.6}, dp {drop:.6} ({:+.1e}), moment {:.3e}, by stress {:.3e}",
         c("cylinder_x"),
         relative(c("cylinder_x"), 5.579535),
         c("cylinder_stress_x"),
@@ -131,7 +135,10 @@ fn kovasznay_flow() {
         case.error(exact)
     });
     println!("Kovasznay: {errors:?}");
-    assert!(errors[0] / errors[1] > 3.4 && errors[1] / errors[2] > 3.4 && errors[2] < 1e-3, "{errors:?}");
+    assert!(
+        errors[0] / errors[1] > 3.4 && errors[1] / errors[2] > 3.4 && errors[2] < 1e-3,
+        "{errors:?}"
+    );
 }
 
 /// A drop at rest: the jump of Laplace, and how fast the currents are that the mesh drives.
@@ -152,36 +159,50 @@ fn a_drop_at_rest() {
     .run();
     let jump = case.get("inside") - case.get("outside");
     let capillary = 0.1 * case.get("velocity_max");
-    println!("drop: jump {jump:.5} of 4, mu u / sigma {capillary:.1e}, balance {:.1e}", case.get("energy_balance"));
+    println!(
+        "drop: jump {jump:.5} of 4, mu u / sigma {capillary:.1e}, balance {:.1e}",
+        case.get("energy_balance")
+    );
     assert!((jump / 4.0 - 1.0).abs() < 0.01, "{jump}");
     assert!(capillary < 1e-4, "{capillary:e}");
     assert!(case.get("energy_balance").abs() < 1e-5);
-    assert!((case.get("drop.axis_1") / 0.25 - 1.0).abs() < 1e-3 && (case.get("drop.axis_2") / 0.25 - 1.0).abs() < 1e-3);
+    assert!(
+        (case.get("drop.axis_1") / 0.25 - 1.0).abs() < 1e-3
+            && (case.get("drop.axis_2") / 0.25 - 1.0).abs() < 1e-3
+    );
 }
 
-/// Stokes flow inside and outside of a circle of radius `r` in a disc of radius `l` whose wall is at rest, driven by forces
-/// `normal cos n theta` and `tangential sin n theta` on the circle: the velocities there, as the matrix that takes the two
-/// forces to them.
+/// Stokes flow inside and outside of a circle of radius `r` in a disc of radius `l` whose wall is
+/// at rest, driven by forces `normal cos n theta` and `tangential sin n theta` on the circle: the
+/// velocities there, as the matrix that takes the two forces to them.
 ///
-/// The stream function is a sum of `r^n`, `r^(n+2)` inside, and of these with `r^-n`, `r^(2-n)` outside: continuity of both
-/// velocities, no slip on the wall, and the jumps of both stresses are six equations.
+/// The stream function is a sum of `r^n`, `r^(n+2)` inside, and of these with `r^-n`, `r^(2-n)`
+/// outside: continuity of both velocities, no slip on the wall, and the jumps of both stresses are
+/// six equations.
 fn mobility(n: f64, r: f64, l: f64, mu: [f64; 2]) -> SMatrix<f64, 2, 2> {
     let powers = [n, n + 2.0, n, n + 2.0, -n, 2.0 - n];
-    let power = |e: f64, x: f64, k: i32| (0..k).map(|i| e - f64::from(i)).product::<f64>() * x.powf(e - f64::from(k));
+    let power = |e: f64, x: f64, k: i32| {
+        (0..k).map(|i| e - f64::from(i)).product::<f64>() * x.powf(e - f64::from(k))
+    };
     let mut m = SMatrix::<f64, 6, 6>::zeros();
     for (j, &e) in powers.iter().enumerate() {
         let f = |k: i32| power(e, r, k);
         let (sign, mu) = if j < 2 { (-1.0, mu[0]) } else { (1.0, mu[1]) };
         let shear = -f(2) + f(1) / r - n * n * f(0) / (r * r);
-        let laplacian = f(3) + f(2) / r - (n * n + 1.0) * f(1) / (r * r) + 2.0 * n * n * f(0) / r.powi(3);
+        let laplacian =
+            f(3) + f(2) / r - (n * n + 1.0) * f(1) / (r * r) + 2.0 * n * n * f(0) / r.powi(3);
         let pressure = r / n * laplacian;
         let normal = -pressure + 2.0 * n * (f(1) / r - f(0) / (r * r));
         let wall = |k: i32| if j < 2 { 0.0 } else { power(e, l, k) };
-        let column = [sign * f(0), sign * f(1), wall(0), wall(1), sign * mu * normal, sign * mu * shear];
+        let column =
+            [sign * f(0), sign * f(1), wall(0), wall(1), sign * mu * normal, sign * mu * shear];
         m.set_column(j, &SVector::<f64, 6>::from(column));
     }
     let response = |normal: f64, tangential: f64| {
-        let x = m.lu().solve(&SVector::<f64, 6>::from([0.0, 0.0, 0.0, 0.0, -normal, -tangential])).unwrap();
+        let x = m
+            .lu()
+            .solve(&SVector::<f64, 6>::from([0.0, 0.0, 0.0, 0.0, -normal, -tangential]))
+            .unwrap();
         let sum = |k: i32| x[0] * power(powers[0], r, k) + x[1] * power(powers[1], r, k);
         V::new(n * sum(0) / r, -sum(1))
     };
@@ -213,7 +234,8 @@ fn elongation(case: &Case) -> f64 {
     (case.get("drop.axis_1") / case.get("drop.axis_2")).ln()
 }
 
-/// A drop that is slightly elliptic becomes round at the rate of the exact solution, for equal and for different viscosities.
+/// A drop that is slightly elliptic becomes round at the rate of the exact solution, for equal and
+/// for different viscosities.
 #[test]
 fn the_decay_of_an_elliptic_drop() {
     for (text, mu) in [("1", [1.0, 1.0]), ("{ inside = 5, outside = 1 }", [5.0, 1.0])] {
@@ -224,17 +246,21 @@ fn the_decay_of_an_elliptic_drop() {
         let rate = (start / elongation(&case)).ln() / 0.3;
         // Tension turns the curvature (n^2 - 1) d / r^2 into a force inwards.
         let exact = mobility(2.0, 0.3, 1.0, mu)[(0, 0)] * 3.0 / 0.09;
-        println!("drop, viscosities {mu:?}: rate {rate:.5}, exact {exact:.5} ({:+.1e})", rate / exact - 1.0);
+        println!(
+            "drop, viscosities {mu:?}: rate {rate:.5}, exact {exact:.5} ({:+.1e})",
+            rate / exact - 1.0
+        );
         assert!((rate / exact - 1.0).abs() < 0.01, "{rate} {exact}");
     }
 }
 
-/// The same for a membrane stretched to 1.5 with E' = r - 1: tension 0.5, and its change 1.5 with the relative stretch. Shape and
-/// stretch are coupled by the wall.
+/// The same for a membrane stretched to 1.5 with E' = r - 1: tension 0.5, and its change 1.5 with
+/// the relative stretch. Shape and stretch are coupled by the wall.
 #[test]
 fn the_relaxation_of_a_nearly_round_membrane() {
     let (r, n, tension, stiffness) = (0.3, 2.0, 0.5, 1.5);
-    // Displacements d cos n theta outwards and s sin n theta along; the stretch changes by the factor 1 + (n s + d) / r.
+    // Displacements d cos n theta outwards and s sin n theta along; the stretch changes by the
+    // factor 1 + (n s + d) / r.
     let forces = SMatrix::<f64, 2, 2>::new(
         -(tension * (n * n - 1.0) + stiffness),
         -stiffness * n,
@@ -249,14 +275,19 @@ fn the_relaxation_of_a_nearly_round_membrane() {
     for _ in 0..3 {
         case.steps(10);
         let found = elongation(&case) / start;
-        println!("membrane: t {:.1} elongation {found:.5}, exact {:.5}", case.time(), exact(case.time()));
+        println!(
+            "membrane: t {:.1} elongation {found:.5}, exact {:.5}",
+            case.time(),
+            exact(case.time())
+        );
         // The thickness of the band, a quarter of the radius, is the error.
         assert!((found - exact(case.time())).abs() < 0.03, "{found} {}", exact(case.time()));
     }
 }
 
-/// Pressure of a fluid that starts from rest in a disc whose wall slips, with the density of a bubble of radius `r` smeared over
-/// `eps` as (3.19) does: the acceleration of the bubble, by finite volumes in the radius. `a = - grad p / rho - g`.
+/// Pressure of a fluid that starts from rest in a disc whose wall slips, with the density of a
+/// bubble of radius `r` smeared over `eps` as (3.19) does: the acceleration of the bubble, by
+/// finite volumes in the radius. `a = - grad p / rho - g`.
 fn first_acceleration(r: f64, eps: f64, densities: [f64; 2]) -> f64 {
     let n = 4000;
     let h = 1.0 / n as f64;
@@ -287,8 +318,9 @@ fn first_acceleration(r: f64, eps: f64, densities: [f64; 2]) -> f64 {
     0.0
 }
 
-/// A light bubble starts to rise against the mass of the fluid that it moves. In a disc of radius 1 with a wall that slips
-/// `a = m (rho_o - rho_i) g / (rho_o + m rho_i)`, `m = (1 - r^2) / (1 + r^2)`, and `m = 1` without the wall.
+/// A light bubble starts to rise against the mass of the fluid that it moves. In a disc of radius 1
+/// with a wall that slips `a = m (rho_o - rho_i) g / (rho_o + m rho_i)`, `m = (1 - r^2) / (1 +
+/// r^2)`, and `m = 1` without the wall.
 #[test]
 fn the_first_acceleration_of_a_light_bubble() {
     let m = (1.0 - 0.09) / (1.0 + 0.09);
@@ -311,7 +343,10 @@ fn the_first_acceleration_of_a_light_bubble() {
     }
     let found = (heights[2] - 2.0 * heights[1] + heights[0]) / (0.05 * 0.05);
     let smeared = first_acceleration(0.3, case.model.thickness.unwrap(), [0.1, 1.0]);
-    println!("bubble: acceleration {found:.4}, exact {sharp:.4}, exact for the smeared density {smeared:.4}");
+    println!(
+        "bubble: acceleration {found:.4}, exact {sharp:.4}, exact for the smeared density \
+         {smeared:.4}"
+    );
     assert!((found / smeared - 1.0).abs() < 0.01, "{found} {smeared}");
     assert!((found / sharp - 1.0).abs() < 0.06, "{found} {sharp}");
 }

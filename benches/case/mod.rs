@@ -1,7 +1,9 @@
 //! What the benches compute: a stretched ball in a closed box with a flow that turns.
 
 use immersa::elastic::{AreaLaw, Membrane};
-use immersa::fem::{Basis, Cells, Condition, Element, Numbering, Rule, Space, assemble_flow_matrix};
+use immersa::fem::{
+    Basis, Cells, Condition, Element, Numbering, Rule, Space, assemble_flow_matrix,
+};
 use immersa::flow::FlowSolver;
 use immersa::linalg::{Factor, Ordering, SymmetricMatrix};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
@@ -35,7 +37,8 @@ impl Case<3> {
 
 impl<const D: usize> Case<D> {
     pub fn new(mesh: Mesh<D>) -> Self {
-        let conditions = mesh.boundaries().keys().map(|name| (name.clone(), Condition::NoSlip)).collect();
+        let conditions =
+            mesh.boundaries().keys().map(|name| (name.clone(), Condition::NoSlip)).collect();
         let mesh = Arc::new(mesh);
         let (p2, p1) = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e))).into();
         let rule = Arc::new(Rule::simplex(D, 5));
@@ -46,7 +49,13 @@ impl<const D: usize> Case<D> {
             u
         });
         let phi = p2.interpolate(|x| 1.2 * ((x - Point::<D>::repeat(1.0)).norm() - 0.6));
-        Case { velocity: Basis::new(&p2, &rule), pressure: Basis::new(&p1, &rule), conditions, u, phi }
+        Case {
+            velocity: Basis::new(&p2, &rule),
+            pressure: Basis::new(&p1, &rule),
+            conditions,
+            u,
+            phi,
+        }
     }
     pub fn thickness(&self) -> f64 {
         2.0 * self.velocity.space().mesh().diameter(0)
@@ -99,15 +108,22 @@ impl<const D: usize> Case<D> {
         let settings = SimulationSettings {
             order,
             grad_div: 1.0,
-            ..SimulationSettings::new(DT, Fluid { density: 1.0, viscosity: 0.01 }, self.conditions.clone())
+            ..SimulationSettings::new(
+                DT,
+                Fluid { density: 1.0, viscosity: 0.01 },
+                self.conditions.clone(),
+            )
         };
         let (membrane, phi) = (self.membrane(), self.phi.clone());
         let structure = Immersed::boxed(
-            ImmersedInterface::new("membrane", phi, self.thickness()).stretched(1.2).coupled(coupling),
+            ImmersedInterface::new("membrane", phi, self.thickness())
+                .stretched(1.2)
+                .coupled(coupling),
             membrane,
         );
         let mesh = self.velocity.space().mesh();
-        let mut simulation = Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap();
+        let mut simulation =
+            Simulation::new(mesh, settings, vec![structure], |_| SVector::zeros()).unwrap();
         for _ in 0..2 {
             simulation.step().unwrap();
         }

@@ -51,8 +51,9 @@ impl Reader<'_> {
     }
     /// A list of elements that `read` reads.
     pub fn list<T>(&mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
-        let count =
-            usize::try_from(self.integer()?).ok().filter(|n| n.checked_mul(8).is_some_and(|b| b <= self.0.len()))?;
+        let count = usize::try_from(self.integer()?)
+            .ok()
+            .filter(|n| n.checked_mul(8).is_some_and(|b| b <= self.0.len()))?;
         (0..count).map(|_| read(self)).collect()
     }
     /// Whole numbers.

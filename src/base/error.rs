@@ -34,7 +34,8 @@ impl Kind {
     }
 }
 
-/// A cause of errors that a layer above can say more about: the keys of a scene that take part in it.
+/// A cause of errors that a layer above can say more about: the keys of a scene that take part in
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The factors of a matrix need more memory than the limit, with a solver that was prescribed.

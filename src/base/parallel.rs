@@ -11,7 +11,9 @@ pub const CHUNK: usize = 256;
 /// Calls `work(first_item, part)` on consecutive parts of `out`, `stride` entries an item, in
 /// parallel.
 pub fn fill<T: Send>(out: &mut [T], stride: usize, work: impl Fn(usize, &mut [T]) + Sync) {
-    out.par_chunks_mut(CHUNK * stride.max(1)).enumerate().for_each(|(k, part)| work(k * CHUNK, part));
+    out.par_chunks_mut(CHUNK * stride.max(1))
+        .enumerate()
+        .for_each(|(k, part)| work(k * CHUNK, part));
 }
 
 /// Number of partial sums. It does not grow with the number of terms, so that a sum allocates
@@ -46,7 +48,13 @@ mod tests {
     #[test]
     fn sums_do_not_depend_on_the_number_of_threads() {
         let term = |i: usize| [(i as f64).sin(), 1.0];
-        let run = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| sum(10_001, term));
+        let run = |n| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(n)
+                .build()
+                .unwrap()
+                .install(|| sum(10_001, term))
+        };
         assert_eq!(run(1), run(2));
         assert_eq!(run(1)[1], 10_001.0);
     }

@@ -13,13 +13,15 @@ pub(super) struct Arguments {
     /// The FreeFEM script; twin.edp beside the scene without it
     #[arg(long, value_name = "FILE")]
     twin: Option<PathBuf>,
-    /// Compare on several meshes, with these numbers of cells along the first side, and give the costs of all in one table
+    /// Compare on several meshes, with these numbers of cells along the first side, and give the
+    /// costs of all in one table
     #[arg(long, value_name = "N1,N2,...", value_delimiter = ',', conflicts_with = "record")]
     cells: Vec<NonZeroUsize>,
     /// Repetitions of both, in turn; of the times the least counts
     #[arg(long, value_name = "N", default_value = "2")]
     repeat: NonZeroUsize,
-    /// Fail when a quantity differs by more than this part of its largest value; with COLUMN= for one quantity
+    /// Fail when a quantity differs by more than this part of its largest value; with COLUMN= for
+    /// one quantity
     #[arg(long, value_name = "[COLUMN=]BOUND")]
     within: Vec<Bound>,
     /// Keep FreeFEM's result as data/NAME beside the twin, for where FreeFEM is not installed
@@ -28,7 +30,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn compare(arguments: &Arguments) -> Result<()> {
-    let path = arguments.twin.clone().unwrap_or_else(|| Twin::beside(arguments.common.scene.path()));
+    let path =
+        arguments.twin.clone().unwrap_or_else(|| Twin::beside(arguments.common.scene.path()));
     let twin = Twin::read(&path)?;
     let options = Comparison {
         repeat: arguments.repeat.get(),

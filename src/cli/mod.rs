@@ -20,8 +20,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Structures immersed in a flow: level sets and finite elements on unstructured meshes.
 #[derive(Parser)]
 #[command(name = "immersa", version, arg_required_else_help = true)]
-#[command(after_help = "Exit codes: 0 done, 1 a defect of immersa, 2 the command line or the scene is wrong, \
-3 the mesh or another file is wrong, 4 the computation failed, 130 interrupted (continue with --resume).")]
+#[command(
+    after_help = "Exit codes: 0 done, 1 a defect of immersa, 2 the command line or the scene is \
+        wrong, 3 the mesh or another file is wrong, 4 the computation failed, 130 interrupted \
+        (continue with --resume)."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -104,7 +107,8 @@ fn dispatch(command: Command) -> Result<()> {
     }
 }
 
-/// A flag that Ctrl-C sets; when it comes again the program ends at once, the last checkpoint being still there.
+/// A flag that Ctrl-C sets; when it comes again the program ends at once, the last checkpoint being
+/// still there.
 fn stop_on_interrupt() -> &'static AtomicBool {
     static STOP: AtomicBool = AtomicBool::new(false);
     // Without a handler Ctrl-C ends the program at once, too.
@@ -120,7 +124,10 @@ fn set_threads(threads: Option<std::num::NonZeroUsize>) -> Result<()> {
     let Some(n) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n.get()).build_global();
     pool.map_err(|e| {
-        Error::scene(format!("{n} threads cannot be started: {e}")).at("--threads").value(n).remedy("give fewer")
+        Error::scene(format!("{n} threads cannot be started: {e}"))
+            .at("--threads")
+            .value(n)
+            .remedy("give fewer")
     })
 }
 

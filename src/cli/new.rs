@@ -42,7 +42,10 @@ impl Template {
 }
 
 pub(super) fn new(arguments: &Arguments) -> Result<()> {
-    let path = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", arguments.case.name())));
+    let path = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}.toml", arguments.case.name())));
     let failed = |e: std::io::Error| {
         Error::input(format!("the scene cannot be written: {e}"))
             .at(path.display().to_string())
@@ -53,6 +56,9 @@ pub(super) fn new(arguments: &Arguments) -> Result<()> {
     file.write_all(arguments.case.text().as_bytes()).map_err(failed)?;
     let path = path.display();
     // The file is written; a closed standard output changes nothing about that.
-    let _ = writeln!(std::io::stdout().lock(), "{path} is written; compute it with: immersa run {path}");
+    let _ = writeln!(
+        std::io::stdout().lock(),
+        "{path} is written; compute it with: immersa run {path}"
+    );
     Ok(())
 }

@@ -25,7 +25,14 @@ pub(super) struct Progress {
 impl Progress {
     pub(super) fn new(quiet: bool, title: &str) -> Progress {
         let terminal = std::io::stderr().is_terminal();
-        Progress { quiet, title: title.to_string(), bar: None, terminal, start: Instant::now(), first_step: None }
+        Progress {
+            quiet,
+            title: title.to_string(),
+            bar: None,
+            terminal,
+            start: Instant::now(),
+            first_step: None,
+        }
     }
 
     /// Removes the bar.
@@ -46,7 +53,8 @@ impl Progress {
         if !self.quiet {
             let folder = outcome.folder.display();
             let text = format!(
-                "report:  {}\nseries:  {folder}/series.csv\nfields:  {folder}/fields.pvd (ParaView)",
+                "report:  {}\nseries:  {folder}/series.csv\nfields:  {folder}/fields.pvd \
+                 (ParaView)",
                 report.display()
             );
             // A closed pipe is no reason to fail.
@@ -87,8 +95,9 @@ impl Observer for Progress {
         }
         if self.terminal {
             let bar = self.bar.get_or_insert_with(|| {
-                let style = ProgressStyle::with_template("{bar:40} {pos}/{len} steps  {msg}  {eta} left")
-                    .unwrap_or_else(|_| ProgressStyle::default_bar());
+                let style =
+                    ProgressStyle::with_template("{bar:40} {pos}/{len} steps  {msg}  {eta} left")
+                        .unwrap_or_else(|_| ProgressStyle::default_bar());
                 ProgressBar::new(steps as u64).with_style(style).with_position(first as u64)
             });
             bar.set_message(format!("t = {time:.4}"));
@@ -104,7 +113,8 @@ impl Observer for Progress {
     }
 }
 
-/// Prints how the runs of a study go, on standard error: a bar for the current run on a terminal, and a line for each that ended.
+/// Prints how the runs of a study go, on standard error: a bar for the current run on a terminal,
+/// and a line for each that ended.
 pub(super) struct Runs {
     quiet: bool,
     bar: Option<ProgressBar>,

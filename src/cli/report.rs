@@ -24,11 +24,13 @@ pub(super) fn usage(error: &clap::Error) -> u8 {
 pub(super) fn defect(panic: &PanicHookInfo<'_>) {
     let payload = panic.payload();
     let literal = payload.downcast_ref::<&str>().copied();
-    let message = literal.or(payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
+    let message =
+        literal.or(payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
     let place = panic.location().map_or_else(String::new, ToString::to_string);
-    let error = Error::internal(format!("this is a defect of immersa, not of your input: {message}"))
-        .at(place)
-        .remedy("please report it with the scene and this message");
+    let error =
+        Error::internal(format!("this is a defect of immersa, not of your input: {message}"))
+            .at(place)
+            .remedy("please report it with the scene and this message");
     print(&text(&error, false));
 }
 
@@ -37,7 +39,8 @@ fn print(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// The message: with the line of the file and a caret where the error is about a text, else in plain lines.
+/// The message: with the line of the file and a caret where the error is about a text, else in
+/// plain lines.
 fn text(error: &Error, colour: bool) -> String {
     let Some(snippet) = error.source_snippet() else { return format!("error: {error}") };
     let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
@@ -48,9 +51,10 @@ fn text(error: &Error, colour: bool) -> String {
     let annotation = AnnotationKind::Primary.span(span).label(label);
     let excerpt = Excerpt::source(&snippet.source).path(&snippet.path).annotation(annotation);
     let mut group = Level::ERROR.primary_title(error.what()).element(excerpt);
-    for (level, line) in
-        [(level::NOTE.with_name("at"), error.place()), (level::HELP.with_name("remedy"), error.advice())]
-    {
+    for (level, line) in [
+        (level::NOTE.with_name("at"), error.place()),
+        (level::HELP.with_name("remedy"), error.advice()),
+    ] {
         if !line.is_empty() {
             group = group.element(level.message(line));
         }
@@ -103,10 +107,14 @@ error: `fluid.viscosity` must be positive
 
     #[test]
     fn an_error_without_a_text_is_plain() {
-        let e = Error::input("the mesh cannot be read").at("box.msh").value("byte 7").remedy("write it again");
+        let e = Error::input("the mesh cannot be read")
+            .at("box.msh")
+            .value("byte 7")
+            .remedy("write it again");
         assert_eq!(
             text(&e, true),
-            "error: the mesh cannot be read\n  at: box.msh\n  value: byte 7\n  remedy: write it again"
+            "error: the mesh cannot be read\n  at: box.msh\n  value: byte 7\n  remedy: write it \
+             again"
         );
     }
 

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The run folder; runs/NAME without it, NAME being that of the scene file, or of its folder for a scene.toml
+    /// The run folder; runs/NAME without it, NAME being that of the scene file, or of its folder
+    /// for a scene.toml
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Continue the interrupted run of the run folder
@@ -31,7 +32,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     set_threads(arguments.threads)?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&scene));
     let mut progress = Progress::new(arguments.quiet, &scene.title);
-    let options = Options { folder: folder.clone(), resume: arguments.resume, stop: stop_on_interrupt() };
+    let options =
+        Options { folder: folder.clone(), resume: arguments.resume, stop: stop_on_interrupt() };
     let result = run::run(&scene, &options, &mut progress);
     progress.finish();
     // A failed computation has kept its last good state: show that too.

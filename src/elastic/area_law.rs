@@ -87,14 +87,19 @@ mod tests {
 
     #[test]
     fn tension_and_stiffness_are_the_derivatives_of_the_energy() {
-        for law in
-            [AreaLaw::Linear { modulus: 3.0 }, AreaLaw::OneSided { modulus: 2.0 }, AreaLaw::Tension { tension: 0.5 }]
-        {
+        for law in [
+            AreaLaw::Linear { modulus: 3.0 },
+            AreaLaw::OneSided { modulus: 2.0 },
+            AreaLaw::Tension { tension: 0.5 },
+        ] {
             for r in [0.7, 0.95, 1.2, 1.9] {
                 let h = 1e-5;
                 let slope = (law.energy(r + h) - law.energy(r - h)) / (2.0 * h);
                 let curve = (law.tension(r + h) - law.tension(r - h)) / (2.0 * h);
-                assert!((slope - law.tension(r)).abs() < 1e-9 && (curve - law.stiffness(r)).abs() < 1e-9);
+                assert!(
+                    (slope - law.tension(r)).abs() < 1e-9
+                        && (curve - law.stiffness(r)).abs() < 1e-9
+                );
             }
         }
     }

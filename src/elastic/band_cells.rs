@@ -70,7 +70,13 @@ impl BandWidth {
         bounds.meet(self.slope.unwrap_or(bounds.slope * self.norm.largest(D)) * self.thickness)
     }
     /// Data at point `q` of cell `c`, where the level set is `own`.
-    pub fn point<const D: usize>(&self, basis: &Basis<D>, c: usize, q: usize, own: &OnCell<f64, D>) -> BandPoint<D> {
+    pub fn point<const D: usize>(
+        &self,
+        basis: &Basis<D>,
+        c: usize,
+        q: usize,
+        own: &OnCell<f64, D>,
+    ) -> BandPoint<D> {
         let inverse = &basis.space().mesh().map(c).inverse;
         let g = inverse.tr_mul(&own.reference_gradient(basis.reference_gradients(q)));
         let r = g.norm();
@@ -116,7 +122,13 @@ pub(super) struct BandCells<P> {
 
 impl<P> Default for BandCells<P> {
     fn default() -> BandCells<P> {
-        BandCells { points: 0, cells: Vec::new(), slot: Vec::new(), near: Vec::new(), values: Vec::new() }
+        BandCells {
+            points: 0,
+            cells: Vec::new(),
+            slot: Vec::new(),
+            near: Vec::new(),
+            values: Vec::new(),
+        }
     }
 }
 
@@ -139,7 +151,10 @@ impl<P: Copy + Send + Sync> BandCells<P> {
             for (i, points) in part.chunks_exact_mut(self.points).enumerate() {
                 let c = self.cells[first + i] as usize;
                 let own = basis.space().on_cell(phi, c);
-                points.iter_mut().enumerate().for_each(|(q, p)| *p = point(c, q, &width.point(basis, c, q, &own)));
+                points
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(q, p)| *p = point(c, q, &width.point(basis, c, q, &own)));
             }
         });
         self.values = values;

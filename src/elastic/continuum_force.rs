@@ -39,7 +39,12 @@ pub struct ContinuumForce<const D: usize> {
 impl<const D: usize> ContinuumForce<D> {
     /// The force of this surface tension over a renormalised band of half-width `thickness`.
     pub fn new(tension: f64, thickness: f64) -> ContinuumForce<D> {
-        ContinuumForce { tension, width: BandWidth::new(thickness), band: BandCells::default(), recovery: None }
+        ContinuumForce {
+            tension,
+            width: BandWidth::new(thickness),
+            band: BandCells::default(),
+            recovery: None,
+        }
     }
     /// The same force over another band; `slope` is that of the level set at time 0.
     pub fn with_band(self, band: Band, slope: f64) -> ContinuumForce<D> {
@@ -92,7 +97,12 @@ impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
         Ok(())
     }
     /// Surface energy `int lambda r w`, (3.12), over the band.
-    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+    fn energy(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        rule: &Basis<D>,
+    ) -> Result<f64> {
         let law = AreaLaw::Tension { tension: self.tension };
         Ok(self.width.integrate(rule, at.fields.scalar(of.level_set()), |_, _, b| law.energy(b.r)))
     }

@@ -75,7 +75,12 @@ impl<const D: usize> Membrane<D> {
     }
     /// Largest tension `E'(r)` in the prepared band; 0 without tension.
     pub fn largest_tension(&self) -> f64 {
-        self.band.values().iter().filter(|b| b.w > 0.0).map(|b| self.law.tension(b.r)).fold(0.0, f64::max)
+        self.band
+            .values()
+            .iter()
+            .filter(|b| b.w > 0.0)
+            .map(|b| self.law.tension(b.r))
+            .fold(0.0, f64::max)
     }
 }
 
@@ -91,7 +96,12 @@ impl<const D: usize> MomentumTerm<D> for Membrane<D> {
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
     }
-    fn stiffness(&self, at: &At<D>, _: &SVector<f64, D>, grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
+    fn stiffness(
+        &self,
+        at: &At<D>,
+        _: &SVector<f64, D>,
+        grad_u: &SMatrix<f64, D, D>,
+    ) -> VectorForm<D> {
         let (Some(b), Some(dt)) = (self.point(at), self.implicit_step) else {
             return (SVector::zeros(), SMatrix::zeros());
         };
@@ -101,7 +111,12 @@ impl<const D: usize> MomentumTerm<D> for Membrane<D> {
 }
 
 impl<const D: usize> InterfaceForce<D> for Membrane<D> {
-    fn begin(&mut self, of: &ImmersedInterface<D>, host: &Host<'_, D>, _: &mut Declaration<'_, D>) -> Result<()> {
+    fn begin(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        host: &Host<'_, D>,
+        _: &mut Declaration<'_, D>,
+    ) -> Result<()> {
         let basis = host.basis.filter(|_| of.coupling == Coupling::SemiImplicit);
         self.predictor = basis.map(|b| Predictor::new(b.clone(), host.translations)).transpose()?;
         Ok(())
@@ -125,7 +140,12 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
         Membrane::prepare(self, at.basis, phi, implicit);
         Ok(())
     }
-    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+    fn energy(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        rule: &Basis<D>,
+    ) -> Result<f64> {
         Ok(Membrane::energy(self, rule, at.fields.scalar(of.level_set())))
     }
     fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {

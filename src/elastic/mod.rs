@@ -9,7 +9,9 @@ mod sharp;
 mod shear;
 mod surface_law;
 
-pub use crate::structure::{LagrangianInvariants, RestMap, SurfaceStrain, area_change_by_level_set};
+pub use crate::structure::{
+    LagrangianInvariants, RestMap, SurfaceStrain, area_change_by_level_set,
+};
 pub use area_law::AreaLaw;
 pub use band_cells::Band;
 pub use continuum_force::ContinuumForce;

@@ -57,7 +57,11 @@ impl<const D: usize> Predictor<D> {
         let mass = |at: &At<D>| {
             let tension = law.tension(basis.gradient(at, phi).norm());
             let largest = LARGEST_MASS / basis.space().mesh().diameter(at.cell).powi(2);
-            if tension > 0.0 { (density(at) * eps / (dt * dt * tension)).min(largest) } else { largest }
+            if tension > 0.0 {
+                (density(at) * eps / (dt * dt * tension)).min(largest)
+            } else {
+                largest
+            }
         };
         if !(self.is_set && is_constant && matches!(law, AreaLaw::Tension { .. })) {
             self.projector.set_form(|at| (mass(at), 1.0))?;

@@ -7,8 +7,8 @@ use crate::fem::{At, Basis, Space, SurfaceForm, SurfacePoint, VectorForm, surfac
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::surface;
 use crate::structure::{
-    Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Moved, Place, Rule,
-    Velocity,
+    Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
+    Moved, Place, Rule, Velocity,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -118,7 +118,8 @@ impl<const D: usize> SharpMembrane<D> {
         self.implicit_step = implicit_step;
         self.points = self.cut(space, phi)?;
         self.places = self.points.iter().map(|p| p.at).collect();
-        let stretch = |p: &SurfacePoint<D>| space.value(log_stretch, p.at.cell, &p.at.barycentric).exp();
+        let stretch =
+            |p: &SurfacePoint<D>| space.value(log_stretch, p.at.cell, &p.at.barycentric).exp();
         self.stretch = self.points.iter().map(stretch).collect();
         self.dissipation = self
             .points
@@ -132,7 +133,11 @@ impl<const D: usize> SharpMembrane<D> {
     }
     /// Elastic energy of the prepared interface.
     pub fn energy(&self) -> f64 {
-        self.points.iter().zip(&self.stretch).map(|(p, &r)| p.at.weight * self.law.energy(r) / r).sum()
+        self.points
+            .iter()
+            .zip(&self.stretch)
+            .map(|(p, &r)| p.at.weight * self.law.energy(r) / r)
+            .sum()
     }
     /// Dissipation rate of the slip.
     pub fn dissipation(&self) -> f64 {
@@ -192,8 +197,10 @@ impl<const D: usize> SharpMembrane<D> {
     /// Slip velocity over tangential force.
     fn slip(&self, space: &Space<D>, p: &SurfacePoint<D>) -> f64 {
         let mesh = space.mesh();
-        let heights = mesh.cell(p.at.cell).iter().map(|&v| mesh.points()[v as usize].dot(&p.normal));
-        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let heights =
+            mesh.cell(p.at.cell).iter().map(|&v| mesh.points()[v as usize].dot(&p.normal));
+        let (low, high) =
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         (high - low) / (SLIP * self.viscosity)
     }
     /// `grad_S E'(r)`, the tangential force.
@@ -237,7 +244,12 @@ impl<const D: usize> MomentumTerm<D> for SharpMembrane<D> {
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
     }
-    fn stiffness(&self, at: &At<D>, _: &SVector<f64, D>, grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
+    fn stiffness(
+        &self,
+        at: &At<D>,
+        _: &SVector<f64, D>,
+        grad_u: &SMatrix<f64, D, D>,
+    ) -> VectorForm<D> {
         let Some(dt) = self.implicit_step else { return (SVector::zeros(), SMatrix::zeros()) };
         let r = self.stretch[at.q];
         let weights = [self.law.stiffness(r) * r, self.law.tension(r).max(0.0)];
@@ -247,7 +259,12 @@ impl<const D: usize> MomentumTerm<D> for SharpMembrane<D> {
 }
 
 impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
-    fn begin(&mut self, of: &ImmersedInterface<D>, host: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
+    fn begin(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        host: &Host<'_, D>,
+        fields: &mut Declaration<'_, D>,
+    ) -> Result<()> {
         let rule = Rule { carry: Carry::ByOwner, acts: true };
         let initial = || Data::Scalar(vec![of.stretch.ln(); host.space.len()]);
         self.log_stretch = fields.add(&of.field_name("log_stretch"), rule, initial);
@@ -263,7 +280,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     }
     /// Half of the growth of the stretch on the old interface, transported, and half on the new
     /// one: second order.
-    fn advance(&mut self, of: &ImmersedInterface<D>, by: &mut Moved<'_, D>, fields: &mut Fields<D>) -> Result<()> {
+    fn advance(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        by: &mut Moved<'_, D>,
+        fields: &mut Fields<D>,
+    ) -> Result<()> {
         let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
         let (space, half) = (by.carrier.tracer.space().clone(), 0.5 * by.dt);
         let mut stretch = by.before.scalar(self.log_stretch).to_vec();
@@ -273,7 +295,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         fields.scalar_mut(self.log_stretch).copy_from_slice(&moved);
         Ok(())
     }
-    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, _: &Basis<D>) -> Result<f64> {
+    fn energy(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        _: &Basis<D>,
+    ) -> Result<f64> {
         let (phi, stretch) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.log_stretch));
         SharpMembrane::prepare(self, at.space, phi, stretch, None)?;
         Ok(SharpMembrane::energy(self))
@@ -287,7 +314,8 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(
-            "the semi-implicit scheme (3.62)-(3.64) predicts the interface by diffusion in its band, and a sharp one has none",
+            "the semi-implicit scheme (3.62)-(3.64) predicts the interface by diffusion in its \
+             band, and a sharp one has none",
             Cause::SharpForce,
         )
     }

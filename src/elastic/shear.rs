@@ -9,8 +9,8 @@ use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
 use crate::structure::{
-    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Place, RestMap, SurfaceStrain,
-    rest_displacement,
+    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Place, RestMap,
+    SurfaceStrain, rest_displacement,
 };
 use nalgebra::{Matrix2, SMatrix, SVector};
 use std::borrow::Cow;
@@ -108,14 +108,24 @@ impl<const D: usize> ShearMembrane<D> {
     }
     /// The displacement `Y(x) - x` at the nodes to the position at rest, from the displacement back
     /// to time 0.
-    fn rest<'a>(&self, nodes: &[SVector<f64, D>], displacement: &'a [SVector<f64, D>]) -> Cow<'a, [SVector<f64, D>]> {
+    fn rest<'a>(
+        &self,
+        nodes: &[SVector<f64, D>],
+        displacement: &'a [SVector<f64, D>],
+    ) -> Cow<'a, [SVector<f64, D>]> {
         let Some(map) = self.map() else { return Cow::Borrowed(displacement) };
         Cow::Owned(rest_displacement(map, nodes, displacement))
     }
     /// Precomputes the force on the band of `phi`; `rest` is the displacement `Y(x) - x` to the
     /// position at rest, one vector per node. `basis` must have the rule of the flow. With
     /// `implicit_step`, a time step, the stiffness enters the matrix.
-    pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64], rest: &[SVector<f64, D>], implicit_step: Option<f64>) {
+    pub fn prepare(
+        &mut self,
+        basis: &Basis<D>,
+        phi: &[f64],
+        rest: &[SVector<f64, D>],
+        implicit_step: Option<f64>,
+    ) {
         self.implicit_step = implicit_step;
         let nothing = Strained {
             w: 0.0,
@@ -134,7 +144,11 @@ impl<const D: usize> ShearMembrane<D> {
                 w: b.w,
                 strain,
                 tension: tangent.tension,
-                stiffness: if implicit_step.is_some() { tangent.clamped() } else { nothing.stiffness },
+                stiffness: if implicit_step.is_some() {
+                    tangent.clamped()
+                } else {
+                    nothing.stiffness
+                },
             }
         });
     }
@@ -151,7 +165,11 @@ impl<const D: usize> ShearMembrane<D> {
     }
     /// The strain where the level set has the gradient `slope` and the displacement `Y(x) - x` the
     /// gradient `gradient`.
-    pub fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
+    pub fn strain(
+        &self,
+        slope: &SVector<f64, D>,
+        gradient: &SMatrix<f64, D, D>,
+    ) -> SurfaceStrain<D> {
         let r = slope.norm();
         strain(&(slope / r), r, gradient, (self.stretch, self.area_from))
     }
@@ -170,7 +188,12 @@ impl<const D: usize> ShearMembrane<D> {
     /// derived.
     pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
         let [tension, stiffness] = self.wave_stiffnesses();
-        let along = explicit_step_limit(viscosity, self.width.thickness, stiffness, edge * 60f64.sqrt() / 4.0);
+        let along = explicit_step_limit(
+            viscosity,
+            self.width.thickness,
+            stiffness,
+            edge * 60f64.sqrt() / 4.0,
+        );
         explicit_step_limit(viscosity, self.width.thickness, tension, edge).min(along)
     }
 }
@@ -185,7 +208,8 @@ fn strain_at<const D: usize>(
     how: (f64, AreaFrom),
 ) -> SurfaceStrain<D> {
     let own = basis.space().on_cell(rest, c);
-    let gradient = own.reference_jacobian(basis.reference_gradients(q)) * basis.space().mesh().map(c).inverse;
+    let gradient =
+        own.reference_jacobian(basis.reference_gradients(q)) * basis.space().mesh().map(c).inverse;
     strain(&b.n, b.r, &gradient, how)
 }
 
@@ -209,30 +233,50 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
         Support::Cells(Cells::Some(self.band.cells()))
     }
     fn force(&self, at: &At<D>) -> VectorForm<D> {
-        let Some(b) = self.band.get(at).filter(|b| b.w > 0.0) else { return (SVector::zeros(), SMatrix::zeros()) };
+        let Some(b) = self.band.get(at).filter(|b| b.w > 0.0) else {
+            return (SVector::zeros(), SMatrix::zeros());
+        };
         (SVector::zeros(), b.strain.in_space(&b.tension) * -b.w)
     }
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
     }
-    fn stiffness(&self, at: &At<D>, _: &SVector<f64, D>, grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
-        let (Some(b), Some(dt)) = (self.band.get(at).filter(|b| b.w > 0.0), self.implicit_step) else {
+    fn stiffness(
+        &self,
+        at: &At<D>,
+        _: &SVector<f64, D>,
+        grad_u: &SMatrix<f64, D, D>,
+    ) -> VectorForm<D> {
+        let (Some(b), Some(dt)) = (self.band.get(at).filter(|b| b.w > 0.0), self.implicit_step)
+        else {
             return (SVector::zeros(), SMatrix::zeros());
         };
         let (n, [s, t]) = (&b.strain.normal, &b.strain.tangents);
         let (along_s, along_t) = (grad_u * s, grad_u * t);
         let out = b.stiffness.0 * SVector::<f64, 2>::new(n.dot(&along_s), n.dot(&along_t));
-        let a = SVector::<f64, 4>::new(s.dot(&along_s), s.dot(&along_t), t.dot(&along_s), t.dot(&along_t));
+        let a = SVector::<f64, 4>::new(
+            s.dot(&along_s),
+            s.dot(&along_t),
+            t.dot(&along_s),
+            t.dot(&along_t),
+        );
         let inside = b.stiffness.1 * a;
-        let (column_s, column_t) =
-            (s * inside[0] + t * inside[2] + n * out[0], s * inside[1] + t * inside[3] + n * out[1]);
+        let (column_s, column_t) = (
+            s * inside[0] + t * inside[2] + n * out[0],
+            s * inside[1] + t * inside[3] + n * out[1],
+        );
         let form = column_s * s.transpose() + column_t * t.transpose();
         (SVector::zeros(), form * (dt * b.w))
     }
 }
 
 impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
-    fn begin(&mut self, _: &ImmersedInterface<D>, _: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
+    fn begin(
+        &mut self,
+        _: &ImmersedInterface<D>,
+        _: &Host<'_, D>,
+        fields: &mut Declaration<'_, D>,
+    ) -> Result<()> {
         self.displacement = fields.backward_map(true);
         Ok(())
     }
@@ -245,7 +289,12 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
         ShearMembrane::prepare(self, at.basis, at.fields.scalar(of.level_set()), &rest, implicit);
         Ok(())
     }
-    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64> {
+    fn energy(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        rule: &Basis<D>,
+    ) -> Result<f64> {
         let rest = self.rest(at.space.nodes(), at.fields.vector(self.displacement));
         Ok(ShearMembrane::energy(self, rule, at.fields.scalar(of.level_set()), &rest))
     }
@@ -254,14 +303,19 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(
-            "the semi-implicit scheme (3.62)-(3.64) predicts the level set, which knows nothing of shear",
+            "the semi-implicit scheme (3.62)-(3.64) predicts the level set, which knows nothing \
+             of shear",
             Cause::ShearForce,
         )
     }
     fn rest_map(&self) -> Option<&RestMap<D>> {
         self.map()
     }
-    fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> Option<SurfaceStrain<D>> {
+    fn strain(
+        &self,
+        slope: &SVector<f64, D>,
+        gradient: &SMatrix<f64, D, D>,
+    ) -> Option<SurfaceStrain<D>> {
         Some(ShearMembrane::strain(self, slope, gradient))
     }
     fn resists_shear(&self) -> bool {

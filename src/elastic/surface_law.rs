@@ -67,7 +67,9 @@ impl SurfaceLaw {
         match self {
             SurfaceLaw::Split { area, shear } => {
                 let [e, d, dd] = match shear {
-                    ShearLaw::Linear { modulus } => [0.5 * modulus * (z2 - 1.0).powi(2), modulus * (z2 - 1.0), modulus],
+                    ShearLaw::Linear { modulus } => {
+                        [0.5 * modulus * (z2 - 1.0).powi(2), modulus * (z2 - 1.0), modulus]
+                    }
                     ShearLaw::NeoHookean { modulus } => [modulus * (z2 - 1.0), modulus, 0.0],
                 };
                 Response {
@@ -130,8 +132,11 @@ impl Tangent {
         let Response { first, second, .. } = law.response(strain.z1, strain.z2);
         let (c2, a) = (strain.shear_direction(), strain.a);
         let (s1, s2) = (first[0] * strain.z1, first[1] * strain.z2);
-        let (k11, k12, k22) =
-            (second[0] * strain.z1.powi(2), second[1] * strain.z1 * strain.z2, second[2] * strain.z2.powi(2));
+        let (k11, k12, k22) = (
+            second[0] * strain.z1.powi(2),
+            second[1] * strain.z1 * strain.z2,
+            second[2] * strain.z2.powi(2),
+        );
         let p = [1.0, 0.0, 0.0, 1.0];
         let q = [c2.m11, c2.m12, c2.m21, c2.m22];
         let mut k = SMatrix::<f64, 4, 4>::zeros();
@@ -139,7 +144,8 @@ impl Tangent {
             let (row, column) = ([i / 2, i % 2], [j / 2, j % 2]);
             // tr(a b) pairs `ij` with `ji`; (a A) : b pairs rows with themselves.
             let trace = f64::from(row[0] == column[1] && row[1] == column[0]);
-            let by_rows = if row[0] == column[0] { 2.0 * a[(row[1], column[1])] / a.trace() } else { 0.0 };
+            let by_rows =
+                if row[0] == column[0] { 2.0 * a[(row[1], column[1])] / a.trace() } else { 0.0 };
             let sum = (p[i] + q[i]) * (p[j] + q[j]);
             k[(i, j)] = k11 * p[i] * p[j]
                 + k12 * (p[i] * q[j] + q[i] * p[j])
@@ -188,8 +194,14 @@ mod tests {
     use proptest::prelude::*;
 
     const LAWS: [SurfaceLaw; 5] = [
-        SurfaceLaw::Split { area: AreaLaw::Linear { modulus: 1.0 }, shear: ShearLaw::Linear { modulus: 0.1 } },
-        SurfaceLaw::Split { area: AreaLaw::Tension { tension: 0.3 }, shear: ShearLaw::NeoHookean { modulus: 0.7 } },
+        SurfaceLaw::Split {
+            area: AreaLaw::Linear { modulus: 1.0 },
+            shear: ShearLaw::Linear { modulus: 0.1 },
+        },
+        SurfaceLaw::Split {
+            area: AreaLaw::Tension { tension: 0.3 },
+            shear: ShearLaw::NeoHookean { modulus: 0.7 },
+        },
         SurfaceLaw::NeoHookean { modulus: 2.0 },
         SurfaceLaw::Skalak { modulus: 0.5, area_ratio: 1.0 },
         SurfaceLaw::Skalak { modulus: 0.5, area_ratio: 20.0 },
@@ -218,10 +230,12 @@ mod tests {
     #[test]
     fn the_tensions_of_capsules_are_the_published_ones() {
         for (l1, l2) in [(1.0f64, 1.0f64), (1.3, 0.9), (1.1, 1.25)] {
-            let grad_y = Matrix3::from_diagonal(&SVector::<f64, 3>::new(1.0 / l1, 1.0 / l2, l1 * l2));
+            let grad_y =
+                Matrix3::from_diagonal(&SVector::<f64, 3>::new(1.0 / l1, 1.0 / l2, l1 * l2));
             let strain = SurfaceStrain::new(&SVector::<f64, 3>::z(), &grad_y, 1.0);
             let g = 0.7;
-            let of = |law| strain.in_space(&(Tangent::new(law, &strain).tension / strain.z1))[(0, 0)];
+            let of =
+                |law| strain.in_space(&(Tangent::new(law, &strain).tension / strain.z1))[(0, 0)];
             let rubber = g / (l1 * l2) * (l1 * l1 - (l1 * l2).powi(-2));
             assert!((of(SurfaceLaw::NeoHookean { modulus: g }) - rubber).abs() < 1e-13);
             // G l1/l2 [(l1^2 - 1) + C l2^2 (l1^2 l2^2 - 1)], of W = G/4 (...).

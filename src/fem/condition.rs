@@ -6,7 +6,8 @@ use nalgebra::SVector;
 use std::sync::Arc;
 
 /// A velocity as a function of position and time.
-pub type VelocityFunction<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
+pub type VelocityFunction<const D: usize> =
+    Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
 
 /// Condition on a part of the boundary.
 #[derive(Clone)]
@@ -60,7 +61,10 @@ pub(super) fn condition_of_facets<const D: usize>(
     }
     if let Some(f) = rank.iter().position(Option::is_none) {
         let facet = &mesh.facets()[f];
-        let at: Vec<_> = mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
+        let at: Vec<_> = mesh
+            .facet_points(facet)
+            .map(|v| mesh.points()[v as usize].as_slice().to_vec())
+            .collect();
         let names: Vec<_> = mesh
             .boundaries()
             .iter()
@@ -68,7 +72,8 @@ pub(super) fn condition_of_facets<const D: usize>(
             .map(|(name, _)| name.clone())
             .collect();
         let remedy = if names.is_empty() {
-            "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or give the rest of the boundary a condition"
+            "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or \
+             give the rest of the boundary a condition"
                 .into()
         } else {
             format!("give boundary \"{}\" a condition", names[0])
@@ -79,7 +84,8 @@ pub(super) fn condition_of_facets<const D: usize>(
             .remedy(remedy)
             .because(Cause::BareBoundary));
     }
-    let mut list: Vec<(usize, u32)> = rank.iter().enumerate().map(|(f, r)| (r.unwrap_or(0), f as u32)).collect();
+    let mut list: Vec<(usize, u32)> =
+        rank.iter().enumerate().map(|(f, r)| (r.unwrap_or(0), f as u32)).collect();
     list.sort_unstable();
     Ok(list.into_iter().map(|(r, f)| (f, Some(ranked[r].1))).collect())
 }

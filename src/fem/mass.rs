@@ -40,10 +40,14 @@ impl Mass {
                 row.iter_mut().zip(values).for_each(|(m, b)| *m += w * a * b);
             }
         }
-        let mut mass = Mass { space: Arc::clone(space), unknowns, reference, diagonal: vec![0.0; order] };
+        let mut mass =
+            Mass { space: Arc::clone(space), unknowns, reference, diagonal: vec![0.0; order] };
         let mut diagonal = vec![0.0; order];
         mass.for_cells(|nodes, area| {
-            nodes.iter().enumerate().for_each(|(a, &n)| diagonal[n as usize] += reference[a][a] * area);
+            nodes
+                .iter()
+                .enumerate()
+                .for_each(|(a, &n)| diagonal[n as usize] += reference[a][a] * area);
         });
         mass.diagonal = diagonal;
         mass
@@ -84,7 +88,8 @@ impl Mass {
             residual[u as usize] += m;
         }
         // Norms in the scaled space of the iteration.
-        let scaled = |r: &[f64]| r.iter().zip(&self.diagonal).map(|(r, d)| r / d).collect::<Vec<f64>>();
+        let scaled =
+            |r: &[f64]| r.iter().zip(&self.diagonal).map(|(r, d)| r / d).collect::<Vec<f64>>();
         let (mut x, mut image) = (vec![0.0; order], vec![0.0; order]);
         let mut direction = scaled(&residual);
         let mut square = dot(&residual, &direction);
@@ -105,7 +110,10 @@ impl Mass {
         if !square.is_finite() || square > ENOUGH * ENOUGH * start {
             return Err(Error::computation("a projection did not converge")
                 .value(format!("residual {:e}", (square / start).sqrt()))
-                .remedy("the field or the mesh holds numbers that are not finite or differ by many orders"));
+                .remedy(
+                    "the field or the mesh holds numbers that are not finite or differ by many \
+                     orders",
+                ));
         }
         Ok(self.unknowns.iter().map(|&u| if u == NONE { 0.0 } else { x[u as usize] }).collect())
     }

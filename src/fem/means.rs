@@ -25,7 +25,9 @@ impl<const D: usize> Space<D> {
     pub fn vorticity(&self, u: &[SVector<f64, D>]) -> Vec<f64> {
         let curl = self.means(|c, l| {
             let jacobian = self.jacobian(u, c, l);
-            let turn = |i: usize, j: usize| if i.max(j) < D { jacobian[(i, j)] - jacobian[(j, i)] } else { 0.0 };
+            let turn = |i: usize, j: usize| {
+                if i.max(j) < D { jacobian[(i, j)] - jacobian[(j, i)] } else { 0.0 }
+            };
             SVector::<f64, 3>::new(turn(2, 1), turn(0, 2), turn(1, 0))
         });
         curl.iter().map(|w| if D == 2 { w[2] } else { w.norm() }).collect()
@@ -56,7 +58,8 @@ mod tests {
         for x in [0.0, 0.25, 1.0] {
             points.extend([Point::<2>::new(x, 0.0), Point::<2>::new(x, 1.0)]);
         }
-        let mesh = crate::mesh::Mesh::new(points, vec![0, 2, 1, 2, 3, 1, 2, 4, 3, 4, 5, 3]).unwrap();
+        let mesh =
+            crate::mesh::Mesh::new(points, vec![0, 2, 1, 2, 3, 1, 2, 4, 3, 4, 5, 3]).unwrap();
         let space = Space::new(&Arc::new(mesh), Element::P1);
         let means = space.means(|c, _| f64::from(u8::from(c >= 2)));
         // Around point 2 lie two cells of 1/8 and one of 3/8, around point 3 one of 1/8 and two of
@@ -68,13 +71,16 @@ mod tests {
     #[test]
     fn quadratic_velocities_have_their_vorticity_and_smooth_ones_come_near_it() {
         let space = plane(4);
-        let u = space.interpolate(|x| SVector::<f64, 2>::new(-x[1] * x[1], x[0] * x[1] + 2.0 * x[0]));
+        let u =
+            space.interpolate(|x| SVector::<f64, 2>::new(-x[1] * x[1], x[0] * x[1] + 2.0 * x[0]));
         for (w, x) in space.vorticity(&u).iter().zip(space.nodes()) {
             assert!((w - (x[1] + 2.0 + 2.0 * x[1])).abs() < 1e-12, "{x}: {w}");
         }
         let error = |n: usize| {
             let space = plane(n);
-            let u = space.interpolate(|x| SVector::<f64, 2>::new((3.0 * x[1]).sin(), (2.0 * x[0] + x[1]).cos()));
+            let u = space.interpolate(|x| {
+                SVector::<f64, 2>::new((3.0 * x[1]).sin(), (2.0 * x[0] + x[1]).cos())
+            });
             let exact = |x: &Point<2>| -2.0 * (2.0 * x[0] + x[1]).sin() - 3.0 * (3.0 * x[1]).cos();
             let inside = |x: &Point<2>| x.iter().all(|v| (0.1..0.9).contains(v));
             let nodes = space.nodes().iter().zip(space.vorticity(&u)).filter(|(x, _)| inside(x));
@@ -86,7 +92,8 @@ mod tests {
 
     #[test]
     fn in_space_it_is_the_length_of_the_curl() {
-        let space = Space::new(&Arc::new(box_mesh([0.0; 3], [1.0; 3], [2; 3]).unwrap()), Element::P2);
+        let space =
+            Space::new(&Arc::new(box_mesh([0.0; 3], [1.0; 3], [2; 3]).unwrap()), Element::P2);
         let turn = SVector::<f64, 3>::new(1.0, -2.0, 2.0);
         let u = space.interpolate(|x| turn.cross(x) + x * 0.7);
         assert!(space.vorticity(&u).iter().all(|w| (w - 6.0).abs() < 1e-12));

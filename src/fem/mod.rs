@@ -23,8 +23,8 @@ mod surface;
 mod transfer;
 
 pub use assembly::{
-    At, Basis, CellLoad, Cells, VectorForm, assemble_flow_matrix, assemble_scalar, assemble_scalar_matrix,
-    assemble_source, assemble_vector, integrate,
+    At, Basis, CellLoad, Cells, VectorForm, assemble_flow_matrix, assemble_scalar,
+    assemble_scalar_matrix, assemble_source, assemble_vector, integrate,
 };
 pub use condition::{Condition, Conditions, VelocityFunction};
 pub use element::{EDGES, Element, MAX_LOCAL};

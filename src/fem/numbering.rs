@@ -29,8 +29,8 @@ pub struct Numbering<const D: usize> {
     translations: Vec<Translation<D>>,
 }
 
-/// Numbers the components of the velocity at free nodes. Returns the numbers, the frames of nodes on
-/// walls that the fluid slips along, and the number of unknowns.
+/// Numbers the components of the velocity at free nodes. Returns the numbers, the frames of nodes
+/// on walls that the fluid slips along, and the number of unknowns.
 #[allow(clippy::type_complexity, reason = "three results of one loop")]
 fn number_velocity<const D: usize>(
     velocity: &Space<D>,
@@ -53,7 +53,8 @@ fn number_velocity<const D: usize>(
                 frames.insert(node, frame);
             }
         } else if used[n] && !marks.fixed.contains_key(&node) {
-            let (frame, walls) = marks.normals.get(&node).map_or((None, 0), |list| wall_frame(list));
+            let (frame, walls) =
+                marks.normals.get(&node).map_or((None, 0), |list| wall_frame(list));
             frame.map(|f| frames.insert(node, f));
             (walls..D).for_each(|i| numbers[n][i] = next());
         }
@@ -61,8 +62,8 @@ fn number_velocity<const D: usize>(
     (numbers, frames, order)
 }
 
-/// Numbers the pressures from `first` on. Where it is `pinned`, the pressure is fixed at one point; its
-/// mean is removed after the solve. Returns the numbers, and the number of all unknowns.
+/// Numbers the pressures from `first` on. Where it is `pinned`, the pressure is fixed at one point;
+/// its mean is removed after the solve. Returns the numbers, and the number of all unknowns.
 fn number_pressure<const D: usize>(
     pressure: &Space<D>,
     translations: &[Translation<D>],
@@ -101,7 +102,11 @@ impl<const D: usize> Numbering<D> {
     /// # Errors
     /// A name that the mesh does not have, a facet without a condition, periodic parts that are not
     /// translates of each other.
-    pub fn new(velocity: &Space<D>, pressure: &Space<D>, conditions: &Conditions<D>) -> Result<Numbering<D>> {
+    pub fn new(
+        velocity: &Space<D>,
+        pressure: &Space<D>,
+        conditions: &Conditions<D>,
+    ) -> Result<Numbering<D>> {
         let mesh = velocity.mesh();
         let translations = periodic_pairs(mesh, conditions)?;
         let masters = identify(velocity, &translations);
@@ -185,7 +190,12 @@ impl<const D: usize> Numbering<D> {
         }
     }
     /// The unknowns of a cell in the order of its local matrix; [`NONE`] where there is none.
-    pub fn cell_unknowns(&self, velocity_nodes: &[u32], pressure_nodes: Option<&[u32]>, out: &mut Vec<u32>) {
+    pub fn cell_unknowns(
+        &self,
+        velocity_nodes: &[u32],
+        pressure_nodes: Option<&[u32]>,
+        out: &mut Vec<u32>,
+    ) {
         out.clear();
         for &n in velocity_nodes {
             out.extend_from_slice(&self.velocity[n as usize]);
@@ -230,7 +240,13 @@ impl<const D: usize> Numbering<D> {
         }
     }
     /// Nodal values from the solution of the system; prescribed values are added from `lift`.
-    pub fn scatter(&self, x: &[f64], lift: &[SVector<f64, D>], velocity: &mut [SVector<f64, D>], pressure: &mut [f64]) {
+    pub fn scatter(
+        &self,
+        x: &[f64],
+        lift: &[SVector<f64, D>],
+        velocity: &mut [SVector<f64, D>],
+        pressure: &mut [f64],
+    ) {
         for (n, u) in velocity.iter_mut().enumerate() {
             let mut v = SVector::<f64, D>::zeros();
             for i in 0..D {
@@ -246,7 +262,13 @@ impl<const D: usize> Numbering<D> {
     }
     /// The solution vector that [`scatter`](Self::scatter) maps to these nodal values; if one
     /// pressure is fixed, all are shifted by it.
-    pub fn restrict(&self, velocity: &[SVector<f64, D>], pressure: &[f64], lift: &[SVector<f64, D>], x: &mut [f64]) {
+    pub fn restrict(
+        &self,
+        velocity: &[SVector<f64, D>],
+        pressure: &[f64],
+        lift: &[SVector<f64, D>],
+        x: &mut [f64],
+    ) {
         for (n, u) in velocity.iter().enumerate() {
             let v = u - lift[n];
             let v = self.frames.get(&(n as u32)).map_or(v, |f| f * v);
@@ -287,7 +309,10 @@ impl<const D: usize> Numbering<D> {
 /// Cells whose constant is not an unknown of a P1 + P0 pressure. In a cell with two walls a single
 /// edge has a free velocity, which cannot distinguish the constant from the pressure at the corner.
 /// Because P1 contains constants, one more cell is excluded.
-fn constants_left_out<const D: usize>(mesh: &Mesh<D>, translations: &[Translation<D>]) -> Vec<bool> {
+fn constants_left_out<const D: usize>(
+    mesh: &Mesh<D>,
+    translations: &[Translation<D>],
+) -> Vec<bool> {
     let mut walls = vec![0; mesh.cell_count()];
     mesh.facets().iter().for_each(|f| walls[f.cell as usize] += 1);
     translations.iter().for_each(|t| walls[mesh.facets()[t.facet as usize].cell as usize] -= 1);
@@ -318,7 +343,9 @@ impl<const D: usize> Marks<D> {
             match k.map_or(&Condition::NoSlip, |k| &conditions[k].1) {
                 Condition::Velocity(g) => marks.fix(&nodes, &side(Some(Arc::clone(g)))),
                 Condition::NoSlip => marks.fix(&nodes, &side(None)),
-                Condition::Slip => nodes.iter().for_each(|&n| marks.normals.entry(n).or_default().push(normal)),
+                Condition::Slip => {
+                    nodes.iter().for_each(|&n| marks.normals.entry(n).or_default().push(normal))
+                }
                 Condition::Open => marks.open = true,
                 Condition::Periodic(_) => {}
             }
@@ -326,7 +353,10 @@ impl<const D: usize> Marks<D> {
         // No flow through a slip wall, also at its ends.
         for (n, list) in &marks.normals {
             if let Some(sides) = marks.fixed.get_mut(n) {
-                sides.splice(0..0, list.iter().map(|&normal| Side { condition: None, normal, velocity: None }));
+                sides.splice(
+                    0..0,
+                    list.iter().map(|&normal| Side { condition: None, normal, velocity: None }),
+                );
             }
         }
         Ok(marks)

@@ -23,15 +23,20 @@ pub struct Translation<const D: usize> {
 ///
 /// # Errors
 /// A name that the mesh does not have, parts that are not translates of each other.
-pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>) -> Result<Vec<Translation<D>>> {
+pub fn periodic_pairs<const D: usize>(
+    mesh: &Mesh<D>,
+    conditions: &Conditions<D>,
+) -> Result<Vec<Translation<D>>> {
     let centre = |f: u32| {
         let facet = &mesh.facets()[f as usize];
-        mesh.facet_points(facet).fold(Point::<D>::zeros(), |s, v| s + mesh.points()[v as usize]) / D as f64
+        mesh.facet_points(facet).fold(Point::<D>::zeros(), |s, v| s + mesh.points()[v as usize])
+            / D as f64
     };
     let (lo, hi) = mesh.bounding_box();
     let grid = 1e-7 * (hi - lo).norm();
-    let key =
-        |x: &Point<D>| -> [i64; 3] { std::array::from_fn(|i| if i < D { (x[i] / grid).round() as i64 } else { 0 }) };
+    let key = |x: &Point<D>| -> [i64; 3] {
+        std::array::from_fn(|i| if i < D { (x[i] / grid).round() as i64 } else { 0 })
+    };
     let mut pairs = Vec::new();
     for (name, condition) in conditions {
         let Condition::Periodic(other) = condition else { continue };
@@ -41,12 +46,17 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
             Error::scene("periodic boundaries must be translates of each other, facet by facet")
                 .at(format!("boundaries {name} and {other}"))
                 .value(what)
-                .remedy("mesh both sides alike (gmsh: Periodic Curve or Surface) or name the right partner")
+                .remedy(
+                    "mesh both sides alike (gmsh: Periodic Curve or Surface) or name the right \
+                     partner",
+                )
         };
         if mine.len() != theirs.len() || mine.is_empty() {
             return Err(wrong(format!("{} facets against {}", mine.len(), theirs.len())));
         }
-        let mean = |list: &[u32]| list.iter().fold(Point::<D>::zeros(), |s, &f| s + centre(f)) / list.len() as f64;
+        let mean = |list: &[u32]| {
+            list.iter().fold(Point::<D>::zeros(), |s, &f| s + centre(f)) / list.len() as f64
+        };
         let shift = mean(theirs) - mean(mine);
         // A coordinate may fall on either side of a rounding boundary: look in the neighbouring
         // buckets too.
@@ -59,10 +69,17 @@ pub fn periodic_pairs<const D: usize>(mesh: &Mesh<D>, conditions: &Conditions<D>
             let base = key(&target);
             let found = (0..27).find_map(|o: i64| {
                 let bucket = [base[0] + o % 3 - 1, base[1] + (o / 3) % 3 - 1, base[2] + o / 9 - 1];
-                table.get(&bucket)?.iter().copied().find(|&g| (centre(g) - target).norm() < 2.0 * grid)
+                table
+                    .get(&bucket)?
+                    .iter()
+                    .copied()
+                    .find(|&g| (centre(g) - target).norm() < 2.0 * grid)
             });
             let Some(partner) = found else {
-                return Err(wrong(format!("no partner for the facet at {:?}", centre(f).as_slice())));
+                return Err(wrong(format!(
+                    "no partner for the facet at {:?}",
+                    centre(f).as_slice()
+                )));
             };
             pairs.push(Translation { facet: f, partner, shift });
             pairs.push(Translation { facet: partner, partner: f, shift: -shift });
@@ -84,7 +101,10 @@ pub fn image_shifts<const D: usize>(pairs: &[Translation<D>]) -> Vec<Point<D>> {
 }
 
 /// For every node its master: the first of the nodes that it is identified with.
-pub(super) fn identify<const D: usize>(space: &Space<D>, translations: &[Translation<D>]) -> Vec<u32> {
+pub(super) fn identify<const D: usize>(
+    space: &Space<D>,
+    translations: &[Translation<D>],
+) -> Vec<u32> {
     let mut same = Partition::new(space.len());
     let mesh = space.mesh();
     for t in translations {
@@ -92,7 +112,9 @@ pub(super) fn identify<const D: usize>(space: &Space<D>, translations: &[Transla
         for a in space.facet_nodes(mine) {
             let target = space.nodes()[a as usize] + t.shift;
             let distance = |n: &u32| (space.nodes()[*n as usize] - target).norm();
-            if let Some(b) = space.facet_nodes(theirs).min_by(|x, y| distance(x).total_cmp(&distance(y))) {
+            if let Some(b) =
+                space.facet_nodes(theirs).min_by(|x, y| distance(x).total_cmp(&distance(y)))
+            {
                 same.join(a, b);
             }
         }

@@ -93,7 +93,8 @@ mod tests {
         let mut points = Vec::new();
         for cell in [3, 17, 30] {
             for l in [[0.2, 0.5, 0.3, 0.0], [0.6, 0.1, 0.3, 0.0]] {
-                let corners = space.mesh().cell(cell).iter().map(|&v| space.mesh().points()[v as usize]);
+                let corners =
+                    space.mesh().cell(cell).iter().map(|&v| space.mesh().points()[v as usize]);
                 let x = corners.zip(l).fold(Point::<2>::zeros(), |s, (x, l)| s + x * l);
                 let weight = 0.3 + 0.1 * points.len() as f64;
                 points.push(At { cell, q: points.len(), barycentric: l, x, weight });
@@ -112,7 +113,8 @@ mod tests {
         add_point_vector(&space, &points, &mut out, form);
         let v = space.interpolate(|x| Point::<2>::new(x[0] * x[0], x[1]));
         let sum: f64 = out.iter().zip(&v).map(|(f, v)| f.dot(v)).sum();
-        let exact: f64 = points.iter().map(|p| p.weight * (p.x[0].powi(3) + 2.0 * p.x[0] + 1.0)).sum();
+        let exact: f64 =
+            points.iter().map(|p| p.weight * (p.x[0].powi(3) + 2.0 * p.x[0] + 1.0)).sum();
         assert!((sum - exact).abs() < 1e-13, "{sum} {exact}");
     }
 
@@ -135,10 +137,12 @@ mod tests {
         });
         let mut matrix = SymmetricMatrix::from_groups(numbering.order(), groups).unwrap();
         let points = points(&space);
-        let form =
-            |_: &At<2>, u: &SVector<f64, 2>, grad: &SMatrix<f64, 2, 2>| (u * 3.0, (grad + grad.transpose()) * 0.5);
+        let form = |_: &At<2>, u: &SVector<f64, 2>, grad: &SMatrix<f64, 2, 2>| {
+            (u * 3.0, (grad + grad.transpose()) * 0.5)
+        };
         add_point_matrix(&space, &numbering, &points, &mut matrix, form).unwrap();
-        let u = space.interpolate(|x| Point::<2>::new((3.0 * x[0]).sin() * x[1], x[0] - x[1] * x[1]));
+        let u =
+            space.interpolate(|x| Point::<2>::new((3.0 * x[0]).sin() * x[1], x[0] - x[1] * x[1]));
         let mut expected = vec![SVector::<f64, 2>::zeros(); space.len()];
         add_point_vector(&space, &points, &mut expected, |at| {
             let l = &at.barycentric;

@@ -75,7 +75,9 @@ impl<const D: usize> Projector<D> {
     /// Writes the projection of `g`, or the solution of the form, into `out` (one number per node).
     pub fn project(&mut self, g: impl Fn(&At<D>) -> f64 + Sync, out: &mut [f64]) -> Result<()> {
         self.nodal.fill(0.0);
-        assemble_scalar(&self.basis, Cells::All, &mut self.nodal, &mut self.scratch, |at| (g(at), SVector::zeros()));
+        assemble_scalar(&self.basis, Cells::All, &mut self.nodal, &mut self.scratch, |at| {
+            (g(at), SVector::zeros())
+        });
         self.rhs.fill(0.0);
         for (n, v) in self.nodal.iter().enumerate() {
             if self.unknowns[n] != NONE {

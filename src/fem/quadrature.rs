@@ -73,8 +73,14 @@ fn symmetric_triangle(degree: usize) -> Option<Rule> {
     let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
     for &(w, a, b) in orbits {
         let c = 1.0 - a - b;
-        let mut points: Vec<[f64; 4]> =
-            vec![[a, b, c, 0.], [b, c, a, 0.], [c, a, b, 0.], [b, a, c, 0.], [a, c, b, 0.], [c, b, a, 0.]];
+        let mut points: Vec<[f64; 4]> = vec![
+            [a, b, c, 0.],
+            [b, c, a, 0.],
+            [c, a, b, 0.],
+            [b, a, c, 0.],
+            [a, c, b, 0.],
+            [c, b, a, 0.],
+        ];
         if (a - b).abs() < 1e-12 {
             points.truncate(if (a - c).abs() < 1e-12 { 1 } else { 3 });
         }
@@ -190,7 +196,11 @@ mod tests {
             for degree in 0..=11 {
                 let rule = Rule::simplex(d, degree);
                 for e in 0..(degree + 1).pow(3) {
-                    let e = [e % (degree + 1), (e / (degree + 1)) % (degree + 1), e / (degree + 1).pow(2)];
+                    let e = [
+                        e % (degree + 1),
+                        (e / (degree + 1)) % (degree + 1),
+                        e / (degree + 1).pow(2),
+                    ];
                     let used = &e[..d];
                     if used.iter().sum::<usize>() > degree || e[d..].iter().any(|&k| k > 0) {
                         continue;
@@ -199,11 +209,16 @@ mod tests {
                         .points
                         .iter()
                         .zip(&rule.weights)
-                        .map(|(l, w)| w * (0..d).map(|k| l[k + 1].powi(used[k] as i32)).product::<f64>())
+                        .map(|(l, w)| {
+                            w * (0..d).map(|k| l[k + 1].powi(used[k] as i32)).product::<f64>()
+                        })
                         .sum();
                     let exact = factorial(d) * used.iter().map(|&k| factorial(k)).product::<f64>()
                         / factorial(d + used.iter().sum::<usize>());
-                    assert!((sum - exact).abs() < 1e-14, "d {d} degree {degree} {used:?}: {sum} {exact}");
+                    assert!(
+                        (sum - exact).abs() < 1e-14,
+                        "d {d} degree {degree} {used:?}: {sum} {exact}"
+                    );
                 }
             }
         }

@@ -74,8 +74,10 @@ impl<const D: usize> Recovery<D> {
     /// The recovery on a mesh.
     pub fn new(mesh: &Mesh<D>) -> Recovery<D> {
         let mut start = vec![0; mesh.points().len() + 1];
-        let vertices =
-            || (0..mesh.cell_count()).flat_map(|c| mesh.cell(c).iter().map(move |&v| (v as usize, c as u32)));
+        let vertices = || {
+            (0..mesh.cell_count())
+                .flat_map(|c| mesh.cell(c).iter().map(move |&v| (v as usize, c as u32)))
+        };
         vertices().for_each(|(v, _)| start[v + 1] += 1);
         (1..start.len()).for_each(|v| start[v] += start[v - 1]);
         let (mut next, mut cells) = (start.clone(), vec![0; (D + 1) * mesh.cell_count()]);
@@ -91,7 +93,12 @@ impl<const D: usize> Recovery<D> {
     }
     /// The derivatives of the function `field` of `space`, P1 or P2 on the mesh of this recovery,
     /// at the points of the mesh numbered `points`, in their order.
-    pub fn at_points(&self, space: &Space<D>, field: &[f64], points: &[u32]) -> Vec<Derivatives<D>> {
+    pub fn at_points(
+        &self,
+        space: &Space<D>,
+        field: &[f64],
+        points: &[u32],
+    ) -> Vec<Derivatives<D>> {
         let mut out = vec![Derivatives::zero(); points.len()];
         parallel::fill(&mut out, 1, |first, part| {
             let mut patch = Patch::default();
@@ -115,7 +122,12 @@ pub struct Recovered<const D: usize> {
 impl<const D: usize> Recovered<D> {
     /// The derivatives of the function `field` of `space` at `vertices`; `recovery` is that of its
     /// mesh.
-    pub fn new(recovery: &Recovery<D>, space: &Space<D>, field: &[f64], vertices: &[u32]) -> Recovered<D> {
+    pub fn new(
+        recovery: &Recovery<D>,
+        space: &Space<D>,
+        field: &[f64],
+        vertices: &[u32],
+    ) -> Recovered<D> {
         let mut slot = vec![NONE; space.mesh().points().len()];
         vertices.iter().zip(0..).for_each(|(&v, k)| slot[v as usize] = k);
         Recovered { slot, known: recovery.at_points(space, field, vertices) }
@@ -130,7 +142,9 @@ impl<const D: usize> Recovered<D> {
         let cell = mesh.cell(c);
         let point = |k: usize| mesh.points()[cell[k] as usize];
         let x = (0..=D).fold(Point::<D>::zeros(), |x, k| x + point(k) * l[k]);
-        let add = |sum: Derivatives<D>, k: usize| sum.plus(&self.at_vertex(cell[k]).moved(&(x - point(k))), l[k]);
+        let add = |sum: Derivatives<D>, k: usize| {
+            sum.plus(&self.at_vertex(cell[k]).moved(&(x - point(k))), l[k])
+        };
         (0..=D).fold(Derivatives::zero(), add)
     }
 }
@@ -151,14 +165,22 @@ struct Patch {
 
 impl Patch {
     /// The cells of the point, those that share a point with them (`rings` times), and their nodes.
-    fn gather<const D: usize>(&mut self, space: &Space<D>, around: &Recovery<D>, point: usize, rings: usize) {
+    fn gather<const D: usize>(
+        &mut self,
+        space: &Space<D>,
+        around: &Recovery<D>,
+        point: usize,
+        rings: usize,
+    ) {
         self.cells.clear();
         self.cells.extend_from_slice(around.around(point));
         for _ in 1..rings {
             let inner = self.cells.len();
             for i in 0..inner {
                 let vertices = space.mesh().cell(self.cells[i] as usize);
-                vertices.iter().for_each(|&v| self.cells.extend_from_slice(around.around(v as usize)));
+                vertices
+                    .iter()
+                    .for_each(|&v| self.cells.extend_from_slice(around.around(v as usize)));
             }
             self.cells.sort_unstable();
             self.cells.dedup();
@@ -226,8 +248,9 @@ fn fit<const D: usize, const T: usize>(
     }
     let unit = differentiated::<D, T>(&factor.solve(&rhs));
     let turned = unit.third.map(|m| to_unit.transpose() * m * to_unit);
-    let third =
-        std::array::from_fn(|k| (0..D).fold(SMatrix::<f64, D, D>::zeros(), |sum, i| sum + turned[i] * to_unit[(i, k)]));
+    let third = std::array::from_fn(|k| {
+        (0..D).fold(SMatrix::<f64, D, D>::zeros(), |sum, i| sum + turned[i] * to_unit[(i, k)])
+    });
     let gradient = to_unit.tr_mul(&unit.gradient);
     Some(Derivatives { gradient, hessian: to_unit.transpose() * unit.hessian * to_unit, third })
 }
@@ -265,7 +288,8 @@ fn differentiated<const D: usize, const T: usize>(c: &SVector<f64, T>) -> Deriva
             for k in j..D {
                 let equal = usize::from(i == j) + usize::from(j == k);
                 let value = [1.0, 2.0, 6.0][equal] * c[cubic];
-                for [a, b, d] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]] {
+                for [a, b, d] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]]
+                {
                     out.third[a][(b, d)] = value;
                 }
                 cubic += 1;
@@ -277,7 +301,12 @@ fn differentiated<const D: usize, const T: usize>(c: &SVector<f64, T>) -> Deriva
 
 /// The derivatives of a function at `x` in its cell `c`; second ones of a linear function are zero,
 /// as all third ones.
-fn of_cell<const D: usize>(space: &Space<D>, field: &[f64], c: usize, x: &Point<D>) -> Derivatives<D> {
+fn of_cell<const D: usize>(
+    space: &Space<D>,
+    field: &[f64],
+    c: usize,
+    x: &Point<D>,
+) -> Derivatives<D> {
     let map = space.mesh().map(c);
     let gradient = space.gradient(field, c, &map.barycentric(x));
     if space.element() == Element::P1 {
@@ -313,13 +342,19 @@ mod tests {
     ) -> [f64; 2] {
         let space = Space::new(mesh, Element::P2);
         let found = hessians(&space, &space.interpolate(f));
-        let errors: Vec<f64> = found.iter().zip(mesh.points()).map(|(h, x)| (h - exact(x)).norm()).collect();
-        [errors.iter().copied().fold(0.0, f64::max), errors.iter().sum::<f64>() / errors.len() as f64]
+        let errors: Vec<f64> =
+            found.iter().zip(mesh.points()).map(|(h, x)| (h - exact(x)).norm()).collect();
+        [
+            errors.iter().copied().fold(0.0, f64::max),
+            errors.iter().sum::<f64>() / errors.len() as f64,
+        ]
     }
 
     #[test]
     fn cubics_have_their_hessians_also_on_stretched_cells_and_at_corners() {
-        let f = |x: &Point<2>| x[0].powi(3) - 2.0 * x[0] * x[0] * x[1] + x[1].powi(3) + x[0] * x[1] - 1.0;
+        let f = |x: &Point<2>| {
+            x[0].powi(3) - 2.0 * x[0] * x[0] * x[1] + x[1].powi(3) + x[0] * x[1] - 1.0
+        };
         let exact = |x: &Point<2>| {
             let xy = 1.0 - 4.0 * x[0];
             SMatrix::<f64, 2, 2>::new(6.0 * x[0] - 4.0 * x[1], xy, xy, 6.0 * x[1])
@@ -351,7 +386,9 @@ mod tests {
 
     #[test]
     fn in_space_cubics_have_all_their_derivatives_and_those_at_another_point() {
-        let f = |x: &Point<3>| x[0].powi(3) - 2.0 * x[0] * x[1] * x[2] + x[1] * x[2] * x[2] + 3.0 * x[0] * x[2] - x[1];
+        let f = |x: &Point<3>| {
+            x[0].powi(3) - 2.0 * x[0] * x[1] * x[2] + x[1] * x[2] * x[2] + 3.0 * x[0] * x[2] - x[1]
+        };
         let gradient = |x: &Point<3>| {
             let [x, y, z] = [x[0], x[1], x[2]];
             Point::<3>::new(
@@ -362,19 +399,28 @@ mod tests {
         };
         let mesh = Arc::new(crate::mesh::box_mesh([0.0; 3], [1.0, 1.2, 0.9], [3, 2, 3]).unwrap());
         let space = Space::new(&mesh, Element::P2);
-        let (phi, points) = (space.interpolate(f), (0..mesh.points().len() as u32).collect::<Vec<_>>());
+        let (phi, points) =
+            (space.interpolate(f), (0..mesh.points().len() as u32).collect::<Vec<_>>());
         let found = Recovery::new(&mesh).at_points(&space, &phi, &points);
         let step = Point::<3>::new(0.1, -0.3, 0.2);
         for (d, x) in found.iter().zip(mesh.points()) {
             let moved = d.moved(&step);
-            assert!((d.gradient - gradient(x)).norm() < 1e-9 && (moved.gradient - gradient(&(x + step))).norm() < 1e-8);
+            assert!(
+                (d.gradient - gradient(x)).norm() < 1e-9
+                    && (moved.gradient - gradient(&(x + step))).norm() < 1e-8
+            );
             assert!(
                 (d.hessian[(0, 1)] + 2.0 * x[2]).abs() < 1e-8
                     && (moved.hessian[(2, 2)] - 2.0 * (x[1] + step[1])).abs() < 1e-8
             );
-            assert!((d.third[0][(0, 0)] - 6.0).abs() < 1e-7 && (d.third[2][(0, 1)] + 2.0).abs() < 1e-7);
+            assert!(
+                (d.third[0][(0, 0)] - 6.0).abs() < 1e-7 && (d.third[2][(0, 1)] + 2.0).abs() < 1e-7
+            );
             let along = d.third_along(&step, &step);
-            assert!((along[1] - (2.0 * step[2] * step[2] - 4.0 * step[0] * step[2])).abs() < 1e-7, "{along}");
+            assert!(
+                (along[1] - (2.0 * step[2] * step[2] - 4.0 * step[0] * step[2])).abs() < 1e-7,
+                "{along}"
+            );
         }
         assert_eq!(hessians(&space, &phi)[5], found[5].hessian);
     }
@@ -382,7 +428,9 @@ mod tests {
     #[test]
     fn gradients_are_of_order_three_and_cubics_are_exact_inside_of_cells_too() {
         let f = |x: &Point<2>| (3.0 * x[0]).sin() * x[1].exp();
-        let gradient = |x: &Point<2>| Point::<2>::new(3.0 * (3.0 * x[0]).cos(), (3.0 * x[0]).sin()) * x[1].exp();
+        let gradient = |x: &Point<2>| {
+            Point::<2>::new(3.0 * (3.0 * x[0]).cos(), (3.0 * x[0]).sin()) * x[1].exp()
+        };
         let errors = [10, 20, 40].map(|n| {
             let mesh = irregular(n);
             let space = Space::new(&mesh, Element::P2);
@@ -396,17 +444,25 @@ mod tests {
         let mesh = irregular(5);
         let space = Space::new(&mesh, Element::P2);
         let points: Vec<u32> = (0..mesh.points().len() as u32).collect();
-        let known = Recovered::new(&Recovery::new(&mesh), &space, &space.interpolate(cubic), &points);
+        let known =
+            Recovered::new(&Recovery::new(&mesh), &space, &space.interpolate(cubic), &points);
         for c in 0..mesh.cell_count() {
             let l = [0.2, 0.3, 0.5, 0.0];
-            let x =
-                mesh.cell(c).iter().zip(l).fold(Point::<2>::zeros(), |x, (&v, l)| x + mesh.points()[v as usize] * l);
+            let x = mesh
+                .cell(c)
+                .iter()
+                .zip(l)
+                .fold(Point::<2>::zeros(), |x, (&v, l)| x + mesh.points()[v as usize] * l);
             let d = known.in_cell(&mesh, c, &l);
-            let exact = Point::<2>::new(3.0 * x[0] * x[0] - 2.0 * x[1] * x[1], 1.0 - 4.0 * x[0] * x[1]);
-            assert!((d.gradient - exact).norm() < 1e-9 && (d.hessian[(0, 1)] + 4.0 * x[1]).abs() < 1e-8);
+            let exact =
+                Point::<2>::new(3.0 * x[0] * x[0] - 2.0 * x[1] * x[1], 1.0 - 4.0 * x[0] * x[1]);
+            assert!(
+                (d.gradient - exact).norm() < 1e-9 && (d.hessian[(0, 1)] + 4.0 * x[1]).abs() < 1e-8
+            );
         }
         assert_eq!(
-            Recovered::new(&Recovery::new(&mesh), &space, &vec![1.0; space.len()], &[]).at_vertex(3),
+            Recovered::new(&Recovery::new(&mesh), &space, &vec![1.0; space.len()], &[])
+                .at_vertex(3),
             Derivatives::zero()
         );
     }

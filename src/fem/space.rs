@@ -62,7 +62,10 @@ impl<const D: usize> Space<D> {
             cell_nodes.extend_from_slice(cell);
             if element == Element::P1P0 {
                 cell_nodes.push(nodes.len() as u32);
-                nodes.push(cell.iter().map(|&v| mesh.points()[v as usize]).sum::<Point<D>>() / (D as f64 + 1.0));
+                nodes.push(
+                    cell.iter().map(|&v| mesh.points()[v as usize]).sum::<Point<D>>()
+                        / (D as f64 + 1.0),
+                );
             } else if element == Element::P2 {
                 for &(i, j) in &EDGES[..D * (D + 1) / 2] {
                     let (a, b) = (cell[i].min(cell[j]), cell[i].max(cell[j]));
@@ -156,7 +159,8 @@ impl<const D: usize> Space<D> {
     /// Gradient of a vector function: row `i`, column `j` is `d f_i / d x_j`.
     #[inline]
     pub fn jacobian(&self, f: &[SVector<f64, D>], c: usize, l: &[f64; 4]) -> SMatrix<f64, D, D> {
-        self.on_cell(f, c).reference_jacobian(&self.element.reference_gradients::<D>(l)) * self.mesh.map(c).inverse
+        self.on_cell(f, c).reference_jacobian(&self.element.reference_gradients::<D>(l))
+            * self.mesh.map(c).inverse
     }
 }
 
@@ -247,7 +251,9 @@ mod tests {
             for (k, &v) in mesh.cell(c).iter().enumerate() {
                 x += mesh.points()[v as usize] * l[k];
             }
-            assert!((space.value(&f, c, &l) - (1.0 + x[0] * x[1] - 3.0 * x[1] * x[1])).abs() < 1e-14);
+            assert!(
+                (space.value(&f, c, &l) - (1.0 + x[0] * x[1] - 3.0 * x[1] * x[1])).abs() < 1e-14
+            );
             let g = space.gradient(&f, c, &l);
             assert!((g - Point::<2>::new(x[1], x[0] - 6.0 * x[1])).norm() < 1e-13);
         }

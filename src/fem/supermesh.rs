@@ -106,8 +106,11 @@ impl Supermesh {
         let mut seen = vec![NONE; from.cell_count()];
         let mut waiting = Vec::new();
         for c in 0..to.cell_count() {
-            let centre =
-                to.cell(c).iter().fold(crate::mesh::Point::<2>::zeros(), |s, &v| s + to.points()[v as usize]) / 3.0;
+            let centre = to
+                .cell(c)
+                .iter()
+                .fold(crate::mesh::Point::<2>::zeros(), |s, &v| s + to.points()[v as usize])
+                / 3.0;
             waiting.extend(locator.locate(from, &centre).map(|at| at.cell));
             let mut area = 0.0;
             // The open triangle is connected, so what meets it is found across sides.
@@ -135,7 +138,13 @@ impl Supermesh {
     /// The integrals of `f`, a function of the space `from` on the old mesh, times the basis
     /// functions of the space `to` on the new one, with `rule` on the triangles of all
     /// intersections.
-    pub fn moments<T: Value>(&self, from: &Space<2>, f: &[T], to: &Space<2>, rule: &Rule) -> Vec<T> {
+    pub fn moments<T: Value>(
+        &self,
+        from: &Space<2>,
+        f: &[T],
+        to: &Space<2>,
+        rule: &Rule,
+    ) -> Vec<T> {
         let n = to.local_count();
         let mut local = vec![T::ZERO; n * to.mesh().cell_count()];
         parallel::fill(&mut local, n, |first, part| {
@@ -152,7 +161,15 @@ impl Supermesh {
         moments
     }
 
-    fn moments_of_cell<T: Value>(&self, c: usize, from: &Space<2>, f: &[T], to: &Space<2>, rule: &Rule, out: &mut [T]) {
+    fn moments_of_cell<T: Value>(
+        &self,
+        c: usize,
+        from: &Space<2>,
+        f: &[T],
+        to: &Space<2>,
+        rule: &Rule,
+        out: &mut [T],
+    ) {
         let volume = to.mesh().map(c).volume;
         for &o in &self.cells[self.starts[c] as usize..self.starts[c + 1] as usize] {
             for (corners, part) in intersection(&self.from, o as usize, to.mesh(), c).fan() {
@@ -162,7 +179,8 @@ impl Supermesh {
                         [at(0), at(1), at(2), 0.0]
                     };
                     let value = from.value(f, o as usize, &weigh(|c| &c.old)) * (w * part * volume);
-                    let basis: [f64; MAX_LOCAL] = Element::values::<2>(to.element(), &weigh(|c| &c.new));
+                    let basis: [f64; MAX_LOCAL] =
+                        Element::values::<2>(to.element(), &weigh(|c| &c.new));
                     out.iter_mut().zip(basis).for_each(|(m, b)| *m = *m + value * b);
                 }
             }

@@ -66,12 +66,14 @@ pub fn surface_solve<const D: usize>(
             order += 1;
         }
     }
-    let group_of = |c: usize| mesh.cell(c).iter().map(|&v| number[v as usize]).collect::<Vec<u32>>();
+    let group_of =
+        |c: usize| mesh.cell(c).iter().map(|&v| number[v as usize]).collect::<Vec<u32>>();
     let mut out = vec![f64::NAN; number.len()];
     if order == 0 {
         return Ok(out);
     }
-    let mut matrix = SymmetricMatrix::from_groups(order as usize, cells.iter().map(|g| group_of(g[0].at.cell)))?;
+    let mut matrix =
+        SymmetricMatrix::from_groups(order as usize, cells.iter().map(|g| group_of(g[0].at.cell)))?;
     let (m, mut rhs) = (D + 1, vec![0.0; order as usize]);
     for cell in &cells {
         let unknowns = group_of(cell[0].at.cell);
@@ -84,7 +86,9 @@ pub fn surface_solve<const D: usize>(
                 let share = at.weight * at.barycentric[a].max(SMALLEST_SHARE);
                 local[a * m + a] += share;
                 rhs[unknowns[a] as usize] += share * form.source + at.weight * form.flux.dot(&g[a]);
-                (0..m).for_each(|b| local[a * m + b] += at.weight * form.diffusivity * g[a].dot(&g[b]));
+                (0..m).for_each(|b| {
+                    local[a * m + b] += at.weight * form.diffusivity * g[a].dot(&g[b])
+                });
             }
         }
         matrix.add_group(&unknowns, &local)?;
@@ -114,11 +118,13 @@ mod tests {
         let mesh = space.mesh();
         let mut points = Vec::new();
         for c in 0..mesh.cell_count() {
-            let corners: Vec<Point<2>> = mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]).collect();
+            let corners: Vec<Point<2>> =
+                mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]).collect();
             let mut ends: Vec<f64> = (0..3)
                 .filter_map(|k| {
                     let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                    ((a[1] < height) != (b[1] < height)).then(|| a[0] + (b[0] - a[0]) * (height - a[1]) / (b[1] - a[1]))
+                    ((a[1] < height) != (b[1] < height))
+                        .then(|| a[0] + (b[0] - a[0]) * (height - a[1]) / (b[1] - a[1]))
                 })
                 .collect();
             ends.sort_by(f64::total_cmp);
@@ -139,7 +145,10 @@ mod tests {
         points
     }
     fn space(n: usize) -> Space<2> {
-        Space::new(&Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [n, n], Diagonals::UnionJack).unwrap()), Element::P2)
+        Space::new(
+            &Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [n, n], Diagonals::UnionJack).unwrap()),
+            Element::P2,
+        )
     }
 
     /// `s - k s'' = (1 + k pi^2) cos(pi x)` has the solution `cos(pi x)`; half of the right-hand
@@ -160,7 +169,8 @@ mod tests {
                 let cell = space.mesh().cell(p.at.cell).iter().zip(p.at.barycentric);
                 cell.map(|(&v, l)| l * s[v as usize]).sum::<f64>()
             };
-            let square = |p: &SurfacePoint<2>| p.at.weight * (at(p) - (PI * p.at.x[0]).cos()).powi(2);
+            let square =
+                |p: &SurfacePoint<2>| p.at.weight * (at(p) - (PI * p.at.x[0]).cos()).powi(2);
             points.iter().map(square).sum::<f64>().sqrt()
         };
         let errors = [8, 16, 32].map(error);
@@ -173,7 +183,11 @@ mod tests {
         let space = space(10);
         for height in [0.25, 0.3 + 1e-9, 0.3 - 1e-13] {
             let points = line(&space, height);
-            let form = |_: &SurfacePoint<2>| SurfaceForm { diffusivity: 0.7, source: 3.0, flux: SVector::zeros() };
+            let form = |_: &SurfacePoint<2>| SurfaceForm {
+                diffusivity: 0.7,
+                source: 3.0,
+                flux: SVector::zeros(),
+            };
             let s = surface_solve(&space, &points, form).unwrap();
             let cut: Vec<f64> = s.into_iter().filter(|s| s.is_finite()).collect();
             assert!(cut.len() >= 11 && cut.iter().all(|s| (s - 3.0).abs() < 1e-9), "{cut:?}");

@@ -75,8 +75,15 @@ impl Projection {
     ///
     /// # Errors
     /// Input, if the meshes do not cover the same domain.
-    pub fn new(from: &Arc<Mesh<2>>, to: &Arc<Space<2>>, translations: &[Translation<2>]) -> Result<Projection> {
-        Ok(Projection { supermesh: Supermesh::new(from, to.mesh())?, mass: Mass::new(to, translations) })
+    pub fn new(
+        from: &Arc<Mesh<2>>,
+        to: &Arc<Space<2>>,
+        translations: &[Translation<2>],
+    ) -> Result<Projection> {
+        Ok(Projection {
+            supermesh: Supermesh::new(from, to.mesh())?,
+            mass: Mass::new(to, translations),
+        })
     }
 
     /// The projection of a scalar function of `from`.
@@ -94,7 +101,8 @@ impl Projection {
     /// As [`scalar`](Self::scalar).
     pub fn vector(&self, from: &Space<2>, f: &[SVector<f64, 2>]) -> Result<Vec<SVector<f64, 2>>> {
         let moments = self.moments(from, f);
-        let component = |i: usize| self.mass.solve(&moments.iter().map(|m| m[i]).collect::<Vec<f64>>());
+        let component =
+            |i: usize| self.mass.solve(&moments.iter().map(|m| m[i]).collect::<Vec<f64>>());
         let (x, y) = (component(0)?, component(1)?);
         Ok(x.into_iter().zip(y).map(|(x, y)| SVector::<f64, 2>::new(x, y)).collect())
     }
@@ -142,13 +150,16 @@ mod tests {
         let (old, new) = (adapted(7, false), adapted(9, true));
         let quadratic = |x: &Point<2>| 1.0 - x[0] * x[1] + 3.0 * x[1] * x[1];
         let linear = |x: &Point<2>| 1.0 - x[0] + 2.0 * x[1];
-        for (element, f) in [(Element::P1, &linear as &dyn Fn(&Point<2>) -> f64), (Element::P2, &quadratic)] {
+        for (element, f) in
+            [(Element::P1, &linear as &dyn Fn(&Point<2>) -> f64), (Element::P2, &quadratic)]
+        {
             let (from, to) = (Space::new(&old, element), Arc::new(Space::new(&new, element)));
             let (given, expected) = (from.interpolate(f), to.interpolate(f));
             let interpolated = Interpolation::new(&old, &to).unwrap().apply(&from, &given);
             let projected = Projection::new(&old, &to, &[]).unwrap().scalar(&from, &given).unwrap();
             for found in [interpolated, projected] {
-                let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let worst =
+                    found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(worst < 1e-12, "{element:?}: {worst:e}");
             }
         }
@@ -157,7 +168,8 @@ mod tests {
     #[test]
     fn projection_conserves_the_integral_and_never_gains_energy() {
         let (old, new) = (adapted(12, false), adapted(6, true));
-        let (from, to) = (Arc::new(Space::new(&old, Element::P2)), Arc::new(Space::new(&new, Element::P2)));
+        let (from, to) =
+            (Arc::new(Space::new(&old, Element::P2)), Arc::new(Space::new(&new, Element::P2)));
         // Rough on purpose: the nodes of the old mesh decide the signs.
         let rough: Vec<f64> = (0..from.len()).map(|i| 1.0 + ((i * i) as f64).sin()).collect();
         let projection = Projection::new(&old, &to, &[]).unwrap();
@@ -165,11 +177,22 @@ mod tests {
         let before = integral(&from, &rough);
         assert!((integral(&to, &projected) - before).abs() < 1e-13 * before.abs());
         let interpolated = Interpolation::new(&old, &to).unwrap().apply(&from, &rough);
-        assert!((integral(&to, &interpolated) - before).abs() > 1e-4, "interpolation does not conserve");
-        let vector: Vec<SVector<f64, 2>> = rough.iter().map(|r| SVector::<f64, 2>::new(*r, 1.0 - r)).collect();
+        assert!(
+            (integral(&to, &interpolated) - before).abs() > 1e-4,
+            "interpolation does not conserve"
+        );
+        let vector: Vec<SVector<f64, 2>> =
+            rough.iter().map(|r| SVector::<f64, 2>::new(*r, 1.0 - r)).collect();
         let carried = projection.vector(&from, &vector).unwrap();
-        assert!(carried.iter().zip(&projected).all(|(v, p)| (v[0] - p).abs() + (v[1] - 1.0 + p).abs() < 1e-11));
-        let energy = |space: &Arc<Space<2>>, f: &[f64]| scalar_errors(space, f, |_| (0.0, SVector::zeros())).l2;
+        assert!(
+            carried
+                .iter()
+                .zip(&projected)
+                .all(|(v, p)| (v[0] - p).abs() + (v[1] - 1.0 + p).abs() < 1e-11)
+        );
+        let energy = |space: &Arc<Space<2>>, f: &[f64]| {
+            scalar_errors(space, f, |_| (0.0, SVector::zeros())).l2
+        };
         assert!(energy(&to, &projected) < energy(&from, &rough));
     }
 
@@ -178,7 +201,8 @@ mod tests {
         let mut rows: Vec<[Errors; 2]> = Vec::new();
         for n in [8, 16, 32] {
             let (old, new) = (adapted(n, false), adapted(n, true));
-            let (from, to) = (Space::new(&old, Element::P2), Arc::new(Space::new(&new, Element::P2)));
+            let (from, to) =
+                (Space::new(&old, Element::P2), Arc::new(Space::new(&new, Element::P2)));
             let given = from.interpolate(wave);
             let interpolated = Interpolation::new(&old, &to).unwrap().apply(&from, &given);
             let projected = Projection::new(&old, &to, &[]).unwrap().scalar(&from, &given).unwrap();
@@ -198,7 +222,8 @@ mod tests {
         let projection = Projection::new(&mesh, &space, &[]).unwrap();
         let zero = projection.scalar(&space, &vec![0.0; space.len()]).unwrap();
         assert!(zero.iter().all(|v| *v == 0.0));
-        let message = projection.scalar(&space, &vec![f64::NAN; space.len()]).unwrap_err().to_string();
+        let message =
+            projection.scalar(&space, &vec![f64::NAN; space.len()]).unwrap_err().to_string();
         assert!(message.contains("did not converge"), "{message}");
     }
 

@@ -10,7 +10,11 @@ use nalgebra::{ArrayStorage, SVector};
 const DEGREE: usize = 5;
 
 /// Calls `f(facet, barycentric, weight * size)` at the quadrature points of facets.
-fn over_boundary<const D: usize>(mesh: &Mesh<D>, facets: &[u32], mut f: impl FnMut(&Facet, &[f64; 4], f64)) {
+fn over_boundary<const D: usize>(
+    mesh: &Mesh<D>,
+    facets: &[u32],
+    mut f: impl FnMut(&Facet, &[f64; 4], f64),
+) {
     let rule = Rule::simplex(D - 1, DEGREE);
     for &k in facets {
         let facet = mesh.facets()[k as usize];
@@ -51,7 +55,8 @@ impl<const D: usize> Load<D> {
     }
     /// Adds a force that acts at a distance `arm` from the point.
     pub fn add(&mut self, arm: &SVector<f64, D>, force: &SVector<f64, D>) {
-        let at = |v: &SVector<f64, D>| SVector::<f64, 3>::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
+        let at =
+            |v: &SVector<f64, D>| SVector::<f64, 3>::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
         self.force += force;
         self.moment += at(arm).cross(&at(force));
     }

@@ -3,9 +3,12 @@
 use super::coefficient::Coefficient;
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
-use crate::fem::{At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar};
+use crate::fem::{
+    At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar,
+};
 use crate::linalg::{
-    Change, Factor, FactorSize, LaggedFactor, LaggedReport, SolveCost, SolverKind, SolverOptions, SymmetricMatrix,
+    Change, Factor, FactorSize, LaggedFactor, LaggedReport, SolveCost, SolverKind, SolverOptions,
+    SymmetricMatrix,
 };
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -97,7 +100,9 @@ impl<const D: usize> Work<D> {
     /// Buffers for `nodes` velocities and `order` unknowns.
     fn new(nodes: usize, pressure: &Basis<D>, order: usize) -> Work<D> {
         let mut pressure_mass = vec![0.0; pressure.space().len()];
-        assemble_scalar(pressure, Cells::All, &mut pressure_mass, &mut Vec::new(), |_| (1.0, SVector::zeros()));
+        assemble_scalar(pressure, Cells::All, &mut pressure_mass, &mut Vec::new(), |_| {
+            (1.0, SVector::zeros())
+        });
         let zero = SVector::<f64, D>::zeros();
         Work {
             load: vec![zero; nodes],
@@ -136,7 +141,10 @@ fn cells_at_prescribed<const D: usize>(numbering: &Numbering<D>, velocity: &Spac
 }
 
 /// Nodes of the pressure on open boundaries, facet by facet.
-fn nodes_on_open<const D: usize>(pressure: &Space<D>, conditions: &Conditions<D>) -> Result<Vec<u32>> {
+fn nodes_on_open<const D: usize>(
+    pressure: &Space<D>,
+    conditions: &Conditions<D>,
+) -> Result<Vec<u32>> {
     let (mesh, mut nodes) = (pressure.mesh(), Vec::new());
     for (name, _) in conditions.iter().filter(|(_, c)| matches!(c, Condition::Open)) {
         let facets = mesh.boundary(name)?.iter().map(|&f| &mesh.facets()[f as usize]);
@@ -219,7 +227,10 @@ impl<const D: usize> FlowSolver<D> {
     /// Sets density and dynamic viscosity; the matrix is assembled again when they are not constant
     /// or have changed.
     pub fn set_materials(&mut self, density: Coefficient, viscosity: Coefficient) {
-        if density != self.density || viscosity != self.viscosity || !density.is_constant() || !viscosity.is_constant()
+        if density != self.density
+            || viscosity != self.viscosity
+            || !density.is_constant()
+            || !viscosity.is_constant()
         {
             // No weight equals NaN: the values are stale, the storage is kept.
             self.base.iter_mut().for_each(|(_, weight)| *weight = f64::NAN);
@@ -259,7 +270,10 @@ impl<const D: usize> FlowSolver<D> {
     }
     /// True if the factor in use is that of a constant matrix.
     pub fn is_constant(&self) -> bool {
-        !self.expects_changes && self.factor_is_base && self.density.is_constant() && self.viscosity.is_constant()
+        !self.expects_changes
+            && self.factor_is_base
+            && self.density.is_constant()
+            && self.viscosity.is_constant()
     }
     /// Weight of the grad-div term.
     pub fn grad_div(&self) -> f64 {
@@ -285,7 +299,8 @@ impl<const D: usize> FlowSolver<D> {
     pub fn solver_summary(&self) -> Option<String> {
         let (kind, size) = self.solver_size()?;
         Some(format!(
-            "solved by {kind}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a factorisation ({:.1e} operations), {:.1e} s {}",
+            "solved by {kind}: {:.3e} entries in the factors, {:.0} MB; estimated {:.1e} s a \
+             factorisation ({:.1e} operations), {:.1e} s {}",
             size.entries as f64,
             size.bytes as f64 / 1e6,
             size.factoring_seconds(),
@@ -299,8 +314,8 @@ impl<const D: usize> FlowSolver<D> {
     pub fn solver_description(&self) -> String {
         match &self.factor {
             Some(f) if f.may_iterate() => format!(
-                "solved by GMRES with an older factor to the relative residual {:e}, or factored anew, whichever is cheaper by count: \
-                 a factorisation costs {:.1} iterations",
+                "solved by GMRES with an older factor to the relative residual {:e}, or factored \
+                 anew, whichever is cheaper by count: a factorisation costs {:.1} iterations",
                 self.tolerance,
                 f.cost()
             ),
@@ -321,7 +336,10 @@ impl<const D: usize> FlowSolver<D> {
     }
     /// Fluid at rest.
     pub fn at_rest(&self) -> FlowState<D> {
-        FlowState { u: vec![SVector::zeros(); self.velocity.space().len()], p: vec![0.0; self.pressure.space().len()] }
+        FlowState {
+            u: vec![SVector::zeros(); self.velocity.space().len()],
+            p: vec![0.0; self.pressure.space().len()],
+        }
     }
     /// Writes the prescribed velocities at time `t` into `u`.
     pub fn impose(&self, t: f64, u: &mut [SVector<f64, D>]) {
@@ -383,14 +401,20 @@ impl<const D: usize> FlowSolver<D> {
         if !self.numbering.is_open() {
             let points = self.numbering.pressure_points();
             let mass: f64 = work.pressure_mass[..points].iter().sum();
-            let mean = state.p.iter().zip(&work.pressure_mass).map(|(p, m)| p * m).sum::<f64>() / mass;
+            let mean =
+                state.p.iter().zip(&work.pressure_mass).map(|(p, m)| p * m).sum::<f64>() / mass;
             state.p.iter_mut().take(points).for_each(|p| *p -= mean);
         }
         Ok(report)
     }
 
     /// Solves for velocity and pressure without blocks, with the cheapest factor.
-    fn solve_flow(&mut self, change: Change, work: &mut Work<D>, state: &mut FlowState<D>) -> Result<LaggedReport> {
+    fn solve_flow(
+        &mut self,
+        change: Change,
+        work: &mut Work<D>,
+        state: &mut FlowState<D>,
+    ) -> Result<LaggedReport> {
         let Some(factor) = &mut self.factor else {
             return Err(Error::internal("the flow matrix was not factored"));
         };

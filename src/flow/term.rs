@@ -91,7 +91,12 @@ pub trait MomentumTerm<const D: usize>: Sync {
     }
     /// `C(u, v)` at a point: the pair tested with `(v, grad v)`, linear in `u` and `grad_u`. A term
     /// on cells may be evaluated at points of any cell, and is zero outside its support.
-    fn stiffness(&self, _at: &At<D>, _u: &SVector<f64, D>, _grad_u: &SMatrix<f64, D, D>) -> VectorForm<D> {
+    fn stiffness(
+        &self,
+        _at: &At<D>,
+        _u: &SVector<f64, D>,
+        _grad_u: &SMatrix<f64, D, D>,
+    ) -> VectorForm<D> {
         (SVector::zeros(), SMatrix::zeros())
     }
 }

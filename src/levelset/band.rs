@@ -130,11 +130,17 @@ const DOUBTFUL: f64 = 2.5;
 ///
 /// # Errors
 /// Names the cell, its position, `eps`, `h`, and the sufficient thickness or refinement.
-pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Result<Option<Warning>> {
+pub fn check_band<const D: usize>(
+    space: &Space<D>,
+    phi: &[f64],
+    eps: f64,
+) -> Result<Option<Warning>> {
     if !(eps > 0.0 && eps.is_finite()) {
         return Err(Error::scene("the thickness of the band must be positive").value(eps));
     }
-    let Some(BandEdges { largest: h, cell, .. }) = band_edges(space, phi, eps) else { return Ok(None) };
+    let Some(BandEdges { largest: h, cell, .. }) = band_edges(space, phi, eps) else {
+        return Ok(None);
+    };
     // A ratio equal to the limit, such as 0.1 on a mesh of 2/30, may be below it by rounding.
     let ratio = eps / h * (1.0 + 1e-12);
     if ratio >= DOUBTFUL {
@@ -142,12 +148,14 @@ pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Re
     }
     let vertices = space.mesh().cell(cell);
     let centre =
-        vertices.iter().map(|&v| space.mesh().points()[v as usize]).sum::<crate::mesh::Point<D>>() / (D as f64 + 1.0);
+        vertices.iter().map(|&v| space.mesh().points()[v as usize]).sum::<crate::mesh::Point<D>>()
+            / (D as f64 + 1.0);
     let place = format!("cell {cell} (counted from 0) at {:.4?}", centre.as_slice());
     let value = format!("half-width eps = {eps}, edge length h = {h:.4}, eps / h = {:.3}", eps / h);
     let remedy = |limit: f64| {
         format!(
-            "set thickness >= {:.4}, or refine the mesh around the interface to edges <= {:.4} (for a generated mesh: {:.2} times as many cells in each direction)",
+            "set thickness >= {:.4}, or refine the mesh around the interface to edges <= {:.4} \
+             (for a generated mesh: {:.2} times as many cells in each direction)",
             limit * h,
             eps / limit,
             limit * h / eps
@@ -162,7 +170,9 @@ pub fn check_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64) -> Re
         .remedy(remedy(DOUBTFUL)));
     }
     Ok(Some(Warning::new(
-        format!("the band is barely resolved: eps should be at least {DOUBTFUL} h; {value}, {place}"),
+        format!(
+            "the band is barely resolved: eps should be at least {DOUBTFUL} h; {value}, {place}"
+        ),
         remedy(DOUBTFUL),
     )))
 }
@@ -199,7 +209,8 @@ fn meets_band<const D: usize>(space: &Space<D>, phi: &[f64], eps: f64, c: usize)
     let negative = phi[nodes[0] as usize] < 0.0;
     nodes.iter().enumerate().any(|(a, &node)| {
         let value = phi[node as usize];
-        (value < 0.0) != negative || value.abs() < eps * space.gradient(phi, c, &space.element().node(a, D)).norm()
+        (value < 0.0) != negative
+            || value.abs() < eps * space.gradient(phi, c, &space.element().node(a, D)).norm()
     })
 }
 
@@ -211,8 +222,10 @@ const DRAWN_OUT: f64 = 1.5;
 fn edge_length<const D: usize>(space: &Space<D>, phi: &[f64], c: usize) -> f64 {
     let (mesh, v) = (space.mesh(), space.mesh().cell(c));
     let point = |a: usize| mesh.points()[v[a] as usize];
-    let mut edges: Vec<f64> =
-        (0..=D).flat_map(|a| (0..a).map(move |b| (a, b))).map(|(a, b)| (point(a) - point(b)).norm()).collect();
+    let mut edges: Vec<f64> = (0..=D)
+        .flat_map(|a| (0..a).map(move |b| (a, b)))
+        .map(|(a, b)| (point(a) - point(b)).norm())
+        .collect();
     edges.sort_by(f64::total_cmp);
     let (shortest, usual, longest) = (edges[0], edges[D - 1], edges[edges.len() - 1]);
     if longest <= DRAWN_OUT * shortest {
@@ -222,7 +235,9 @@ fn edge_length<const D: usize>(space: &Space<D>, phi: &[f64], c: usize) -> f64 {
     centre[..=D].fill(1.0 / (D + 1) as f64);
     let gradient = space.gradient(phi, c, &centre);
     let along = |a: usize| gradient.dot(&point(a)) / gradient.norm();
-    let (low, high) = (0..=D).map(along).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let (low, high) = (0..=D)
+        .map(along)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     // Without a gradient the extent is NaN, and `max` gives the shortest edge.
     usual.min((high - low).max(shortest))
 }
@@ -254,7 +269,10 @@ mod tests {
             for c in 0..space.mesh().cell_count() {
                 for (l, w) in rule.points.iter().zip(&rule.weights) {
                     let r = space.gradient(&phi, c, l).norm();
-                    sum += w * space.mesh().map(c).volume * surface_weight(space.value(&phi, c, l), r, 0.1) * r;
+                    sum += w
+                        * space.mesh().map(c).volume
+                        * surface_weight(space.value(&phi, c, l), r, 0.1)
+                        * r;
                 }
             }
             let exact = std::f64::consts::TAU * 0.6;
@@ -273,9 +291,13 @@ mod tests {
             let phi = signed_distance(&space, &Circle::new(centre, 0.6).unwrap());
             let weight = |c: usize, l: &[f64; 4]| {
                 let r = space.gradient(&phi, c, l).norm();
-                surface_weight(space.value(&phi, c, l), r, eps_over_h / 15.0) * r * mesh.map(c).volume
+                surface_weight(space.value(&phi, c, l), r, eps_over_h / 15.0)
+                    * r
+                    * mesh.map(c).volume
             };
-            let cell = |c| rule.points.iter().zip(&rule.weights).map(|(l, w)| w * weight(c, l)).sum::<f64>();
+            let cell = |c| {
+                rule.points.iter().zip(&rule.weights).map(|(l, w)| w * weight(c, l)).sum::<f64>()
+            };
             ((0..mesh.cell_count()).map(cell).sum::<f64>() / (1.2 * PI) - 1.0).abs()
         };
         (0..10).map(error).fold(0.0, f64::max)
@@ -284,9 +306,13 @@ mod tests {
     #[test]
     fn a_thin_band_weighs_what_its_place_in_the_mesh_makes_it() {
         let errors = [0.25, 0.5, 1.0, 1.5, 2.5].map(error_of_the_weight);
-        for (error, (low, high)) in
-            errors.into_iter().zip([(0.02, 0.1), (2e-3, 1e-2), (1e-4, 1e-3), (2e-5, 2e-4), (0.0, 2e-5)])
-        {
+        for (error, (low, high)) in errors.into_iter().zip([
+            (0.02, 0.1),
+            (2e-3, 1e-2),
+            (1e-4, 1e-3),
+            (2e-5, 2e-4),
+            (0.0, 2e-5),
+        ]) {
             assert!(error >= low && error < high, "{errors:?}");
         }
     }
@@ -313,7 +339,8 @@ mod tests {
         let (space, phi) = circle(20, 1.0);
         // h = 0.1: refused below 0.15, doubtful below 0.25.
         let error = check_band(&space, &phi, 0.149).unwrap_err().to_string();
-        for part in ["cell ", "eps = 0.149", "h = 0.1000", "thickness >= 0.2500", "edges <= 0.0596"] {
+        for part in ["cell ", "eps = 0.149", "h = 0.1000", "thickness >= 0.2500", "edges <= 0.0596"]
+        {
             assert!(error.contains(part), "{part} is missing in {error}");
         }
         assert!(check_band(&space, &phi, 0.15).unwrap().unwrap().to_string().contains("2.5 h"));

@@ -52,7 +52,11 @@ mod tests {
     use proptest::prelude::*;
     use std::sync::Arc;
 
-    fn check<const D: usize>(space: &Space<D>, values: &[f64], l: [f64; 4]) -> Result<(), TestCaseError> {
+    fn check<const D: usize>(
+        space: &Space<D>,
+        values: &[f64],
+        l: [f64; 4],
+    ) -> Result<(), TestCaseError> {
         let phi: Vec<f64> = (0..space.len()).map(|n| values[n % values.len()]).collect();
         let sum: f64 = l[..=D].iter().sum();
         let l: [f64; 4] = std::array::from_fn(|k| if k <= D { l[k] / sum } else { 0.0 });
@@ -62,7 +66,8 @@ mod tests {
             prop_assert!(b.low <= value + 1e-14 && value <= b.high + 1e-14);
             let mut steepest: f64 = 0.0;
             for k in 0..=D {
-                steepest = steepest.max(space.gradient(&phi, c, &space.element().node(k, D)).norm());
+                steepest =
+                    steepest.max(space.gradient(&phi, c, &space.element().node(k, D)).norm());
             }
             prop_assert!((b.slope - steepest).abs() <= 1e-12 * steepest);
             prop_assert!(space.gradient(&phi, c, &l).norm() <= b.slope * (1.0 + 1e-12));

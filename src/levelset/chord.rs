@@ -31,7 +31,8 @@ impl Contour {
         for segment in self.segments() {
             let height = segment.points.map(|p| (p - point).dot(&normal));
             // The parabola stays within twice the range of its three values.
-            let (low, high) = (height[0].min(height[1]).min(height[2]), height[0].max(height[1]).max(height[2]));
+            let (low, high) =
+                (height[0].min(height[1]).min(height[2]), height[0].max(height[1]).max(height[2]));
             if low - (high - low) > 0.0 || high + (high - low) < 0.0 {
                 continue;
             }
@@ -41,7 +42,8 @@ impl Contour {
                 }
                 let l = segment.barycentric_at(t);
                 let step = along * (segment.points[2] - segment.points[0]).norm();
-                let correction = Quadratic::on_line(space, phi, segment.cell as usize, &l, &step).roots()[0];
+                let correction =
+                    Quadratic::on_line(space, phi, segment.cell as usize, &l, &step).roots()[0];
                 let mut s = (segment.point(t) - point).dot(&along);
                 if correction.abs() < 0.1 {
                     s += correction * step.norm();
@@ -74,7 +76,8 @@ impl Isosurface {
             let Some((from, to)) = passage(space, c, point, &along) else { continue };
             // Relative to the midpoint of the chord of the cell, against cancellation; with OVERLAP
             // no zero on a face is missed.
-            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) + OVERLAP * space.mesh().diameter(c));
+            let (middle, half) =
+                (0.5 * (from + to), 0.5 * (to - from) + OVERLAP * space.mesh().diameter(c));
             let l = space.mesh().map(c).barycentric(&(point + along * middle));
             for t in Quadratic::on_line(space, phi, c, &l, &(along * half)).roots() {
                 if t.abs() > 1.0 {
@@ -118,7 +121,12 @@ impl Crossings {
 
 /// Range of distances from `point` at which the line along `along` is in cell `c`, slightly
 /// enlarged.
-fn passage(space: &Space<3>, c: usize, point: &Point<3>, along: &SVector<f64, 3>) -> Option<(f64, f64)> {
+fn passage(
+    space: &Space<3>,
+    c: usize,
+    point: &Point<3>,
+    along: &SVector<f64, 3>,
+) -> Option<(f64, f64)> {
     let l = space.mesh().map(c).barycentric(point);
     let dl = barycentric_direction(space, c, along);
     let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);

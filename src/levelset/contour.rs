@@ -12,7 +12,8 @@ use std::ops::Range;
 pub(super) const LATTICE: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 /// The tetrahedra at the corners of the P2 lattice of a tetrahedron, by local nodes; between them
 /// is an octahedron.
-pub(super) const CORNERS: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
+pub(super) const CORNERS: [[usize; 4]; 4] =
+    [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
 
 /// A piece of the contour inside one cell: the parabola through three points of the P2 zero set.
 ///
@@ -40,7 +41,9 @@ impl Segment {
     }
     /// The derivative of the point with respect to `t`.
     pub fn derivative(&self, t: f64) -> SVector<f64, 2> {
-        self.points[0] * (4.0 * t - 3.0) + self.points[1] * (4.0 - 8.0 * t) + self.points[2] * (4.0 * t - 1.0)
+        self.points[0] * (4.0 * t - 3.0)
+            + self.points[1] * (4.0 - 8.0 * t)
+            + self.points[2] * (4.0 * t - 1.0)
     }
     /// Barycentric coordinates of the point at parameter `t`.
     pub(super) fn barycentric_at(&self, t: f64) -> [f64; 4] {
@@ -145,9 +148,9 @@ impl Cell<'_> {
         for triangle in LATTICE {
             let negative = triangle.map(|a| self.value(a) < 0.0);
             // The vertex whose sign differs from the other two.
-            let Some(alone) =
-                (0..3).find(|&k| negative[k] != negative[(k + 1) % 3] && negative[k] != negative[(k + 2) % 3])
-            else {
+            let Some(alone) = (0..3).find(|&k| {
+                negative[k] != negative[(k + 1) % 3] && negative[k] != negative[(k + 2) % 3]
+            }) else {
                 continue;
             };
             let [a, b, c] = [0, 1, 2].map(|k| triangle[(alone + k) % 3]);
@@ -170,7 +173,8 @@ impl Cell<'_> {
         let (la, lb) = (Element::P2.node(a, 2), Element::P2.node(b, 2));
         let (va, vb) = (self.value(a), self.value(b));
         let t = Quadratic::through(va, self.half_way(a, b), vb).crossing();
-        let (pa, pb) = (self.space.nodes()[nodes[a] as usize], self.space.nodes()[nodes[b] as usize]);
+        let (pa, pb) =
+            (self.space.nodes()[nodes[a] as usize], self.space.nodes()[nodes[b] as usize]);
         Crossing {
             key: (nodes[a], nodes[b]),
             point: pa + (pb - pa) * t,
@@ -181,7 +185,11 @@ impl Cell<'_> {
     fn half_way(&self, a: usize, b: usize) -> f64 {
         if a >= 3 && b >= 3 {
             let (la, lb) = (Element::P2.node(a, 2), Element::P2.node(b, 2));
-            return self.space.value(self.phi, self.c, &std::array::from_fn(|k| 0.5 * (la[k] + lb[k])));
+            return self.space.value(
+                self.phi,
+                self.c,
+                &std::array::from_fn(|k| 0.5 * (la[k] + lb[k])),
+            );
         }
         // On an edge, in a form that is the same from both sides.
         let (vertex, middle) = (a.min(b), a.max(b));
@@ -211,14 +219,18 @@ fn chain(pieces: Vec<(Key, Key, Segment)>) -> (Vec<Segment>, Vec<Line>) {
     starts.sort_unstable();
     // A lattice edge belongs to two triangles at most, and phi < 0 is on the left in both: one
     // segment starts there.
-    let next: Vec<Option<usize>> =
-        pieces.iter().map(|p| starts.binary_search_by_key(&p.1, |s| s.0).ok().map(|k| starts[k].1)).collect();
+    let next: Vec<Option<usize>> = pieces
+        .iter()
+        .map(|p| starts.binary_search_by_key(&p.1, |s| s.0).ok().map(|k| starts[k].1))
+        .collect();
     let mut first = vec![true; pieces.len()];
     next.iter().flatten().for_each(|&i| first[i] = false);
     let mut rest: Vec<Option<Segment>> = pieces.into_iter().map(|p| Some(p.2)).collect();
     let (mut segments, mut lines) = (Vec::with_capacity(rest.len()), Vec::new());
     let open = (0..rest.len()).filter(|&i| first[i]);
-    for (start, closed) in open.map(|i| (i, false)).chain((0..rest.len()).map(|i| (i, true))).collect::<Vec<_>>() {
+    for (start, closed) in
+        open.map(|i| (i, false)).chain((0..rest.len()).map(|i| (i, true))).collect::<Vec<_>>()
+    {
         let begin = segments.len();
         let mut at = Some(start);
         while let Some(segment) = at.and_then(|i| rest[i].take()) {
@@ -263,7 +275,10 @@ mod tests {
     use std::sync::Arc;
 
     fn space(n: usize) -> Space<2> {
-        Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()), Element::P2)
+        Space::new(
+            &Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()),
+            Element::P2,
+        )
     }
     fn contour(n: usize, f: impl Fn(&Point<2>) -> f64) -> (Space<2>, Vec<f64>, Contour) {
         let space = space(n);
@@ -347,7 +362,9 @@ mod tests {
         // A positive function that touches 0 on nodes, a negative one that does, and 0 everywhere.
         assert!(contour(8, |x| (x[0] - 1.0).abs()).2.is_empty());
         let touching = contour(8, |x| -(x[0] - 1.0).abs()).2;
-        assert!(touching.segments().iter().all(|s| s.points.iter().all(|p| (p[0] - 1.0).abs() < 1e-14)));
+        assert!(
+            touching.segments().iter().all(|s| s.points.iter().all(|p| (p[0] - 1.0).abs() < 1e-14))
+        );
         assert!(contour(8, |_| 0.0).2.is_empty());
     }
 

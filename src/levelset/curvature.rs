@@ -8,7 +8,9 @@ use nalgebra::{SMatrix, SVector};
 
 /// The normal `n = grad phi / |grad phi|` and its gradient: row `i`, column `j` is
 /// `d n_i / d x_j = (I - n n^T) D^2 phi / |grad phi|`. `None` where the gradient vanishes.
-pub fn normal_gradient<const D: usize>(phi: &Derivatives<D>) -> Option<(SVector<f64, D>, SMatrix<f64, D, D>)> {
+pub fn normal_gradient<const D: usize>(
+    phi: &Derivatives<D>,
+) -> Option<(SVector<f64, D>, SMatrix<f64, D, D>)> {
     let slope = phi.gradient.norm();
     if slope <= 0.0 || !slope.is_finite() {
         return None;
@@ -39,7 +41,12 @@ impl Curvature {
     /// zero at the others; `recovery` is that of its mesh.
     ///
     /// On the interface only the vertices of [`vertices_near`] are needed.
-    pub fn new<const D: usize>(recovery: &Recovery<D>, space: &Space<D>, phi: &[f64], vertices: &[u32]) -> Curvature {
+    pub fn new<const D: usize>(
+        recovery: &Recovery<D>,
+        space: &Space<D>,
+        phi: &[f64],
+        vertices: &[u32],
+    ) -> Curvature {
         let found = recovery.at_points(space, phi, vertices);
         let zero = || vec![0.0; space.mesh().points().len()];
         let mut all = Curvature { mean: zero(), gauss: zero() };
@@ -80,7 +87,8 @@ pub fn vertices_near<const D: usize>(space: &Space<D>, phi: &[f64], reach: f64) 
         for (i, near) in part.iter_mut().enumerate() {
             let nodes = space.cell_nodes(first + i);
             let negative = nodes.iter().filter(|&&n| phi[n as usize] < 0.0).count();
-            *near = !(negative == 0 || negative == nodes.len()) || Bounds::of_cell(space, phi, first + i).meet(reach);
+            *near = !(negative == 0 || negative == nodes.len())
+                || Bounds::of_cell(space, phi, first + i).meet(reach);
         }
     });
     let mut wanted = vec![false; mesh.points().len()];
@@ -97,7 +105,10 @@ mod tests {
     use std::sync::Arc;
 
     /// The curvatures near the interface of a function, and the vertices where they are known.
-    fn near<const D: usize>(mesh: Mesh<D>, f: impl Fn(&Point<D>) -> f64) -> (Arc<Mesh<D>>, Vec<u32>, Curvature) {
+    fn near<const D: usize>(
+        mesh: Mesh<D>,
+        f: impl Fn(&Point<D>) -> f64,
+    ) -> (Arc<Mesh<D>>, Vec<u32>, Curvature) {
         let mesh = Arc::new(mesh);
         let space = Space::new(&mesh, Element::P2);
         let phi = space.interpolate(f);
@@ -111,31 +122,47 @@ mod tests {
         // Quadratic functions are recovered exactly, and their level sets are spheres and circles
         // about the origin.
         let (mesh, vertices, found) =
-            near(rectangle([-1.0; 2], [1.0; 2], [9, 8], Diagonals::Right).unwrap(), |x| 3.0 * (x.norm_squared() - 0.5));
+            near(rectangle([-1.0; 2], [1.0; 2], [9, 8], Diagonals::Right).unwrap(), |x| {
+                3.0 * (x.norm_squared() - 0.5)
+            });
         for &v in &vertices {
             let r = mesh.points()[v as usize].norm();
-            assert!((found.mean[v as usize] * r - 1.0).abs() < 1e-10 && found.gauss[v as usize] == 0.0);
+            assert!(
+                (found.mean[v as usize] * r - 1.0).abs() < 1e-10 && found.gauss[v as usize] == 0.0
+            );
         }
         let (mesh, vertices, found) =
             near(box_mesh([-1.0; 3], [1.0; 3], [5, 6, 5]).unwrap(), |x| 0.4 - x.norm_squared());
         for &v in &vertices {
             // Inside out: the normal points to the centre, so that the mean curvature is negative.
             let r = mesh.points()[v as usize].norm();
-            assert!((found.mean[v as usize] * r + 2.0).abs() < 1e-9, "{}", found.mean[v as usize] * r);
+            assert!(
+                (found.mean[v as usize] * r + 2.0).abs() < 1e-9,
+                "{}",
+                found.mean[v as usize] * r
+            );
             assert!((found.gauss[v as usize] * r * r - 1.0).abs() < 1e-9);
         }
-        let cell = (0..mesh.cell_count()).find(|&c| mesh.cell(c).iter().all(|v| vertices.contains(v))).unwrap();
+        let cell = (0..mesh.cell_count())
+            .find(|&c| mesh.cell(c).iter().all(|v| vertices.contains(v)))
+            .unwrap();
         let [mean, gauss] = [&found.mean, &found.gauss].map(|f| f[mesh.cell(cell)[2] as usize]);
         let corner = [0.0, 0.0, 1.0, 0.0];
-        assert_eq!([found.mean_at(&mesh, cell, &corner), found.gauss_at(&mesh, cell, &corner)], [mean, gauss]);
+        assert_eq!(
+            [found.mean_at(&mesh, cell, &corner), found.gauss_at(&mesh, cell, &corner)],
+            [mean, gauss]
+        );
     }
 
     #[test]
-    fn vertices_on_both_sides_of_an_interface_along_edges_are_near_it_and_a_function_without_slope_is_flat() {
-        let (_, vertices, found) = near(rectangle([-1.0; 2], [1.0; 2], [4, 4], Diagonals::Right).unwrap(), |x| x[0]);
+    fn vertices_on_both_sides_of_an_interface_along_edges_are_near_it_and_a_function_without_slope_is_flat()
+     {
+        let (_, vertices, found) =
+            near(rectangle([-1.0; 2], [1.0; 2], [4, 4], Diagonals::Right).unwrap(), |x| x[0]);
         assert_eq!(vertices.len(), 10, "the two columns of the cells where phi is negative");
         assert!(found.mean.iter().all(|h| h.abs() < 1e-12));
-        let (mesh, ..) = near(rectangle([-1.0; 2], [1.0; 2], [4, 4], Diagonals::Right).unwrap(), |_| 1.0);
+        let (mesh, ..) =
+            near(rectangle([-1.0; 2], [1.0; 2], [4, 4], Diagonals::Right).unwrap(), |_| 1.0);
         let space = Space::new(&mesh, Element::P2);
         assert!(vertices_near(&space, &vec![1.0; space.len()], 0.5).is_empty());
         let flat = Curvature::new(&Recovery::new(&mesh), &space, &vec![0.0; space.len()], &[0, 3]);

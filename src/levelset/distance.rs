@@ -61,7 +61,8 @@ impl<const D: usize> Tree<D> {
         }
         let (left, right) = part.split_at(part.len() / 2);
         let near = |k: usize| box_distance_squared(x, &self.boxes[k]);
-        let children = [(near(2 * node + 1), 2 * node + 1, left), (near(2 * node + 2), 2 * node + 2, right)];
+        let children =
+            [(near(2 * node + 1), 2 * node + 1, left), (near(2 * node + 2), 2 * node + 2, right)];
         let order = if children[0].0 <= children[1].0 { [0, 1] } else { [1, 0] };
         for i in order {
             let (distance, child, part) = children[i];
@@ -75,7 +76,8 @@ impl<const D: usize> Tree<D> {
 fn build<const D: usize>(part: &mut [Part<D>], boxes: &mut [(Point<D>, Point<D>)], node: usize) {
     let Some(first) = part.first() else { return };
     let corners = part.iter().flat_map(|p| &p.0);
-    let (low, high) = corners.fold((first.0[0], first.0[0]), |(low, high), a| (low.inf(a), high.sup(a)));
+    let (low, high) =
+        corners.fold((first.0[0], first.0[0]), |(low, high), a| (low.inf(a), high.sup(a)));
     boxes[node] = (low, high);
     if part.len() <= LEAF {
         return;
@@ -95,14 +97,18 @@ fn difference<const D: usize>(x: &Point<D>, s: &[Point<D>; D]) -> SVector<f64, D
         return from_segment(x, &s[0], &s[1]);
     }
     let (u, v, w) = (s[1] - s[0], s[D - 1] - s[0], x - s[0]);
-    let (uu, uv, vv, wu, wv) = (u.norm_squared(), u.dot(&v), v.norm_squared(), w.dot(&u), w.dot(&v));
+    let (uu, uv, vv, wu, wv) =
+        (u.norm_squared(), u.dot(&v), v.norm_squared(), w.dot(&u), w.dot(&v));
     let determinant = uu * vv - uv * uv;
     let (a, b) = ((vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant);
     if a >= 0.0 && b >= 0.0 && a + b <= 1.0 {
         return w - u * a - v * b;
     }
     let sides = [(0, 1), (1, D - 1), (D - 1, 0)].map(|(i, j)| from_segment(x, &s[i], &s[j]));
-    sides.into_iter().reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(w)
+    sides
+        .into_iter()
+        .reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a })
+        .unwrap_or(w)
 }
 
 fn from_segment<const D: usize>(x: &Point<D>, a: &Point<D>, b: &Point<D>) -> SVector<f64, D> {

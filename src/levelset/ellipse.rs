@@ -109,7 +109,10 @@ mod tests {
         assert!((e.distance(&p(1.6, 1.0)) + 0.15).abs() < 1e-15);
         // Inside of it: closest point (a^2 x / (a^2 - b^2), ..).
         let x: f64 = 0.2;
-        let foot = (0.75f64.powi(2) * x / (0.75f64.powi(2) - 0.25), 0.5 * (1.0 - (0.75 * x / 0.3125).powi(2)).sqrt());
+        let foot = (
+            0.75f64.powi(2) * x / (0.75f64.powi(2) - 0.25),
+            0.5 * (1.0 - (0.75 * x / 0.3125).powi(2)).sqrt(),
+        );
         assert!((e.distance(&p(1.0 + x, 1.0)) + (foot.0 - x).hypot(foot.1)).abs() < 1e-15);
         // Continuous across the long axis.
         for x in [0.0, 0.2, 0.3125 / 0.75, 0.5, 0.75, 0.9] {
@@ -125,15 +128,23 @@ mod tests {
     #[test]
     fn wrong_axes_are_refused() {
         for axes in [p(0.0, 1.0), p(1.0, -1.0), p(1.0, f64::NAN), p(1.0, 1e-200)] {
-            assert!(Ellipse::new(p(0.0, 0.0), axes, 0.0).unwrap_err().to_string().contains("semi-axes"));
+            assert!(
+                Ellipse::new(p(0.0, 0.0), axes, 0.0).unwrap_err().to_string().contains("semi-axes")
+            );
         }
     }
 
     #[test]
     fn a_needle_keeps_its_distances() {
         let e = Ellipse::new(p(0.0, 0.0), p(1.0, 1e-6), 0.0).unwrap();
-        for (x, exact) in [((0.0, 0.5), 0.5 - 1e-6), ((2.0, 0.0), 1.0), ((4.0, 4.0), 5.0), ((0.0, 0.0), -1e-6)] {
-            assert!((e.distance(&p(x.0, x.1)) - exact).abs() < 1e-11, "{x:?} {}", e.distance(&p(x.0, x.1)));
+        for (x, exact) in
+            [((0.0, 0.5), 0.5 - 1e-6), ((2.0, 0.0), 1.0), ((4.0, 4.0), 5.0), ((0.0, 0.0), -1e-6)]
+        {
+            assert!(
+                (e.distance(&p(x.0, x.1)) - exact).abs() < 1e-11,
+                "{x:?} {}",
+                e.distance(&p(x.0, x.1))
+            );
         }
     }
 

@@ -57,7 +57,8 @@ fn distance_in_octant(e: &Point<3>, y: &Point<3>) -> f64 {
         return -(flat + b * b * (1.0 - at_zero)).sqrt();
     }
     let g = |t: f64| {
-        let slope = (0..3).filter(|&i| p[i] > 0.0).map(|i| ratio(i, t).powi(2) / (t + d[i])).sum::<f64>();
+        let slope =
+            (0..3).filter(|&i| p[i] > 0.0).map(|i| ratio(i, t).powi(2) / (t + d[i])).sum::<f64>();
         (squares(t) - 1.0, -2.0 * slope)
     };
     // Each term alone reaches 1 here, so G >= 0; and G <= 0 where all together cannot.
@@ -83,7 +84,8 @@ fn distance_in_octant(e: &Point<3>, y: &Point<3>) -> f64 {
     }
     // Point minus closest point, with the common factor taken out: no cancellation, and the sign
     // comes with it.
-    (t - 1.0) * (0..3).filter(|&i| p[i] > 0.0).map(|i| (y[i] / (t + d[i])).powi(2)).sum::<f64>().sqrt()
+    (t - 1.0)
+        * (0..3).filter(|&i| p[i] > 0.0).map(|i| (y[i] / (t + d[i])).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -102,7 +104,12 @@ mod tests {
 
     #[test]
     fn centre_axes_and_focal_planes_are_exact() {
-        for e in [straight(0.9, 0.6, 0.4), straight(0.4, 0.9, 0.6), straight(0.6, 0.6, 0.4), straight(0.4, 0.4, 0.4)] {
+        for e in [
+            straight(0.9, 0.6, 0.4),
+            straight(0.4, 0.9, 0.6),
+            straight(0.6, 0.6, 0.4),
+            straight(0.4, 0.4, 0.4),
+        ] {
             let axes = e.semi_axes;
             assert!((e.distance(&p(0.0, 0.0, 0.0)) + 0.4).abs() < 1e-15);
             for i in 0..3 {
@@ -113,11 +120,15 @@ mod tests {
         }
         // Continuous across the planes of symmetry.
         let e = straight(0.9, 0.6, 0.4);
-        for (x, y) in [(0.0, 0.0), (0.3, 0.2), (0.7, 0.0), (0.0, 0.3), (0.9, 0.6), (0.0, 0.6), (0.5, 1e-12)] {
+        for (x, y) in
+            [(0.0, 0.0), (0.3, 0.2), (0.7, 0.0), (0.0, 0.3), (0.9, 0.6), (0.0, 0.6), (0.5, 1e-12)]
+        {
             for tiny in [1e-300, 1e-20, 1e-9] {
-                for (flat, near) in
-                    [(p(x, y, 0.0), p(x, y, tiny)), (p(x, 0.0, y), p(x, tiny, y)), (p(0.0, x, y), p(tiny, x, y))]
-                {
+                for (flat, near) in [
+                    (p(x, y, 0.0), p(x, y, tiny)),
+                    (p(x, 0.0, y), p(x, tiny, y)),
+                    (p(0.0, x, y), p(tiny, x, y)),
+                ] {
                     let d = e.distance(&flat) - e.distance(&near);
                     assert!(d.abs() < 2.0 * tiny + 1e-14, "{flat} {tiny} {d}");
                 }
@@ -130,7 +141,9 @@ mod tests {
     #[test]
     fn wrong_axes_are_refused() {
         let o = p(0.0, 0.0, 0.0);
-        for axes in [p(0.0, 1.0, 1.0), p(1.0, -1.0, 1.0), p(1.0, f64::NAN, 1.0), p(1.0, 1.0, 1e-200)] {
+        for axes in
+            [p(0.0, 1.0, 1.0), p(1.0, -1.0, 1.0), p(1.0, f64::NAN, 1.0), p(1.0, 1.0, 1e-200)]
+        {
             assert!(Ellipsoid::new(o, axes, o).unwrap_err().to_string().contains("semi-axes"));
         }
         assert!(Ellipsoid::new(o, p(1.0, 1.0, 1.0), p(0.0, f64::INFINITY, 0.0)).is_err());

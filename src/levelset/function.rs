@@ -80,7 +80,10 @@ impl Grid<2> {
                         let (p, q) = (triangle[p], triangle[q]);
                         if (values[p] < 0.0) != (values[q] < 0.0) && found < 2 {
                             let (inner, outer) = if values[p] < 0.0 { (p, q) } else { (q, p) };
-                            let (a, b) = ((self.point(inner), values[inner]), (self.point(outer), values[outer]));
+                            let (a, b) = (
+                                (self.point(inner), values[inner]),
+                                (self.point(outer), values[outer]),
+                            );
                             ends[found] = root(f, a, b, 1e-2 * tolerance);
                             found += 1;
                         }
@@ -174,9 +177,11 @@ mod tests {
     #[test]
     fn level_functions_of_an_ellipse_give_its_distance() {
         let exact = Ellipse::new(p(1.0, 1.0), p(0.75, 0.5), 0.0).unwrap();
-        let square = |x: &Point<2>| ((x[0] - 1.0) / 0.75).powi(2) + ((x[1] - 1.0) / 0.5).powi(2) - 1.0;
+        let square =
+            |x: &Point<2>| ((x[0] - 1.0) / 0.75).powi(2) + ((x[1] - 1.0) / 0.5).powi(2) - 1.0;
         let by_square = LevelFunction::new(square, domain()).unwrap();
-        let by_root = LevelFunction::new(move |x| (square(x) + 1.0).sqrt() - 1.0, domain()).unwrap();
+        let by_root =
+            LevelFunction::new(move |x| (square(x) + 1.0).sqrt() - 1.0, domain()).unwrap();
         for shape in [&by_square, &by_root] {
             let error = difference(shape, &exact);
             assert!(error < 3e-9, "{error}");
@@ -188,13 +193,25 @@ mod tests {
     #[test]
     fn corners_of_a_level_function_are_found() {
         // The value inside is not the distance; corners convex and re-entrant.
-        let star = [[0.2, 0.3], [1.0, 0.8], [1.7, 0.4], [1.3, 1.0], [1.6, 1.7], [0.9, 1.4], [0.3, 1.5], [0.6, 1.0]];
-        let square = LevelFunction::new(|x| (x[0] - 0.9).abs().max((x[1] - 1.1).abs()) - 0.47, domain()).unwrap();
+        let star = [
+            [0.2, 0.3],
+            [1.0, 0.8],
+            [1.7, 0.4],
+            [1.3, 1.0],
+            [1.6, 1.7],
+            [0.9, 1.4],
+            [0.3, 1.5],
+            [0.6, 1.0],
+        ];
+        let square =
+            LevelFunction::new(|x| (x[0] - 0.9).abs().max((x[1] - 1.1).abs()) - 0.47, domain())
+                .unwrap();
         let exact = RoundedBox::new(p(0.9, 1.1), p(0.47, 0.47), 0.0, 0.0).unwrap();
         assert!(difference(&square, &exact) < 6e-9);
         let exact = Polygon::new(star.iter().map(|v| p(v[0], v[1])).collect()).unwrap();
         let copy = exact.clone();
-        let by_value = LevelFunction::new(move |x| copy.distance(x).clamp(-0.1, 0.2), domain()).unwrap();
+        let by_value =
+            LevelFunction::new(move |x| copy.distance(x).clamp(-0.1, 0.2), domain()).unwrap();
         let error = difference(&by_value, &exact);
         assert!(error < 1e-8, "{error}");
     }
@@ -210,8 +227,9 @@ mod tests {
 
     #[test]
     fn bad_level_functions_are_refused() {
-        let error =
-            |f: fn(&Point<2>) -> f64| LevelFunction::new(f, domain()).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = |f: fn(&Point<2>) -> f64| {
+            LevelFunction::new(f, domain()).err().map(|e| e.to_string()).unwrap_or_default()
+        };
         assert!(error(|x| x[0] + 1.0).contains("from 1 to 3"));
         assert!(error(|_| -1.0).contains("no zero"));
         assert!(error(|x| (x[0] - 1.0).ln()).contains("no finite value"));
@@ -233,7 +251,9 @@ mod tests {
     #[test]
     fn a_hole_in_the_definition_between_the_nodes_of_the_grid_does_no_harm() {
         // Not a number on a strip across the zero set, thinner than a square of the grid.
-        let f = |x: &Point<2>| if (x[0] - 1.0019).abs() < 1e-3 { f64::NAN } else { (x - p(1.0, 1.0)).norm() - 0.5 };
+        let f = |x: &Point<2>| {
+            if (x[0] - 1.0019).abs() < 1e-3 { f64::NAN } else { (x - p(1.0, 1.0)).norm() - 0.5 }
+        };
         let shape = LevelFunction::new(f, domain()).unwrap();
         let exact = Circle::new(p(1.0, 1.0), 0.5).unwrap();
         for x in [p(0.3, 0.3), p(1.0, 1.9), p(1.4, 1.1), p(0.0, 1.0)] {
@@ -246,7 +266,8 @@ mod tests {
         let f = |x: &Point<2>| (4.0 * x[0]).sin() * (3.0 * x[1]).cos() - 0.2 + (x[0] * x[1]).abs();
         let shape = LevelFunction::new(f, domain()).unwrap();
         let n = 61;
-        let x: Vec<_> = (0..n * n).map(|k| p((k * 37 % n) as f64, (k / n) as f64) * (2.0 / n as f64)).collect();
+        let x: Vec<_> =
+            (0..n * n).map(|k| p((k * 37 % n) as f64, (k / n) as f64) * (2.0 / n as f64)).collect();
         let d: Vec<_> = x.iter().map(|x| shape.distance(x)).collect();
         for k in 1..x.len() {
             assert!((d[k] - d[k - 1]).abs() <= (x[k] - x[k - 1]).norm() + 1e-14);

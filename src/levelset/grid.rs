@@ -57,11 +57,8 @@ pub(super) fn sampled<const D: usize>(
     let size = domain.1 - domain.0;
     if !(size.min() > 0.0 && size.norm().is_finite()) {
         let extent = if D == 2 { "area" } else { "volume" };
-        return Err(Error::scene(format!("the domain of a level function has no {extent}")).value(format!(
-            "{:?} to {:?}",
-            domain.0.as_slice(),
-            domain.1.as_slice()
-        )));
+        return Err(Error::scene(format!("the domain of a level function has no {extent}"))
+            .value(format!("{:?} to {:?}", domain.0.as_slice(), domain.1.as_slice())));
     }
     let grid = Grid::over(domain, count, margin);
     let values = grid.sample(f);
@@ -70,8 +67,11 @@ pub(super) fn sampled<const D: usize>(
         let x = grid.point(k);
         if (0..D).all(|i| x[i] >= domain.0[i] && x[i] <= domain.1[i]) {
             if !v.is_finite() {
-                let place: Vec<String> =
-                    ["x", "y", "z"].iter().zip(x.iter()).map(|(n, x)| format!("{n} = {x}")).collect();
+                let place: Vec<String> = ["x", "y", "z"]
+                    .iter()
+                    .zip(x.iter())
+                    .map(|(n, x)| format!("{n} = {x}"))
+                    .collect();
                 return Err(Error::scene("the function of a shape has no finite value")
                     .at(place.join(", "))
                     .value(v)
@@ -86,7 +86,8 @@ pub(super) fn sampled<const D: usize>(
     Err(Error::scene("the function of a shape has no zero in the domain")
         .value(format!("its values there run from {} to {}", range.0, range.1))
         .remedy(format!(
-            "it must be negative inside the shape and positive outside; a shape smaller than {:.3e} is not seen",
+            "it must be negative inside the shape and positive outside; a shape smaller than \
+             {:.3e} is not seen",
             grid.step
         )))
 }

@@ -65,7 +65,8 @@ impl Interface<'static, 2> {
         f: impl Fn(&Location) -> Sample + Sync,
     ) -> Result<Interface<'static, 2>> {
         let mut lattice = Lattice { mesh: space.mesh(), levels: 0, known: HashMap::new(), f: &f };
-        let whole: Vec<Triangle> = (0..space.mesh().cell_count() as u32).map(|c| (c, lattice.cell())).collect();
+        let whole: Vec<Triangle> =
+            (0..space.mesh().cell_count() as u32).map(|c| (c, lattice.cell())).collect();
         lattice.evaluate(&whole);
         let steepest = lattice.near(&whole).map(|t| lattice.steepness(t)).fold(0.0, f64::max);
         let levels = (steepest / depth).log2().ceil().clamp(0.0, f64::from(MOST_LEVELS)) as u32;
@@ -122,7 +123,11 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
     /// The lattice with the halves of its cells, and the computed values.
     fn finer(self, levels: u32) -> Self {
         let scaled = |key: Key| key.map(|(vertex, weight)| (vertex, weight << levels));
-        Lattice { levels, known: self.known.into_iter().map(|(k, v)| (scaled(k), v)).collect(), ..self }
+        Lattice {
+            levels,
+            known: self.known.into_iter().map(|(k, v)| (scaled(k), v)).collect(),
+            ..self
+        }
     }
     /// A whole cell.
     fn cell(&self) -> [Weights; 3] {
@@ -131,7 +136,8 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
     }
     fn key(&self, cell: u32, w: &Weights) -> Key {
         let vertices = self.mesh.cell(cell as usize);
-        let mut key: Key = std::array::from_fn(|k| if w[k] == 0 { (NONE, 0) } else { (vertices[k], w[k]) });
+        let mut key: Key =
+            std::array::from_fn(|k| if w[k] == 0 { (NONE, 0) } else { (vertices[k], w[k]) });
         key.sort_unstable();
         key
     }
@@ -159,7 +165,12 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
         self.known.extend(wanted.iter().map(|w| w.0).zip(samples));
     }
     fn samples(&self, (c, t): &Triangle) -> [Sample; 6] {
-        nodes(t).map(|w| self.known.get(&self.key(*c, &w)).copied().unwrap_or(Sample { value: f64::NAN, slope: 0.0 }))
+        nodes(t).map(|w| {
+            self.known
+                .get(&self.key(*c, &w))
+                .copied()
+                .unwrap_or(Sample { value: f64::NAN, slope: 0.0 })
+        })
     }
     fn diameter(&self, (c, t): &Triangle) -> f64 {
         let side = t[0].iter().zip(&t[1]).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
@@ -175,7 +186,9 @@ impl<F: Fn(&Location) -> Sample + Sync> Lattice<'_, F> {
             let samples = self.samples(t);
             let reach = REACH * self.steepness(t);
             let negative = samples[0].value < 0.0;
-            samples.iter().any(|s| (s.value < 0.0) != negative || s.value.abs() <= reach || s.value.is_nan())
+            samples
+                .iter()
+                .any(|s| (s.value < 0.0) != negative || s.value.abs() <= reach || s.value.is_nan())
         })
     }
     /// The values at the nodes of the mesh's own P2 space.

@@ -221,7 +221,10 @@ impl<'a, const D: usize> Interface<'a, D> {
     ///
     /// # Errors
     /// A space that is not P2, a value that is not finite.
-    pub fn cut(space: &'a Arc<Space<D>>, phi: impl Into<Cow<'a, [f64]>>) -> Result<Interface<'a, D>> {
+    pub fn cut(
+        space: &'a Arc<Space<D>>,
+        phi: impl Into<Cow<'a, [f64]>>,
+    ) -> Result<Interface<'a, D>> {
         let phi = phi.into();
         let zero = Zero::new(space, &phi)?;
         Ok(Interface { space: Cow::Borrowed(space), phi, zero })
@@ -267,19 +270,29 @@ impl<'a, const D: usize> Interface<'a, D> {
         let space: &dyn Any = &**self.space;
         let (point, direction): (&dyn Any, &dyn Any) = (point, direction);
         match &self.zero {
-            Zero::Plane(contour) => {
-                contour.half_chord(space.downcast_ref()?, &self.phi, point.downcast_ref()?, direction.downcast_ref()?)
-            }
-            Zero::Solid(surface) => {
-                surface.half_chord(space.downcast_ref()?, &self.phi, point.downcast_ref()?, direction.downcast_ref()?)
-            }
+            Zero::Plane(contour) => contour.half_chord(
+                space.downcast_ref()?,
+                &self.phi,
+                point.downcast_ref()?,
+                direction.downcast_ref()?,
+            ),
+            Zero::Solid(surface) => surface.half_chord(
+                space.downcast_ref()?,
+                &self.phi,
+                point.downcast_ref()?,
+                direction.downcast_ref()?,
+            ),
         }
     }
 }
 
 impl Interface<'static, 2> {
     /// The interface of a function on halved cells.
-    pub(super) fn of_contour(space: Arc<Space<2>>, phi: Vec<f64>, contour: Contour) -> Interface<'static, 2> {
+    pub(super) fn of_contour(
+        space: Arc<Space<2>>,
+        phi: Vec<f64>,
+        contour: Contour,
+    ) -> Interface<'static, 2> {
         Interface { space: Cow::Owned(space), phi: Cow::Owned(phi), zero: Zero::Plane(contour) }
     }
 }
@@ -299,7 +312,10 @@ mod tests {
         let phi = space.interpolate(|x| (x - centre).norm_squared() - 0.16);
         let interface = Interface::cut(&space, &phi[..]).unwrap();
         let m = interface.measures().unwrap();
-        assert!((m.enclosed / enclosed - 1.0).abs() < 2e-4 && (m.own / own - 1.0).abs() < 2e-4, "{m:?}");
+        assert!(
+            (m.enclosed / enclosed - 1.0).abs() < 2e-4 && (m.own / own - 1.0).abs() < 2e-4,
+            "{m:?}"
+        );
         assert!((m.centroid - centre).norm() < 1e-4, "{m:?}");
         assert!(m.axes.iter().chain(&m.extents).all(|a| (a - 0.4).abs() < 1e-3), "{m:?}");
         let mut along = SVector::<f64, D>::from_element(1.0);

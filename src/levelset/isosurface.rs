@@ -48,8 +48,9 @@ impl Isosurface {
         let triangles = gather(&cells, |&c, out| Tetrahedron::new(space, phi, c).cut(out));
         let negative = |f: &&Facet| space.facet_nodes(f).any(|n| phi[n as usize] < 0.0);
         let facets: Vec<&Facet> = space.mesh().facets().iter().filter(negative).collect();
-        let walls =
-            gather(&facets, |f, out| Tetrahedron::new(space, phi, f.cell as usize).wall(f.opposite as usize, out));
+        let walls = gather(&facets, |f, out| {
+            Tetrahedron::new(space, phi, f.cell as usize).wall(f.opposite as usize, out)
+        });
         Ok(Isosurface { triangles, walls })
     }
     /// The triangles, sorted by their cells, with their normals out of `phi < 0`.
@@ -90,7 +91,12 @@ impl Isosurface {
     }
 
     /// Integral of `f` over the surface of `phi`, by [`Isosurface::quadrature`].
-    pub fn integrate(&self, space: &Space<3>, phi: &[f64], f: impl Fn(&SurfacePoint<3>) -> f64) -> f64 {
+    pub fn integrate(
+        &self,
+        space: &Space<3>,
+        phi: &[f64],
+        f: impl Fn(&SurfacePoint<3>) -> f64,
+    ) -> f64 {
         self.quadrature(space, phi).iter().map(|p| p.at.weight * f(p)).sum()
     }
 }
@@ -110,7 +116,13 @@ fn gather<T: Sync, R: Send + Clone>(items: &[T], work: impl Fn(&T, &mut Vec<R>) 
 
 /// The point of the zero set at `t[..3]` in the triangle; `None` for a degenerate triangle without
 /// a normal.
-fn surface_point(space: &Space<3>, phi: &[f64], triangle: &Triangle, t: &[f64; 4], w: f64) -> Option<SurfacePoint<3>> {
+fn surface_point(
+    space: &Space<3>,
+    phi: &[f64],
+    triangle: &Triangle,
+    t: &[f64; 4],
+    w: f64,
+) -> Option<SurfacePoint<3>> {
     let cell = triangle.cell as usize;
     let vector = triangle.area_vector(t);
     let normal = vector.try_normalize(0.0)?;
@@ -203,10 +215,17 @@ mod tests {
                 assert!((x - t.points[k]).norm() < 1e-14);
                 // The middles on faces are zeros of the function of one of the two cells.
                 let tolerance = if k < 3 { 1e-13 } else { 1e-6 };
-                assert!(space.value(phi, cell, l).abs() < tolerance, "node {k}: {}", space.value(phi, cell, l));
+                assert!(
+                    space.value(phi, cell, l).abs() < tolerance,
+                    "node {k}: {}",
+                    space.value(phi, cell, l)
+                );
             }
             let third = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0];
-            assert!(space.gradient(phi, cell, &t.barycentric_at(&third)).dot(&t.area_vector(&third)) > -1e-14);
+            assert!(
+                space.gradient(phi, cell, &t.barycentric_at(&third)).dot(&t.area_vector(&third))
+                    > -1e-14
+            );
         }
         for (q, point) in s.quadrature(space, phi).iter().enumerate() {
             assert!(point.at.q == q && point.at.weight > 0.0);
@@ -218,7 +237,8 @@ mod tests {
     #[test]
     fn two_balls_are_closed_and_lie_on_the_zero_set() {
         let ball = |x: &Point<3>, c: Point<3>, r: f64| (x - c).norm_squared() - r * r;
-        let two = |x: &Point<3>| ball(x, p(0.52, 0.5, 0.6), 0.3).min(ball(x, p(1.4, 1.3, 1.2), 0.47));
+        let two =
+            |x: &Point<3>| ball(x, p(0.52, 0.5, 0.6), 0.3).min(ball(x, p(1.4, 1.3, 1.2), 0.47));
         // Fine enough that no cell with the surface, and none beside it, meets the kink between the
         // balls.
         let (space, phi, s) = surface(16, two);
@@ -244,7 +264,10 @@ mod tests {
                 check_points(&space, &phi, &s);
                 check_closed(&s).unwrap();
                 let m = s.measures().unwrap();
-                assert!((m.surface - area).abs() < 1e-12 && (m.volume - volume).abs() < 1e-12, "{m:?}");
+                assert!(
+                    (m.surface - area).abs() < 1e-12 && (m.volume - volume).abs() < 1e-12,
+                    "{m:?}"
+                );
                 assert!((s.integrate(&space, &phi, |_| 1.0) - area).abs() < 1e-12);
             }
         }
@@ -258,7 +281,12 @@ mod tests {
         assert!(surface(4, |x| (x[0] - 1.0).abs()).2.is_empty());
         assert!(surface(4, |_| 0.0).2.is_empty());
         let touching = surface(4, |x| -(x[0] - 1.0).abs()).2;
-        assert!(touching.triangles().iter().all(|t| t.points.iter().all(|p| (p[0] - 1.0).abs() < 1e-14)));
+        assert!(
+            touching
+                .triangles()
+                .iter()
+                .all(|t| t.points.iter().all(|p| (p[0] - 1.0).abs() < 1e-14))
+        );
         check_closed(&touching).unwrap();
     }
 
@@ -304,9 +332,11 @@ mod tests {
     fn crooked(n: usize) -> Mesh<3> {
         let regular = box_mesh([0.0; 3], [2.0; 3], [n, n, n]).unwrap();
         let inside = |x: &Point<3>| x.iter().all(|&c| c > 0.0 && c < 2.0);
-        let moved =
-            |x: &Point<3>| x + p((9.0 * x[1]).sin(), (8.0 * x[2]).cos(), (7.0 * x[0]).sin()) * (0.25 / n as f64);
-        let points: Vec<_> = regular.points().iter().map(|x| if inside(x) { moved(x) } else { *x }).collect();
+        let moved = |x: &Point<3>| {
+            x + p((9.0 * x[1]).sin(), (8.0 * x[2]).cos(), (7.0 * x[0]).sin()) * (0.25 / n as f64)
+        };
+        let points: Vec<_> =
+            regular.points().iter().map(|x| if inside(x) { moved(x) } else { *x }).collect();
         let mixed = |c: usize| {
             let v = regular.cell(c);
             [v[c % 4], v[(c + 1) % 4], v[(c + 2) % 4], v[(c + 3) % 4]]

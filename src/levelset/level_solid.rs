@@ -16,7 +16,8 @@ const TOLERANCE: f64 = 1e-10;
 const MOST_STEPS: usize = 12;
 /// The six tetrahedra of a cube along its diagonal, by corners whose bits are the steps in x, y and
 /// z.
-const KUHN: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
+const KUHN: [[usize; 4]; 6] =
+    [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
 
 /// The set in space where a function is negative, with the true distance to its boundary (not the
 /// value of the function).
@@ -86,7 +87,10 @@ impl Shape<3> for LevelSolid {
         let start = x - difference;
         // The triangles are within a cube of the zero set; a foot farther away is not the closest
         // point.
-        let foot = self.foot(x, start).map(|y| (x - y).norm()).filter(|d| *d <= difference.norm() + self.step);
+        let foot = self
+            .foot(x, start)
+            .map(|y| (x - y).norm())
+            .filter(|d| *d <= difference.norm() + self.step);
         let d = foot.unwrap_or_else(|| difference.norm());
         if (self.function)(x) < 0.0 { -d } else { d }
     }
@@ -125,11 +129,15 @@ impl Grid<3> {
     fn triangles(&self, f: &Level<3>, values: &[f64]) -> Vec<[Point<3>; 3]> {
         let [nx, ny, nz] = self.nodes;
         let mut out = Vec::new();
-        for (k, j, i) in (0..nz - 1).flat_map(|k| (0..ny - 1).flat_map(move |j| (0..nx - 1).map(move |i| (k, j, i)))) {
+        for (k, j, i) in (0..nz - 1)
+            .flat_map(|k| (0..ny - 1).flat_map(move |j| (0..nx - 1).map(move |i| (k, j, i))))
+        {
             let corner = |b: usize| i + (b & 1) + nx * (j + (b >> 1 & 1) + ny * (k + (b >> 2)));
             let cube: [usize; 8] = std::array::from_fn(corner);
             let negative = values[cube[0]] < 0.0;
-            if cube.iter().any(|&a| (values[a] < 0.0) != negative) && cube.iter().all(|&a| values[a].is_finite()) {
+            if cube.iter().any(|&a| (values[a] < 0.0) != negative)
+                && cube.iter().all(|&a| values[a].is_finite())
+            {
                 KUHN.iter().for_each(|t| self.march(f, values, t.map(|b| cube[b]), &mut out));
             }
         }
@@ -137,9 +145,11 @@ impl Grid<3> {
     }
     /// Appends the triangles in a tetrahedron.
     fn march(&self, f: &Level<3>, values: &[f64], nodes: [usize; 4], out: &mut Vec<[Point<3>; 3]>) {
-        let (inner, outer): (Vec<usize>, Vec<usize>) = nodes.iter().partition(|&&a| values[a] < 0.0);
-        let zero =
-            |a: usize, b: usize| root(f, (self.point(a), values[a]), (self.point(b), values[b]), TOLERANCE * self.step);
+        let (inner, outer): (Vec<usize>, Vec<usize>) =
+            nodes.iter().partition(|&&a| values[a] < 0.0);
+        let zero = |a: usize, b: usize| {
+            root(f, (self.point(a), values[a]), (self.point(b), values[b]), TOLERANCE * self.step)
+        };
         match (&inner[..], &outer[..]) {
             ([a], [b, c, d]) => out.push([zero(*a, *b), zero(*a, *c), zero(*a, *d)]),
             ([b, c, d], [a]) => out.push([zero(*b, *a), zero(*c, *a), zero(*d, *a)]),
@@ -168,7 +178,9 @@ mod tests {
     fn difference(a: &dyn Shape<3>, b: &dyn Shape<3>, of: impl Fn(&Point<3>) -> bool) -> f64 {
         let n = 13;
         (0..n * n * n)
-            .map(|k| p((k % n) as f64, (k / n % n) as f64, (k / n / n) as f64) * (2.0 / (n - 1) as f64))
+            .map(|k| {
+                p((k % n) as f64, (k / n % n) as f64, (k / n / n) as f64) * (2.0 / (n - 1) as f64)
+            })
             .map(|x| x.add_scalar(-1.0))
             .filter(of)
             .map(|x| (a.distance(&x) - b.distance(&x)).abs())
@@ -201,7 +213,8 @@ mod tests {
 
     #[test]
     fn a_plane_across_the_domain_keeps_its_distance_at_the_walls() {
-        let slope = LevelSolid::new(|x| (x[1] - 0.1 - 0.25 * x[0]) * (2.0 + x[2]), domain()).unwrap();
+        let slope =
+            LevelSolid::new(|x| (x[1] - 0.1 - 0.25 * x[0]) * (2.0 + x[2]), domain()).unwrap();
         for x in [p(-1.0, -1.0, -1.0), p(1.0, -1.0, 1.0), p(0.0, 1.0, 0.3)] {
             let exact = (x[1] - 0.1 - 0.25 * x[0]) / 1.0625f64.sqrt();
             assert!((slope.distance(&x) - exact).abs() < 1e-9, "{} {exact}", slope.distance(&x));
@@ -210,8 +223,9 @@ mod tests {
 
     #[test]
     fn bad_level_functions_are_refused() {
-        let error =
-            |f: fn(&Point<3>) -> f64| LevelSolid::new(f, domain()).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = |f: fn(&Point<3>) -> f64| {
+            LevelSolid::new(f, domain()).err().map(|e| e.to_string()).unwrap_or_default()
+        };
         assert!(error(|x| x[0] + 2.0).contains("from 1 to 3"));
         assert!(error(|_| -1.0).contains("no zero"));
         assert!(error(|x| (x[0] - 1.0).ln()).contains("no finite value"));

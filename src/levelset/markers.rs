@@ -10,7 +10,11 @@ impl<const D: usize> Interface<'_, D> {
     ///
     /// # Errors
     /// A surface in space; several curves or none.
-    pub fn markers(&self, distance: &dyn Fn(&Point<D>) -> f64, count: usize) -> Result<Vec<Point<D>>> {
+    pub fn markers(
+        &self,
+        distance: &dyn Fn(&Point<D>) -> f64,
+        count: usize,
+    ) -> Result<Vec<Point<D>>> {
         let Some(contour) = self.contour() else {
             return Err(Error::scene("markers follow a curve, and the interface is a surface")
                 .value(count)
@@ -22,7 +26,8 @@ impl<const D: usize> Interface<'_, D> {
                 .remedy("give each curve a level set of its own")
                 .because(Cause::SeveralCurves));
         };
-        let polyline: Vec<Point<D>> = contour.polyline(line).iter().map(|x| x.fixed_resize(0.0)).collect();
+        let polyline: Vec<Point<D>> =
+            contour.polyline(line).iter().map(|x| x.fixed_resize(0.0)).collect();
         let mut lengths = vec![0.0];
         for pair in polyline.windows(2) {
             lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());

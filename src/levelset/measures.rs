@@ -60,7 +60,10 @@ impl Contour {
     /// Length of the contour.
     pub fn perimeter(&self) -> f64 {
         let gauss = gauss_legendre(GAUSS);
-        self.segments().iter().map(|s| gauss.iter().map(|&(t, w)| w * s.derivative(t).norm()).sum::<f64>()).sum()
+        self.segments()
+            .iter()
+            .map(|s| gauss.iter().map(|&(t, w)| w * s.derivative(t).norm()).sum::<f64>())
+            .sum()
     }
 
     /// Area, perimeter, centroid, axes and extents. The integrals over `phi < 0` become integrals
@@ -106,7 +109,8 @@ impl Contour {
     pub fn bounds(&self) -> Option<(Point<2>, Point<2>)> {
         let first = self.segments().first()?.points[0];
         Some(self.segments().iter().fold((first, first), |(low, high), s| {
-            let mut box_ = (low.inf(&s.points[0]).inf(&s.points[2]), high.sup(&s.points[0]).sup(&s.points[2]));
+            let mut box_ =
+                (low.inf(&s.points[0]).inf(&s.points[2]), high.sup(&s.points[0]).sup(&s.points[2]));
             let (d0, d1) = (s.derivative(0.0), s.derivative(1.0));
             for axis in 0..2 {
                 // The derivative is linear.
@@ -144,17 +148,34 @@ impl Contour {
     /// of `phi`, which must be the function that the contour was made from.
     pub fn quadrature(&self, space: &Space<2>, phi: &[f64]) -> Vec<ContourPoint> {
         let gauss = gauss_legendre(GAUSS);
-        self.segments().iter().flat_map(|s| gauss.iter().map(|&(t, w)| quadrature_point(space, phi, s, t, w))).collect()
+        self.segments()
+            .iter()
+            .flat_map(|s| gauss.iter().map(|&(t, w)| quadrature_point(space, phi, s, t, w)))
+            .collect()
     }
 
     /// Integral of `f(cell, barycentric coordinates, point)` over the contour of `phi`, by
     /// [`Contour::quadrature`].
-    pub fn integrate(&self, space: &Space<2>, phi: &[f64], f: impl Fn(u32, &[f64; 4], &Point<2>) -> f64) -> f64 {
-        self.quadrature(space, phi).iter().map(|q| q.weight * f(q.cell, &q.barycentric, &q.point)).sum()
+    pub fn integrate(
+        &self,
+        space: &Space<2>,
+        phi: &[f64],
+        f: impl Fn(u32, &[f64; 4], &Point<2>) -> f64,
+    ) -> f64 {
+        self.quadrature(space, phi)
+            .iter()
+            .map(|q| q.weight * f(q.cell, &q.barycentric, &q.point))
+            .sum()
     }
 }
 
-fn quadrature_point(space: &Space<2>, phi: &[f64], segment: &Segment, t: f64, w: f64) -> ContourPoint {
+fn quadrature_point(
+    space: &Space<2>,
+    phi: &[f64],
+    segment: &Segment,
+    t: f64,
+    w: f64,
+) -> ContourPoint {
     let cell = segment.cell as usize;
     let tangent = segment.derivative(t);
     let (mut point, mut l) = (segment.point(t), segment.barycentric_at(t));
@@ -167,7 +188,13 @@ fn quadrature_point(space: &Space<2>, phi: &[f64], segment: &Segment, t: f64, w:
         l = std::array::from_fn(|k| l[k] + s * dl[k]);
     }
     let length = tangent.norm();
-    ContourPoint { cell: segment.cell, barycentric: l, point, normal: across / length, weight: w * length }
+    ContourPoint {
+        cell: segment.cell,
+        barycentric: l,
+        point,
+        normal: across / length,
+        weight: w * length,
+    }
 }
 
 #[cfg(test)]
@@ -186,8 +213,10 @@ mod tests {
         Point::<2>::new(x, y)
     }
     fn cut(n: usize, shape: &dyn Shape<2>) -> (Space<2>, Vec<f64>, Contour) {
-        let space =
-            Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()), Element::P2);
+        let space = Space::new(
+            &Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()),
+            Element::P2,
+        );
         let phi = signed_distance(&space, shape);
         let contour = Contour::new(&space, &phi).unwrap();
         (space, phi, contour)
@@ -211,11 +240,15 @@ mod tests {
         let k = 4000;
         let moment: f64 = (0..k)
             .map(|i| 2.0 * PI * i as f64 / k as f64)
-            .map(|t| (0.75 * t.cos()).powi(2) * (0.75 * t.sin()).hypot(0.5 * t.cos()) * 2.0 * PI / k as f64)
+            .map(|t| {
+                (0.75 * t.cos()).powi(2) * (0.75 * t.sin()).hypot(0.5 * t.cos()) * 2.0 * PI
+                    / k as f64
+            })
             .sum();
         let mut sums = [0.0; 9];
         for i in 0..8 {
-            let (centre, angle) = (p(1.0 + 0.011 * f64::from(i), 1.0 - 0.017 * f64::from(i)), 23.0 * f64::from(i));
+            let (centre, angle) =
+                (p(1.0 + 0.011 * f64::from(i), 1.0 - 0.017 * f64::from(i)), 23.0 * f64::from(i));
             let shape = Ellipse::new(centre, p(0.75, 0.5), angle).unwrap();
             let (space, phi, c) = cut(n, &shape);
             let m = c.measures().unwrap();
@@ -261,7 +294,10 @@ mod tests {
         for (k, (name, last, slope)) in bounds.into_iter().enumerate() {
             let errors = e.map(|e| e[k]);
             let order = order(&meshes, &errors);
-            assert!(errors[3] < last && slope.contains(&order), "{name}: {errors:?}, order {order}");
+            assert!(
+                errors[3] < last && slope.contains(&order),
+                "{name}: {errors:?}, order {order}"
+            );
         }
     }
 
@@ -273,16 +309,22 @@ mod tests {
                 &Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [n, n], Diagonals::Right).unwrap()),
                 Element::P2,
             );
-            let phi = space.interpolate(|x| ((x[0] - 1.03) / 0.75).powi(2) + ((x[1] - 0.98) / 0.5).powi(2) - 1.0);
+            let phi = space.interpolate(|x| {
+                ((x[0] - 1.03) / 0.75).powi(2) + ((x[1] - 0.98) / 0.5).powi(2) - 1.0
+            });
             let c = Contour::new(&space, &phi).unwrap();
             let m = c.measures().unwrap();
             // The half-chord comes from phi itself, exact here.
             let half = c.half_chord(&space, &phi, &p(1.03, 0.98), &p(1.0, 1.0)).unwrap();
             assert!((half - (2.0 / (1.0 / 0.5625 + 1.0 / 0.25f64)).sqrt()).abs() < 1e-14);
-            c.quadrature(&space, &phi)
-                .iter()
-                .for_each(|q| assert!(space.value(&phi, q.cell as usize, &q.barycentric).abs() < 1e-14));
-            [(m.perimeter / PERIMETER - 1.0).abs(), (m.area / (PI * 0.375) - 1.0).abs(), (m.axis_1 / 0.75 - 1.0).abs()]
+            c.quadrature(&space, &phi).iter().for_each(|q| {
+                assert!(space.value(&phi, q.cell as usize, &q.barycentric).abs() < 1e-14)
+            });
+            [
+                (m.perimeter / PERIMETER - 1.0).abs(),
+                (m.area / (PI * 0.375) - 1.0).abs(),
+                (m.axis_1 / 0.75 - 1.0).abs(),
+            ]
         });
         for k in 0..3 {
             let order = order(&meshes, &e.map(|e| e[k]));
@@ -304,7 +346,8 @@ mod tests {
             let m = c.measures().unwrap();
             let quarter = PI * 0.81 / 4.0;
             let first = 0.9f64.powi(3) / 3.0;
-            let (area, first) = if outside { (4.0 - quarter, 4.0 - first) } else { (quarter, first) };
+            let (area, first) =
+                if outside { (4.0 - quarter, 4.0 - first) } else { (quarter, first) };
             assert!((m.area - area).abs() < 1e-7);
             assert!((m.perimeter - 0.45 * PI).abs() < 1e-7);
             assert!((m.centroid - p(first, first) / area).norm() < 1e-7);
@@ -316,7 +359,8 @@ mod tests {
     #[test]
     fn the_measures_do_not_need_a_regular_mesh() {
         let space = Space::new(&Arc::new(disc([0.3, -0.2], 1.0, 20).unwrap()), Element::P2);
-        let phi = signed_distance(&space, &Ellipse::new(p(0.25, -0.15), p(0.6, 0.4), 30.0).unwrap());
+        let phi =
+            signed_distance(&space, &Ellipse::new(p(0.25, -0.15), p(0.6, 0.4), 30.0).unwrap());
         let m = Contour::new(&space, &phi).unwrap().measures().unwrap();
         assert!((m.area / (PI * 0.24) - 1.0).abs() < 1e-5);
         assert!((m.axis_1 / 0.6 - 1.0).abs() < 1e-5 && (m.axis_2 / 0.4 - 1.0).abs() < 1e-5);
@@ -330,13 +374,17 @@ mod tests {
 
     #[test]
     fn no_interface_is_an_error() {
-        let space =
-            Space::new(&Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [4, 4], Diagonals::Right).unwrap()), Element::P2);
+        let space = Space::new(
+            &Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [4, 4], Diagonals::Right).unwrap()),
+            Element::P2,
+        );
         for v in [1.0, -1.0] {
             let c = Contour::new(&space, &vec![v; space.len()]).unwrap();
             assert!(c.is_empty());
             assert!(c.measures().unwrap_err().to_string().contains("no interface"));
-            assert!(c.half_chord(&space, &vec![v; space.len()], &p(1.0, 1.0), &p(1.0, 0.0)).is_none());
+            assert!(
+                c.half_chord(&space, &vec![v; space.len()], &p(1.0, 1.0), &p(1.0, 0.0)).is_none()
+            );
         }
     }
 

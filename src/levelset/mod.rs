@@ -36,7 +36,10 @@ mod tetrahedron;
 mod torus;
 mod union;
 
-pub use band::{BandEdges, Kernel, Norm, band_edges, check_band, density, heaviside, surface_weight, viscosity, zeta};
+pub use band::{
+    BandEdges, Kernel, Norm, band_edges, check_band, density, heaviside, surface_weight, viscosity,
+    zeta,
+};
 pub use bounds::Bounds;
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};

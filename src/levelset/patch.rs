@@ -59,14 +59,20 @@ impl Triangle {
             // The derivative along a side is linear.
             if d0 * d1 < 0.0 {
                 let t = d0 / (d0 - d1);
-                see((1.0 - t) * (1.0 - 2.0 * t) * a + 4.0 * t * (1.0 - t) * middle + t * (2.0 * t - 1.0) * b);
+                see((1.0 - t) * (1.0 - 2.0 * t) * a
+                    + 4.0 * t * (1.0 - t) * middle
+                    + t * (2.0 * t - 1.0) * b);
             }
         }
         let gradient = |t: [f64; 4]| self.tangents(&t).map(|d| d[axis]);
-        let (g, gu, gv) =
-            (gradient([1.0, 0.0, 0.0, 0.0]), gradient([0.0, 1.0, 0.0, 0.0]), gradient([0.0, 0.0, 1.0, 0.0]));
+        let (g, gu, gv) = (
+            gradient([1.0, 0.0, 0.0, 0.0]),
+            gradient([0.0, 1.0, 0.0, 0.0]),
+            gradient([0.0, 0.0, 1.0, 0.0]),
+        );
         let (a, b, c, d) = (gu[0] - g[0], gv[0] - g[0], gu[1] - g[1], gv[1] - g[1]);
-        let (t1, t2) = ((b * g[1] - d * g[0]) / (a * d - b * c), (c * g[0] - a * g[1]) / (a * d - b * c));
+        let (t1, t2) =
+            ((b * g[1] - d * g[0]) / (a * d - b * c), (c * g[0] - a * g[1]) / (a * d - b * c));
         if t1 > 0.0 && t2 > 0.0 && t1 + t2 < 1.0 {
             see(self.point(&[1.0 - t1 - t2, t1, t2, 0.0])[axis]);
         }

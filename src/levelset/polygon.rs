@@ -41,17 +41,21 @@ impl Polygon {
             }
         }
         if (1..n - 1).all(|i| orientation(&vertices[0], &vertices[i], &vertices[i + 1]) == 0.0) {
-            return Err(
-                Error::scene("a polygon has no area: its vertices lie on a line").value(format!("{n} vertices"))
-            );
+            return Err(Error::scene("a polygon has no area: its vertices lie on a line")
+                .value(format!("{n} vertices")));
         }
         for i in 0..n {
             for j in i + 1..n {
                 if sides_conflict(side(i), side(j), j == i + 1, i == 0 && j == n - 1) {
                     return Err(Error::scene("a polygon crosses or touches itself")
-                        .at(format!("sides {i} and {j} (side k starts at vertex k, counted from 0)"))
+                        .at(format!(
+                            "sides {i} and {j} (side k starts at vertex k, counted from 0)"
+                        ))
                         .value(format!("{:?}", side(i).map(|p| [p[0], p[1]])))
-                        .remedy("list the vertices in the order in which the boundary is walked, each once"));
+                        .remedy(
+                            "list the vertices in the order in which the boundary is walked, each \
+                             once",
+                        ));
                 }
             }
         }
@@ -92,9 +96,15 @@ fn orientation(a: &Point<2>, b: &Point<2>, c: &Point<2>) -> f64 {
 
 /// True if two sides share more than the common vertex of neighbours (`next`: the second starts at
 /// the end of the first; `previous`: it ends at the start of the first).
-fn sides_conflict([a, b]: [Point<2>; 2], [c, d]: [Point<2>; 2], next: bool, previous: bool) -> bool {
-    let apart =
-        |axis: usize| a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis]);
+fn sides_conflict(
+    [a, b]: [Point<2>; 2],
+    [c, d]: [Point<2>; 2],
+    next: bool,
+    previous: bool,
+) -> bool {
+    let apart = |axis: usize| {
+        a[axis].max(b[axis]) < c[axis].min(d[axis]) || c[axis].max(d[axis]) < a[axis].min(b[axis])
+    };
     if apart(0) || apart(1) {
         return false;
     }
@@ -130,7 +140,10 @@ mod tests {
             let s = polygon(&v).unwrap();
             let d = |x, y| s.distance(&Point::<2>::new(x, y));
             assert_eq!(d(0.5, 0.5), -0.5);
-            assert!((d(0.875, 0.875) + 0.125 * 2f64.sqrt()).abs() < 1e-15, "the re-entrant corner is the nearest");
+            assert!(
+                (d(0.875, 0.875) + 0.125 * 2f64.sqrt()).abs() < 1e-15,
+                "the re-entrant corner is the nearest"
+            );
             assert_eq!(d(1.5, 1.25), 0.25);
             assert_eq!(d(-3.0, -4.0), 5.0);
             assert_eq!(d(2.5, 1.0), 0.5);
@@ -147,7 +160,10 @@ mod tests {
         assert!(error(&[[0., 0.], [1., 0.], [2., 0.]]).contains("no area"));
         assert!(error(&[[0., 0.], [1., 0.], [1., 0.], [0., 1.]]).contains("equal"));
         assert!(error(&[[0., 0.], [1., 1.], [1., 0.], [0., 1.]]).contains("sides 0 and 2"));
-        assert!(error(&[[0., 0.], [2., 0.], [2., 2.], [1., 0.], [0., 2.]]).contains("crosses or touches"));
+        assert!(
+            error(&[[0., 0.], [2., 0.], [2., 2.], [1., 0.], [0., 2.]])
+                .contains("crosses or touches")
+        );
         assert!(error(&[[0., 0.], [2., 0.], [1., 0.], [0., 2.]]).contains("sides 0 and 1"));
         assert!(error(&[[0., 0.], [1., f64::NAN], [1., 0.]]).contains("NaN"));
     }

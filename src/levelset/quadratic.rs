@@ -54,7 +54,11 @@ impl Quadratic {
 }
 
 /// Barycentric coordinates of a vector: those of `x + v` less those of `x`.
-pub(super) fn barycentric_direction<const D: usize>(space: &Space<D>, c: usize, v: &SVector<f64, D>) -> [f64; 4] {
+pub(super) fn barycentric_direction<const D: usize>(
+    space: &Space<D>,
+    c: usize,
+    v: &SVector<f64, D>,
+) -> [f64; 4] {
     let d = space.mesh().map(c).inverse * v;
     let mut l = [0.0; 4];
     for k in 0..D {

@@ -30,7 +30,9 @@ impl<const D: usize> Interface<'_, D> {
         let radii: Vec<f64> = (0..DIAMETERS).map(along).collect();
         let found: Vec<f64> = radii.iter().copied().filter(|r| r.is_finite()).collect();
         let mean = match found.len() as f64 {
-            count if count >= (1.0 - MISSED) * DIAMETERS as f64 => found.iter().sum::<f64>() / count,
+            count if count >= (1.0 - MISSED) * DIAMETERS as f64 => {
+                found.iter().sum::<f64>() / count
+            }
             _ => f64::NAN,
         };
         // A missing diameter is replaced by the mean.

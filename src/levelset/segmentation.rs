@@ -86,10 +86,16 @@ impl<const D: usize> Segmentation<D> {
         grey: impl Fn(&Point<D>) -> f64 + Sync,
         weights: SegmentationWeights,
     ) -> Result<Segmentation<D>> {
-        let rule = if D == 2 { quartered(&Rule::simplex(2, DEGREE)) } else { Rule::simplex(D, DEGREE + 2) };
+        let rule = if D == 2 {
+            quartered(&Rule::simplex(2, DEGREE))
+        } else {
+            Rule::simplex(D, DEGREE + 2)
+        };
         let basis = Basis::new(space, &Arc::new(rule));
         let points = basis.rule().len();
-        let grey = (0..space.mesh().cell_count() * points).map(|k| grey(&basis.at(k / points, k % points).x)).collect();
+        let grey = (0..space.mesh().cell_count() * points)
+            .map(|k| grey(&basis.at(k / points, k % points).x))
+            .collect();
         Ok(Segmentation { projector: Projector::without_form(basis, &[])?, grey, weights })
     }
 
@@ -129,7 +135,8 @@ impl<const D: usize> Segmentation<D> {
     /// Those of [`levels`](Self::levels).
     pub fn fit(&self, phi: &[f64]) -> Result<SegmentationFit> {
         let levels @ [c1, c2] = self.levels(phi)?;
-        let (basis, SegmentationWeights { fidelity, length, thickness: eps }) = (self.projector.basis(), self.weights);
+        let (basis, SegmentationWeights { fidelity, length, thickness: eps }) =
+            (self.projector.basis(), self.weights);
         let [misfit, size] = integrate(basis, Cells::All, |at| {
             let (value, grey) = (basis.value(at, phi), self.grey_at(at));
             let outside = heaviside(value / eps);
@@ -150,12 +157,14 @@ impl<const D: usize> Segmentation<D> {
         let (basis, old) = (self.projector.basis().clone(), phi.to_vec());
         let SegmentationWeights { fidelity, length, thickness: eps } = self.weights;
         let mass = |at: &At<D>| eps / zeta(basis.value(at, &old) / eps).max(REST);
-        self.projector.set_form(|at| (mass(at), length * dt / basis.gradient(at, &old).norm().max(FLAT)))?;
+        self.projector
+            .set_form(|at| (mass(at), length * dt / basis.gradient(at, &old).norm().max(FLAT)))?;
         let (grey, points) = (&self.grey, basis.rule().len());
         self.projector.project(
             |at| {
                 let u = grey[at.cell * points + at.q];
-                mass(at) * basis.value(at, &old) + dt * fidelity * ((u - c1).powi(2) - (u - c2).powi(2))
+                mass(at) * basis.value(at, &old)
+                    + dt * fidelity * ((u - c1).powi(2) - (u - c2).powi(2))
             },
             phi,
         )?;
@@ -179,7 +188,9 @@ fn gone(side: &str) -> Error {
 /// The rule on each of the four parts of a triangle between its edge midpoints.
 fn quartered(rule: &Rule) -> Rule {
     let corner = |k: usize| -> [f64; 3] { std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }) };
-    let middle = |i: usize, j: usize| -> [f64; 3] { std::array::from_fn(|k| 0.5 * (corner(i)[k] + corner(j)[k])) };
+    let middle = |i: usize, j: usize| -> [f64; 3] {
+        std::array::from_fn(|k| 0.5 * (corner(i)[k] + corner(j)[k]))
+    };
     let middles = [middle(0, 1), middle(1, 2), middle(2, 0)];
     let parts = [
         [corner(0), middles[0], middles[2]],
@@ -239,7 +250,8 @@ mod tests {
     fn circle(space: &Space<2>, radius: f64) -> Vec<f64> {
         signed_distance(space, &Circle::new(Point::<2>::new(20.3, 19.8), radius).unwrap())
     }
-    const WEIGHTS: SegmentationWeights = SegmentationWeights { fidelity: 1.0, length: 0.5, thickness: 4.0 };
+    const WEIGHTS: SegmentationWeights =
+        SegmentationWeights { fidelity: 1.0, length: 0.5, thickness: 4.0 };
 
     fn on(
         space: &Arc<Space<2>>,
@@ -253,8 +265,11 @@ mod tests {
     fn pixels_are_integrated_exactly_and_the_levels_are_means() {
         // A checkerboard of pixels, two to the side of a cell.
         let space = space(20);
-        let s = on(&space, WEIGHTS, |x| f64::from(u8::from((x[0].floor() + x[1].floor()) % 2.0 == 0.0)));
-        let [grey, square] = integrate(s.projector.basis(), Cells::All, |at| [s.grey_at(at), s.grey_at(at).powi(2)]);
+        let s = on(&space, WEIGHTS, |x| {
+            f64::from(u8::from((x[0].floor() + x[1].floor()) % 2.0 == 0.0))
+        });
+        let [grey, square] =
+            integrate(s.projector.basis(), Cells::All, |at| [s.grey_at(at), s.grey_at(at).powi(2)]);
         assert!((grey - 800.0).abs() < 1e-9 && (square - 800.0).abs() < 1e-9, "{grey}");
         // Half of the plane far from the line has its own level; in the band both mix evenly.
         let s = on(&space, WEIGHTS, |x| if x[0] < 20.0 { 0.75 } else { 0.25 });
@@ -262,7 +277,10 @@ mod tests {
         // From the line on 1 - H integrates to eps (1/4 - 1/pi^2).
         let mixed = 4.0 * (0.25 - 1.0 / std::f64::consts::PI.powi(2)) / 20.0 * 0.5;
         assert!((fit.levels[0] - 0.75 + mixed).abs() < 1e-4, "{:?} {mixed}", fit.levels);
-        assert!((fit.levels[0] + fit.levels[1] - 1.0).abs() < 1e-9 && (fit.length - 20.0).abs() < 1e-3, "{fit:?}");
+        assert!(
+            (fit.levels[0] + fit.levels[1] - 1.0).abs() < 1e-9 && (fit.length - 20.0).abs() < 1e-3,
+            "{fit:?}"
+        );
     }
 
     /// Along the flow `d phi/dt = -dE` the energy falls by the square of the motion,
@@ -270,7 +288,9 @@ mod tests {
     #[test]
     fn a_small_step_goes_down_the_gradient_of_the_energy() {
         let space = space(20);
-        let grey = |x: &Point<2>| 0.2 + 0.7 * (-(x - Point::<2>::new(26.0, 17.0)).norm_squared() / 90.0).exp();
+        let grey = |x: &Point<2>| {
+            0.2 + 0.7 * (-(x - Point::<2>::new(26.0, 17.0)).norm_squared() / 90.0).exp()
+        };
         for (fidelity, length) in [(1.0, 0.0), (1.0, 0.4), (0.1, 0.4)] {
             let mut s = on(&space, SegmentationWeights { fidelity, length, thickness: 5.0 }, grey);
             let (dt, old) = (0.02, circle(&space, 11.0));
@@ -279,9 +299,13 @@ mod tests {
             let total = |f: SegmentationFit| f.fidelity + f.length;
             let change = total(s.fit(&new).unwrap()) - total(s.fit(&old).unwrap());
             let basis = s.projector.basis();
-            let [motion] =
-                integrate(basis, Cells::All, |at| [(basis.value(at, &new) - basis.value(at, &old)).powi(2) / dt]);
-            assert!(change < 0.0 && (change / -motion - 1.0).abs() < 0.02, "{fidelity}, {length}: {change} {motion}");
+            let [motion] = integrate(basis, Cells::All, |at| {
+                [(basis.value(at, &new) - basis.value(at, &old)).powi(2) / dt]
+            });
+            assert!(
+                change < 0.0 && (change / -motion - 1.0).abs() < 0.02,
+                "{fidelity}, {length}: {change} {motion}"
+            );
         }
     }
 
@@ -302,7 +326,10 @@ mod tests {
         };
         let [coarse, fine] = [shrunk(20), shrunk(320)];
         // Of first order in the step, until some 3 % of the band and of the mesh are left.
-        assert!((fine - 1.0).abs() < 0.04 && (fine - 1.0).abs() < 0.25 * (coarse - 1.0).abs(), "{coarse} {fine}");
+        assert!(
+            (fine - 1.0).abs() < 0.04 && (fine - 1.0).abs() < 0.25 * (coarse - 1.0).abs(),
+            "{coarse} {fine}"
+        );
     }
 
     #[test]
@@ -333,11 +360,16 @@ mod tests {
         let at = |x: &Point<2>, a: f64, b: f64| (x - Point::<2>::new(a, b)).norm();
         // A disc, a ring and a part that the boundary cuts.
         let phi = space.interpolate(|x| {
-            (at(x, 9.0, 9.0) - 5.0).min((at(x, 27.0, 25.0) - 7.0).abs() - 3.0).min(at(x, 0.0, 40.0) - 6.0)
+            (at(x, 9.0, 9.0) - 5.0)
+                .min((at(x, 27.0, 25.0) - 7.0).abs() - 3.0)
+                .min(at(x, 0.0, 40.0) - 6.0)
         });
         assert_eq!(parts_inside(&space, &phi), 3);
         assert_eq!(parts_inside(&space, &phi.iter().map(|v| -v).collect::<Vec<_>>()), 2);
-        let cube = Space::new(&Arc::new(crate::mesh::box_mesh([0.0; 3], [1.0; 3], [3, 3, 3]).unwrap()), Element::P2);
+        let cube = Space::new(
+            &Arc::new(crate::mesh::box_mesh([0.0; 3], [1.0; 3], [3, 3, 3]).unwrap()),
+            Element::P2,
+        );
         assert_eq!(parts_inside(&cube, &cube.interpolate(|x| 0.3 - (x[2] - 0.5).abs())), 2);
     }
 }

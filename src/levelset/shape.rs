@@ -50,14 +50,16 @@ pub fn check_inside<const D: usize>(
     margin: f64,
 ) -> Result<()> {
     for axis in 0..D {
-        let excess = [domain.0[axis] + margin - bounds.0[axis], bounds.1[axis] - domain.1[axis] + margin];
+        let excess =
+            [domain.0[axis] + margin - bounds.0[axis], bounds.1[axis] - domain.1[axis] + margin];
         for (side, excess) in ["lower", "upper"].into_iter().zip(excess) {
             if excess > 0.0 || excess.is_nan() {
                 let name = ["x", "y", "z"][axis.min(2)];
                 return Err(Error::scene("the shape does not lie inside the domain")
                     .at(format!("{side} side in {name}"))
                     .value(format!(
-                        "the shape spans {name} = {} to {}, the domain {} to {}, and a margin of {margin} is kept free",
+                        "the shape spans {name} = {} to {}, the domain {} to {}, and a margin of \
+                         {margin} is kept free",
                         bounds.0[axis], bounds.1[axis], domain.0[axis], domain.1[axis]
                     ))
                     .remedy(format!("move or shrink the shape by {excess}, or enlarge the mesh")));
@@ -91,8 +93,10 @@ pub(super) fn check_semi_axes<const D: usize>(what: &str, axes: &Point<D>) -> Re
     if axes.max() <= 1e6 * axes.min() {
         return Ok(());
     }
-    Err(Error::scene(format!("the semi-axes of {what} are too different: no mesh resolves its ends"))
-        .value(format!("{:?}", axes.as_slice())))
+    Err(Error::scene(format!(
+        "the semi-axes of {what} are too different: no mesh resolves its ends"
+    ))
+    .value(format!("{:?}", axes.as_slice())))
 }
 
 /// Position and orientation of a shape.
@@ -171,23 +175,30 @@ pub struct RoundedBox<const D: usize> {
 }
 
 impl RoundedBox<2> {
-    /// `half_size` is half the width and height including the rounding, `radius` that of the corners (0: sharp),
-    /// `angle` in degrees, counterclockwise.
+    /// `half_size` is half the width and height including the rounding, `radius` that of the
+    /// corners (0: sharp), `angle` in degrees, counterclockwise.
     ///
     /// # Errors
     /// Sizes that are not positive, a radius that is negative or larger than the smaller half size.
-    pub fn new(centre: Point<2>, half_size: Point<2>, radius: f64, angle: f64) -> Result<RoundedBox<2>> {
+    pub fn new(
+        centre: Point<2>,
+        half_size: Point<2>,
+        radius: f64,
+        angle: f64,
+    ) -> Result<RoundedBox<2>> {
         check_rounding(["rounded box", "corner", "smaller"], &half_size, radius)?;
         Ok(RoundedBox { placement: Placement::plane(centre, angle)?, half_size, radius })
     }
 }
 
 impl RoundedBox<3> {
-    /// `half_size` is half the three sides including the rounding, `radius` that of the edges (0: sharp),
-    /// `turn` the axis of the rotation times its angle in degrees (right-hand rule; zero: none).
+    /// `half_size` is half the three sides including the rounding, `radius` that of the edges (0:
+    /// sharp), `turn` the axis of the rotation times its angle in degrees (right-hand rule; zero:
+    /// none).
     ///
     /// # Errors
-    /// Sizes that are not positive, a radius that is negative or larger than the smallest half size.
+    /// Sizes that are not positive, a radius that is negative or larger than the smallest half
+    /// size.
     pub fn turned(
         centre: Point<3>,
         half_size: Point<3>,
@@ -210,9 +221,11 @@ fn check_rounding<const D: usize>(
     if radius >= 0.0 && radius <= half_size.min() {
         return Ok(());
     }
-    Err(Error::scene(format!("the {part} radius of a {what} must lie between 0 and its {least} half size"))
-        .value(radius)
-        .remedy(format!("give a radius in [0, {}]", half_size.min())))
+    Err(Error::scene(format!(
+        "the {part} radius of a {what} must lie between 0 and its {least} half size"
+    ))
+    .value(radius)
+    .remedy(format!("give a radius in [0, {}]", half_size.min())))
 }
 
 impl<const D: usize> Shape<D> for RoundedBox<D> {
@@ -240,7 +253,12 @@ mod tests {
     fn wrong_sizes_are_refused_with_the_value() {
         assert!(Circle::new(p(0.0, 0.0), 0.0).unwrap_err().to_string().contains("positive"));
         assert!(Circle::new(p(f64::NAN, 0.0), 1.0).unwrap_err().to_string().contains("NaN"));
-        assert!(RoundedBox::new(p(0.0, 0.0), p(1.0, 0.5), 0.6, 0.0).unwrap_err().to_string().contains("[0, 0.5]"));
+        assert!(
+            RoundedBox::new(p(0.0, 0.0), p(1.0, 0.5), 0.6, 0.0)
+                .unwrap_err()
+                .to_string()
+                .contains("[0, 0.5]")
+        );
         assert!(RoundedBox::new(p(0.0, 0.0), p(1.0, -0.5), 0.0, 0.0).is_err());
         assert!(RoundedBox::new(p(0.0, 0.0), p(1.0, 0.5), 0.0, f64::INFINITY).is_err());
     }
@@ -266,7 +284,12 @@ mod tests {
     fn a_block_has_the_distances_of_its_faces_edges_and_corners() {
         let p = Point::<3>::new;
         let o = p(0.0, 0.0, 0.0);
-        assert!(RoundedBox::turned(o, p(1.0, 0.5, 2.0), 0.6, o).unwrap_err().to_string().contains("[0, 0.5]"));
+        assert!(
+            RoundedBox::turned(o, p(1.0, 0.5, 2.0), 0.6, o)
+                .unwrap_err()
+                .to_string()
+                .contains("[0, 0.5]")
+        );
         assert!(RoundedBox::turned(o, p(1.0, -0.5, 1.0), 0.0, o).is_err());
         let e = RoundedBox::turned(o, p(1.0, 0.5, 2.0), 0.0, p(f64::NAN, 0.0, 0.0)).unwrap_err();
         assert!(e.to_string().contains("rotation"));

@@ -42,7 +42,9 @@ impl Isosurface {
     /// Area of the surface.
     pub fn area(&self) -> f64 {
         let rule = Rule::simplex(2, DEGREE);
-        let of = |t: &Triangle| rule.points.iter().zip(&rule.weights).map(|(p, w)| w * t.area_vector(p).norm()).sum();
+        let of = |t: &Triangle| {
+            rule.points.iter().zip(&rule.weights).map(|(p, w)| w * t.area_vector(p).norm()).sum()
+        };
         parallel::sum(self.triangles().len(), |i| [of(&self.triangles()[i])])[0]
     }
 
@@ -168,7 +170,8 @@ mod tests {
                 let phi = signed_distance(&space, &Circle::new(centre, r).unwrap());
                 let surface = Isosurface::new(&space, &phi).unwrap();
                 let m = surface.measures().unwrap();
-                let half = surface.half_chord(&space, &phi, &centre, &p(1.0, 0.3 * s, -0.7)).unwrap();
+                let half =
+                    surface.half_chord(&space, &phi, &centre, &p(1.0, 0.3 * s, -0.7)).unwrap();
                 let e = [
                     m.volume / (4.0 / 3.0 * PI * r.powi(3)) - 1.0,
                     m.surface / (4.0 * PI * r * r) - 1.0,
@@ -182,7 +185,10 @@ mod tests {
         });
         let orders = orders(e);
         let bounds = [4e-6, 5e-6, 2e-5, 2e-6, 6e-5];
-        assert!((0..5).all(|k| e[2][k] < bounds[k]) && orders.iter().all(|o| o[1] > 3.4), "{e:?} {orders:?}");
+        assert!(
+            (0..5).all(|k| e[2][k] < bounds[k]) && orders.iter().all(|o| o[1] > 3.4),
+            "{e:?} {orders:?}"
+        );
     }
 
     #[test]
@@ -196,36 +202,48 @@ mod tests {
             let z = 2.0 * z - 1.0;
             for k in 0..200 {
                 let t = PI * f64::from(k) / 100.0;
-                let n = p((1.0 - z * z).sqrt() * t.cos(), (1.0 - z * z).sqrt() * t.sin(), z).component_div(&axes);
+                let n = p((1.0 - z * z).sqrt() * t.cos(), (1.0 - z * z).sqrt() * t.sin(), z)
+                    .component_div(&axes);
                 area += n.norm() * axes.product() * 2.0 * w * PI / 100.0;
             }
         }
         let e = [6, 12, 24].map(|n| {
             let space = space(n);
             let phi = space.interpolate(|x| {
-                turn.inverse_transform_vector(&(x - centre)).component_div(&axes).norm_squared() - 1.0
+                turn.inverse_transform_vector(&(x - centre)).component_div(&axes).norm_squared()
+                    - 1.0
             });
             let s = Isosurface::new(&space, &phi).unwrap();
             let m = s.measures().unwrap();
-            assert!((0..3).all(|i| turn.matrix().column(i).dot(&m.directions[i]).abs() > 1.0 - 1e-4), "{m:?}");
+            assert!(
+                (0..3).all(|i| turn.matrix().column(i).dot(&m.directions[i]).abs() > 1.0 - 1e-4),
+                "{m:?}"
+            );
             let direction = p(0.4, -0.5, 0.6).normalize();
             let local = turn.inverse_transform_vector(&direction).component_div(&axes).norm();
             let half = s.half_chord(&space, &phi, &centre, &direction).unwrap();
             assert!((half * local - 1.0).abs() < 1e-13, "phi is in the space: {half}");
             assert!(s.half_chord(&space, &phi, &p(0.9, 0.9, 0.9), &p(1.0, 0.1, 0.0)).is_none());
             assert!(s.half_chord(&space, &phi, &centre, &p(0.0, 0.0, 0.0)).is_none());
-            let extent = (0..3).map(|i| turn.matrix()[(0, i)] * axes[i]).map(|v| v * v).sum::<f64>().sqrt();
+            let extent =
+                (0..3).map(|i| turn.matrix()[(0, i)] * axes[i]).map(|v| v * v).sum::<f64>().sqrt();
             [
                 (m.volume / (4.0 / 3.0 * PI * axes.product()) - 1.0).abs(),
                 (m.surface / area - 1.0).abs(),
-                [m.axis_1 / axes[0], m.axis_2 / axes[1], m.axis_3 / axes[2]].map(|a| (a - 1.0).abs()).iter().sum(),
+                [m.axis_1 / axes[0], m.axis_2 / axes[1], m.axis_3 / axes[2]]
+                    .map(|a| (a - 1.0).abs())
+                    .iter()
+                    .sum(),
                 (m.centroid - centre).norm(),
                 (m.extent_x / extent - 1.0).abs(),
             ]
         });
         let orders = orders(e);
         let bounds = [3e-7, 3e-7, 5e-7, 1e-8, 1e-8];
-        assert!((0..5).all(|k| e[2][k] < bounds[k]) && orders.iter().take(4).all(|o| o[1] > 3.8), "{e:?} {orders:?}");
+        assert!(
+            (0..5).all(|k| e[2][k] < bounds[k]) && orders.iter().take(4).all(|o| o[1] > 3.8),
+            "{e:?} {orders:?}"
+        );
     }
 
     #[test]
@@ -238,10 +256,14 @@ mod tests {
             let phi = space.interpolate(|x| sign * (x.add_scalar(1.0).norm_squared() - r * r));
             let m = Isosurface::new(&space, &phi).unwrap().measures().unwrap();
             let (eighth, first) = (PI * r.powi(3) / 6.0, PI * r.powi(4) / 16.0);
-            let (volume, first) = if outside { (8.0 - eighth, 8.0 - first) } else { (eighth, first) };
+            let (volume, first) =
+                if outside { (8.0 - eighth, 8.0 - first) } else { (eighth, first) };
             assert!((m.volume - volume).abs() < 2e-7, "{m:?}");
             assert!((m.surface - 0.5 * PI * r * r).abs() < 4e-7, "{m:?}");
-            assert!((m.centroid.add_scalar(1.0) - p(first, first, first) / volume).norm() < 1e-7, "{m:?}");
+            assert!(
+                (m.centroid.add_scalar(1.0) - p(first, first, first) / volume).norm() < 1e-7,
+                "{m:?}"
+            );
             assert!((m.extent_x - 0.5 * r).abs() < 1e-14, "{m:?}");
         }
     }

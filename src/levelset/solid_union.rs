@@ -43,7 +43,9 @@ mod tests {
 
     #[test]
     fn two_balls_are_as_far_as_the_nearer_and_as_deep_as_the_deeper() {
-        let ball = |x: f64| Box::new(Circle::new(Point::<3>::new(x, 0.0, 0.0), 1.0).unwrap()) as Box<dyn Shape<3>>;
+        let ball = |x: f64| {
+            Box::new(Circle::new(Point::<3>::new(x, 0.0, 0.0), 1.0).unwrap()) as Box<dyn Shape<3>>
+        };
         let both = SolidUnion::new(vec![ball(0.0), ball(1.5)]).unwrap();
         assert_eq!(both.distance(&Point::<3>::new(4.5, 0.0, 0.0)), 2.0);
         assert_eq!(both.distance(&Point::<3>::new(0.0, 0.0, 0.0)), -1.0);

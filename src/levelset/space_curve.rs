@@ -52,7 +52,8 @@ impl Frenet {
         // grad T applied to a vector is the derivative of g x h along it.
         let along = |v: &V| (phi1.hessian * v).cross(&h) + g.cross(&(phi2.hessian * v));
         let second = along(&first);
-        let bend = phi1.third_along(&first, &first).cross(&h) + g.cross(&phi2.third_along(&first, &first));
+        let bend =
+            phi1.third_along(&first, &first).cross(&h) + g.cross(&phi2.third_along(&first, &first));
         let third = bend + dg.cross(&dh) * 2.0 + along(&second);
         let across = first.cross(&second);
         let curvature = across.norm() / first.norm().powi(3);
@@ -98,7 +99,9 @@ impl SpaceCurve {
     pub fn new(recovery: &Recovery<3>, space: &Space<3>, phi: [&[f64]; 2]) -> Result<SpaceCurve> {
         cut_cells(space, phi[1])?;
         let surface = Isosurface::new(space, phi[0])?;
-        let changes = |t: &&Triangle| space.cell_nodes(t.cell as usize).iter().any(|&n| phi[1][n as usize] < 0.0);
+        let changes = |t: &&Triangle| {
+            space.cell_nodes(t.cell as usize).iter().any(|&n| phi[1][n as usize] < 0.0)
+        };
         let mut arcs = Vec::new();
         for triangle in surface.triangles().iter().filter(changes) {
             arcs_in(space, phi, triangle, &mut arcs);
@@ -115,7 +118,8 @@ impl SpaceCurve {
             let [a, b] = [0, 1].map(|k| known[k].in_cell(space.mesh(), at.cell, &at.barycentric));
             Frenet::new(&a, &b)
         };
-        let found = arcs.into_iter().filter_map(|at| geometry(&at).map(|frenet| CurvePoint { at, frenet }));
+        let found =
+            arcs.into_iter().filter_map(|at| geometry(&at).map(|frenet| CurvePoint { at, frenet }));
         let mut points: Vec<CurvePoint> = found.collect();
         points.iter_mut().enumerate().for_each(|(q, p)| p.at.q = q);
         Ok(SpaceCurve { points })
@@ -152,7 +156,10 @@ fn arcs_in(space: &Space<3>, phi: [&[f64]; 2], triangle: &Triangle, out: &mut Ve
     for quarter in QUARTERS {
         let negative = quarter.map(|a| value[a] < 0.0);
         let count = negative.iter().filter(|&&n| n).count();
-        let Some(alone) = (0..3).find(|&i| negative[i] == (count == 1)).filter(|_| count % 3 != 0) else { continue };
+        let Some(alone) = (0..3).find(|&i| negative[i] == (count == 1)).filter(|_| count % 3 != 0)
+        else {
+            continue;
+        };
         let corner = quarter[alone];
         let ends = [1, 2].map(|i| {
             let other = quarter[(alone + i) % 3];
@@ -178,7 +185,13 @@ fn between(a: &Placed, b: &Placed, t: f64) -> Placed {
 
 /// The common zero of both functions of the cell near a point, in the plane of their gradients; the
 /// point itself if there is none within `reach`.
-fn onto_curve(space: &Space<3>, phi: [&[f64]; 2], cell: usize, start: Placed, reach: f64) -> Placed {
+fn onto_curve(
+    space: &Space<3>,
+    phi: [&[f64]; 2],
+    cell: usize,
+    start: Placed,
+    reach: f64,
+) -> Placed {
     let own = phi.map(|f| space.on_cell(f, cell));
     let map = space.mesh().map(cell);
     let (mut x, mut l) = start;
@@ -206,7 +219,8 @@ fn onto_curve(space: &Space<3>, phi: [&[f64]; 2], cell: usize, start: Placed, re
 
 /// The length of the parabola through three points.
 fn arc(a: &Point<3>, middle: &Point<3>, b: &Point<3>) -> f64 {
-    let speed = |t: f64| (a * (4.0 * t - 3.0) + middle * (4.0 - 8.0 * t) + b * (4.0 * t - 1.0)).norm();
+    let speed =
+        |t: f64| (a * (4.0 * t - 3.0) + middle * (4.0 - 8.0 * t) + b * (4.0 * t - 1.0)).norm();
     crate::fem::gauss_legendre(4).iter().map(|&(t, w)| w * speed(t)).sum()
 }
 
@@ -228,7 +242,10 @@ mod tests {
             (d.gradient[2], d.hessian[(2, 2)], d.third[2][(2, 2)]) = (first, second, third);
             d
         };
-        [of(0, a * k * s, a * k * k * c, -a * k.powi(3) * s), of(1, -a * k * c, a * k * k * s, a * k.powi(3) * c)]
+        [
+            of(0, a * k * s, a * k * k * c, -a * k.powi(3) * s),
+            of(1, -a * k * c, a * k * k * s, a * k.powi(3) * c),
+        ]
     }
 
     #[test]
@@ -240,15 +257,23 @@ mod tests {
             let [p, q] = helix(a, k, &x);
             let f = Frenet::new(&p, &q).unwrap();
             assert!(
-                (f.curvature - a * k * k / square).abs() < 1e-13 && (f.torsion - k / square).abs() < 1e-13,
+                (f.curvature - a * k * k / square).abs() < 1e-13
+                    && (f.torsion - k / square).abs() < 1e-13,
                 "{f:?}"
             );
             // The normal points to the axis.
             assert!((f.normal + V::new(x[0], x[1], 0.0) / a).norm() < 1e-13);
-            let tangent = V::new(-a * k * (k * z).sin(), a * k * (k * z).cos(), 1.0) / square.sqrt();
-            assert!((f.tangent - tangent).norm() < 1e-13 && (f.binormal - f.tangent.cross(&f.normal)).norm() < 1e-13);
+            let tangent =
+                V::new(-a * k * (k * z).sin(), a * k * (k * z).cos(), 1.0) / square.sqrt();
+            assert!(
+                (f.tangent - tangent).norm() < 1e-13
+                    && (f.binormal - f.tangent.cross(&f.normal)).norm() < 1e-13
+            );
             let back = Frenet::new(&q, &p).unwrap();
-            assert!((back.tangent + f.tangent).norm() < 1e-13 && (back.normal - f.normal).norm() < 1e-13);
+            assert!(
+                (back.tangent + f.tangent).norm() < 1e-13
+                    && (back.normal - f.normal).norm() < 1e-13
+            );
             assert!((back.torsion - f.torsion).abs() < 1e-13);
         }
         assert!(Frenet::new(&Derivatives::zero(), &Derivatives::zero()).is_none());
@@ -258,22 +283,35 @@ mod tests {
     fn circles_between_a_sphere_and_a_plane_are_found_and_straight_lines_too() {
         let mesh = Arc::new(box_mesh([-1.0; 3], [1.0; 3], [7, 6, 7]).unwrap());
         let (space, recovery) = (Space::new(&mesh, Element::P2), Recovery::new(&mesh));
-        let (sphere, plane) =
-            (space.interpolate(|x| x.norm_squared() - 0.64), space.interpolate(|x| x[2] - 0.3 * x[0] - 0.2));
+        let (sphere, plane) = (
+            space.interpolate(|x| x.norm_squared() - 0.64),
+            space.interpolate(|x| x[2] - 0.3 * x[0] - 0.2),
+        );
         let curve = SpaceCurve::new(&recovery, &space, [&sphere, &plane]).unwrap();
         let r = (0.64f64 - 0.04 / 1.09).sqrt();
-        assert!((curve.length() / (2.0 * PI * r) - 1.0).abs() < 1e-4, "{}", curve.length() / (2.0 * PI * r));
+        assert!(
+            (curve.length() / (2.0 * PI * r) - 1.0).abs() < 1e-4,
+            "{}",
+            curve.length() / (2.0 * PI * r)
+        );
         for (q, p) in curve.points().iter().enumerate() {
             assert!(p.at.q == q && (p.at.x.norm() - 0.8).abs() < 1e-12);
-            assert!((p.frenet.curvature * r - 1.0).abs() < 1e-8 && p.frenet.torsion.abs() < 1e-6, "{:?}", p.frenet);
+            assert!(
+                (p.frenet.curvature * r - 1.0).abs() < 1e-8 && p.frenet.torsion.abs() < 1e-6,
+                "{:?}",
+                p.frenet
+            );
         }
         let other = space.interpolate(|x| x[1] + 0.1);
         let line = SpaceCurve::new(&recovery, &space, [&other, &plane]).unwrap();
         assert!(
-            (line.length() / (2.0 * 1.09f64.sqrt()) - 1.0).abs() < 1e-12 && line.points()[0].frenet.curvature < 1e-9
+            (line.length() / (2.0 * 1.09f64.sqrt()) - 1.0).abs() < 1e-12
+                && line.points()[0].frenet.curvature < 1e-9
         );
         let none = SpaceCurve::new(&recovery, &space, [&sphere, &vec![1.0; space.len()]]).unwrap();
         assert!(none.is_empty() && none.length() == 0.0);
-        assert!(SpaceCurve::new(&recovery, &space, [&sphere, &vec![f64::NAN; space.len()]]).is_err());
+        assert!(
+            SpaceCurve::new(&recovery, &space, [&sphere, &vec![f64::NAN; space.len()]]).is_err()
+        );
     }
 }

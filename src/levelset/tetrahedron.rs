@@ -19,7 +19,8 @@ const DIAGONALS: [([usize; 2], [usize; 4]); 3] =
 
 /// The faces opposite to the vertices, seen from outside, with the lattice nodes of their corners
 /// and of the middles of their sides.
-const FACES: [[usize; 6]; 4] = [[1, 2, 3, 7, 9, 8], [0, 3, 2, 6, 9, 5], [0, 1, 3, 4, 8, 6], [0, 2, 1, 5, 7, 4]];
+const FACES: [[usize; 6]; 4] =
+    [[1, 2, 3, 7, 9, 8], [0, 3, 2, 6, 9, 5], [0, 1, 3, 4, 8, 6], [0, 2, 1, 5, 7, 4]];
 
 /// The four triangles of a face by its six nodes.
 const QUARTERS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
@@ -63,7 +64,8 @@ impl<'a> Tetrahedron<'a> {
         }
         for (e, &(i, j)) in SORTED_EDGES.iter().enumerate() {
             let ends = (order[i], order[j]);
-            let own = EDGES.iter().position(|&(a, b)| (a, b) == ends || (b, a) == ends).unwrap_or(0);
+            let own =
+                EDGES.iter().position(|&(a, b)| (a, b) == ends || (b, a) == ends).unwrap_or(0);
             values[4 + e] = nodal.nodal()[4 + own];
         }
         Tetrahedron { space, phi, c, order, odd: inversions % 2 == 1, vertices, values }
@@ -75,7 +77,8 @@ impl<'a> Tetrahedron<'a> {
             self.march(&tetrahedron, out);
         }
         // Any diagonal is compatible with the neighbours; the shortest gives the best triangles.
-        let length = |d: &[usize; 2]| (self.point(&node(d[0])) - self.point(&node(d[1]))).norm_squared();
+        let length =
+            |d: &[usize; 2]| (self.point(&node(d[0])) - self.point(&node(d[1]))).norm_squared();
         let mut best = &DIAGONALS[0];
         for other in &DIAGONALS[1..] {
             if length(&other.0) < length(&best.0) {
@@ -120,13 +123,23 @@ impl<'a> Tetrahedron<'a> {
         let count = negative.iter().filter(|&&n| n).count();
         if count == 2 {
             // Even permutations that put the negative pair first.
-            let pairs = [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
+            let pairs = [
+                [0, 1, 2, 3],
+                [0, 2, 3, 1],
+                [0, 3, 1, 2],
+                [1, 2, 0, 3],
+                [1, 3, 2, 0],
+                [2, 3, 0, 1],
+            ];
             if let Some(p) = pairs.iter().find(|p| negative[p[0]] && negative[p[1]]) {
                 self.quadrangle(p.map(|k| nodes[k]), out);
             }
-        } else if let Some(alone) = (0..4).find(|&k| negative[k] == (count == 1)).filter(|_| count % 2 == 1) {
+        } else if let Some(alone) =
+            (0..4).find(|&k| negative[k] == (count == 1)).filter(|_| count % 2 == 1)
+        {
             // Even permutations that put one vertex first.
-            let [a, b, c, d] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]][alone].map(|k| nodes[k]);
+            let [a, b, c, d] =
+                [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]][alone].map(|k| nodes[k]);
             let (b, c) = if count == 1 { (b, c) } else { (c, b) };
             let corners = [self.crossing(a, b), self.crossing(a, c), self.crossing(a, d)];
             let middles = [(0, 1, [a, b, c]), (1, 2, [a, c, d]), (2, 0, [a, d, b])]
@@ -137,9 +150,11 @@ impl<'a> Tetrahedron<'a> {
 
     /// Appends the two triangles between the negative nodes `a, b` and the others, `c, d`.
     fn quadrangle(&self, [a, b, c, d]: [usize; 4], out: &mut Vec<Triangle>) {
-        let p = [self.crossing(a, c), self.crossing(a, d), self.crossing(b, d), self.crossing(b, c)];
+        let p =
+            [self.crossing(a, c), self.crossing(a, d), self.crossing(b, d), self.crossing(b, c)];
         let faces = [[a, c, d], [d, a, b], [b, d, c], [c, b, a]];
-        let side: [Option<Middle>; 4] = std::array::from_fn(|i| Some(self.middle(&p[i], &p[(i + 1) % 4], faces[i])));
+        let side: [Option<Middle>; 4] =
+            std::array::from_fn(|i| Some(self.middle(&p[i], &p[(i + 1) % 4], faces[i])));
         let x = p.map(|l| self.point(&l));
         if (x[0] - x[2]).norm_squared() <= (x[1] - x[3]).norm_squared() {
             let middle = Some(self.middle_inside(&p[0], &p[2], [self.c, self.c]));
@@ -204,7 +219,8 @@ impl<'a> Tetrahedron<'a> {
     fn crossing(&self, a: usize, b: usize) -> Sorted {
         let (a, b) = (a.min(b), a.max(b));
         let (la, lb) = (node(a), node(b));
-        let t = Quadratic::through(self.values[a], self.value(&between(&la, &lb)), self.values[b]).crossing();
+        let t = Quadratic::through(self.values[a], self.value(&between(&la, &lb)), self.values[b])
+            .crossing();
         std::array::from_fn(|k| la[k] + t * (lb[k] - la[k]))
     }
 
@@ -215,7 +231,11 @@ impl<'a> Tetrahedron<'a> {
         let beyond = side.map(|k| self.space.mesh().neighbours(self.c)[self.order[k]]);
         match beyond {
             Some(NONE) => self.placed(self.middle_on_wall(start, end, face)),
-            Some(other) => self.middle_inside(start, end, [self.c.min(other as usize), self.c.max(other as usize)]),
+            Some(other) => self.middle_inside(
+                start,
+                end,
+                [self.c.min(other as usize), self.c.max(other as usize)],
+            ),
             None => self.middle_inside(start, end, [self.c, self.c]),
         }
     }
@@ -237,7 +257,11 @@ impl<'a> Tetrahedron<'a> {
         let step = across.map(|d| scale * d);
         let at = |s: f64| self.value(&std::array::from_fn(|k| middle[k] + s * step[k]));
         let s = Quadratic::about(at(-1.0), at(0.0), at(1.0)).roots()[0];
-        if s.abs() <= FARTHEST && scale.is_finite() { std::array::from_fn(|k| middle[k] + s * step[k]) } else { middle }
+        if s.abs() <= FARTHEST && scale.is_finite() {
+            std::array::from_fn(|k| middle[k] + s * step[k])
+        } else {
+            middle
+        }
     }
 
     /// The zero half-way between two crossings along the mean gradient in two cells, that of the
@@ -248,7 +272,9 @@ impl<'a> Tetrahedron<'a> {
         let x = self.point(&middle);
         let length = (self.point(end) - self.point(start)).norm();
         let gradient = |c: usize| self.space.gradient(self.phi, c, &mesh.map(c).barycentric(&x));
-        let Some(normal) = (gradient(first) + gradient(second)).try_normalize(0.0) else { return (x, middle) };
+        let Some(normal) = (gradient(first) + gradient(second)).try_normalize(0.0) else {
+            return (x, middle);
+        };
         let step = normal * length;
         let l = mesh.map(first).barycentric(&x);
         let s = Quadratic::on_line(self.space, self.phi, first, &l, &step).roots()[0];

@@ -18,14 +18,17 @@ impl Torus {
     /// `axis`, of any length, is perpendicular to the circle.
     ///
     /// # Errors
-    /// Radii that are not positive, `minor > major`, an axis without length, a centre that is not finite.
+    /// Radii that are not positive, `minor > major`, an axis without length, a centre that is not
+    /// finite.
     pub fn new(centre: Point<3>, axis: SVector<f64, 3>, major: f64, minor: f64) -> Result<Torus> {
         check_point("the centre of a torus", &centre)?;
         check_point("the axis of a torus", &axis)?;
         check_lengths("the radii of a torus", &[major, minor])?;
         let Some(axis) = axis.try_normalize(0.0).filter(|_| minor <= major) else {
-            return Err(Error::scene("a torus needs an axis with a length, and a minor radius up to the major one")
-                .value(format!("axis = {:?}, major = {major}, minor = {minor}", axis.as_slice())));
+            return Err(Error::scene(
+                "a torus needs an axis with a length, and a minor radius up to the major one",
+            )
+            .value(format!("axis = {:?}, major = {major}, minor = {minor}", axis.as_slice())));
         };
         Ok(Torus { centre, axis, major, minor })
     }

@@ -27,18 +27,21 @@ impl Union {
     /// No part; a boundary that cannot be traced.
     pub fn new(parts: Vec<Box<dyn Shape<2>>>) -> Result<Union> {
         let boxes: Vec<_> = parts.iter().map(|s| s.bounds()).collect();
-        let Some(bounds) = boxes.iter().copied().reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1))) else {
+        let Some(bounds) = boxes.iter().copied().reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+        else {
             return Err(Error::scene("a union needs at least one shape"));
         };
-        let meet =
-            |i: usize, j: usize| (0..2).all(|k| boxes[i].0[k] <= boxes[j].1[k] && boxes[j].0[k] <= boxes[i].1[k]);
+        let meet = |i: usize, j: usize| {
+            (0..2).all(|k| boxes[i].0[k] <= boxes[j].1[k] && boxes[j].0[k] <= boxes[i].1[k])
+        };
         let seam = 1e-10 * (bounds.1 - bounds.0).norm();
         let parts = Arc::new(parts);
         let mut boundary = None;
         if (0..boxes.len()).any(|i| (0..i).any(|j| meet(i, j))) {
             // Resolves the smallest part, within limits.
             let smallest = boxes.iter().map(|b| (b.1 - b.0).min()).fold(f64::INFINITY, f64::min);
-            let squares = (64.0 * (bounds.1 - bounds.0).max() / smallest).clamp(256.0, 1024.0) as usize;
+            let squares =
+                (64.0 * (bounds.1 - bounds.0).max() / smallest).clamp(256.0, 1024.0) as usize;
             let grid = Grid::over(bounds, squares, 2);
             let copy = Arc::clone(&parts);
             // Enlarged by less than the tolerance, so that a side shared by two parts is not a
@@ -64,7 +67,11 @@ impl Shape<2> for Union {
         let (part, d) = nearest(&self.parts, x);
         match &self.boundary {
             Some(boundary) if d < 0.0 => {
-                let alone = self.parts.iter().enumerate().all(|(i, s)| i == part || s.distance(x) > self.seam - d);
+                let alone = self
+                    .parts
+                    .iter()
+                    .enumerate()
+                    .all(|(i, s)| i == part || s.distance(x) > self.seam - d);
                 if alone { d } else { -boundary.distance(x) }
             }
             _ => d,
@@ -91,7 +98,16 @@ mod tests {
     #[test]
     fn overlapping_boxes_are_the_polygon_around_them() {
         let both = Union::new(vec![square(0.0, 0.0, 1.0), square(0.5, 0.7, 1.0)]).unwrap();
-        let outline = [[-1., -1.], [1., -1.], [1., -0.3], [1.5, -0.3], [1.5, 1.7], [-0.5, 1.7], [-0.5, 1.], [-1., 1.]];
+        let outline = [
+            [-1., -1.],
+            [1., -1.],
+            [1., -0.3],
+            [1.5, -0.3],
+            [1.5, 1.7],
+            [-0.5, 1.7],
+            [-0.5, 1.],
+            [-1., 1.],
+        ];
         let exact = Polygon::new(outline.iter().map(|v| p(v[0], v[1])).collect()).unwrap();
         for i in 0..60 {
             for j in 0..60 {

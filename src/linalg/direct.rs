@@ -76,7 +76,11 @@ impl Factor {
     ///
     /// # Errors
     /// As [`analyse`](Factor::analyse).
-    pub fn analyse_within(matrix: &SymmetricMatrix, ordering: Ordering, limit: Option<usize>) -> Result<Factor> {
+    pub fn analyse_within(
+        matrix: &SymmetricMatrix,
+        ordering: Ordering,
+        limit: Option<usize>,
+    ) -> Result<Factor> {
         let factor = Factor::plan(matrix, ordering)?;
         match limit {
             Some(limit) if factor.bytes() > limit => Err(factor.too_large(Some(limit))),
@@ -182,8 +186,12 @@ impl Factor {
 
     fn scratch_request(&self) -> StackReq {
         match self.precision() {
-            Precision::Double => self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()),
-            Precision::Single => self.symbolic.factorize_numeric_ldlt_scratch::<f32>(Par::Seq, Default::default()),
+            Precision::Double => {
+                self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
+            }
+            Precision::Single => {
+                self.symbolic.factorize_numeric_ldlt_scratch::<f32>(Par::Seq, Default::default())
+            }
         }
     }
 
@@ -196,7 +204,11 @@ impl Factor {
         self.is_valid = false;
         self.require_pattern_of(matrix)?;
         if let Some(k) = matrix.values().iter().position(|v| !v.is_finite()) {
-            return Err(not_finite("an entry of the matrix", matrix.values()[k], column_of_entry(matrix, k)));
+            return Err(not_finite(
+                "an entry of the matrix",
+                matrix.values()[k],
+                column_of_entry(matrix, k),
+            ));
         }
         self.reserve()?;
         let pointers = matrix.upper().indptr();
@@ -221,13 +233,16 @@ impl Factor {
         let (length, entries) = (self.nonzeros(), self.matrix_entries);
         let reserved = match &mut self.values {
             Values::Double(factor) => resize(factor, length),
-            Values::Single(single) => resize(&mut single.factor, length) && resize(&mut single.matrix, entries),
+            Values::Single(single) => {
+                resize(&mut single.factor, length) && resize(&mut single.matrix, entries)
+            }
         };
         if !reserved {
             return Err(self.too_large(None));
         }
         if self.scratch.is_empty() {
-            self.scratch = MemBuffer::try_new(self.scratch_request()).map_err(|_| self.too_large(None))?;
+            self.scratch =
+                MemBuffer::try_new(self.scratch_request()).map_err(|_| self.too_large(None))?;
         }
         Ok(())
     }
@@ -242,7 +257,12 @@ impl Factor {
     /// # Errors
     /// Computation, if the right-hand side is not finite or the residual stays above 1e-9;
     /// internal, if there is no valid factor, the pattern is another one, or the lengths are wrong.
-    pub fn solve(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
+    pub fn solve(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        rhs: &[f64],
+        x: &mut [f64],
+    ) -> Result<SolveReport> {
         self.require_pattern_of(matrix)?;
         let n = self.order();
         if !self.is_valid || rhs.len() != x.len() || n == 0 || !rhs.len().is_multiple_of(n) {
@@ -259,7 +279,9 @@ impl Factor {
         self.substitute(x);
         let mut refinements = 0;
         let mut residual = self.update_residual(matrix, rhs, x);
-        while residual > if refinements == 0 { REFINED } else { TOLERANCE } && refinements < MOST_REFINEMENTS {
+        while residual > if refinements == 0 { REFINED } else { TOLERANCE }
+            && refinements < MOST_REFINEMENTS
+        {
             let mut correction = std::mem::take(&mut self.residual);
             self.substitute(&mut correction[..rhs.len()]);
             x.iter_mut().zip(&correction).for_each(|(x, d)| *x += d);
@@ -299,7 +321,9 @@ impl Factor {
     fn update_residual(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &[f64]) -> f64 {
         let n = self.order();
         let mut largest = 0.0_f64;
-        for ((b, x), r) in rhs.chunks_exact(n).zip(x.chunks_exact(n)).zip(self.residual.chunks_exact_mut(n)) {
+        for ((b, x), r) in
+            rhs.chunks_exact(n).zip(x.chunks_exact(n)).zip(self.residual.chunks_exact_mut(n))
+        {
             matrix.multiply(x, r);
             r.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
             let (error, scale) = (norm(r), norm(b));
@@ -313,8 +337,10 @@ impl Factor {
         if self.pattern == matrix.pattern() {
             return Ok(());
         }
-        Err(Error::internal("a factor is used with a matrix of another pattern than the one it was made for")
-            .value(format!("{} unknowns, factor of {}", matrix.order(), self.order())))
+        Err(Error::internal(
+            "a factor is used with a matrix of another pattern than the one it was made for",
+        )
+        .value(format!("{} unknowns, factor of {}", matrix.order(), self.order())))
     }
 
     fn too_large(&self, limit: Option<usize>) -> Error {
@@ -326,17 +352,31 @@ impl Factor {
     }
 
     fn zero_pivot(&self, position: usize) -> Error {
-        let unknown = self.symbolic.perm().and_then(|p| p.arrays().0.get(position).copied()).unwrap_or(position);
-        Error::computation("a matrix is singular: elimination met a pivot that is zero or not finite")
-            .at(format!("unknown {unknown} of {}", self.order()))
-            .remedy("check the boundary conditions (is every field fixed somewhere?) and the coefficients")
+        let unknown = self
+            .symbolic
+            .perm()
+            .and_then(|p| p.arrays().0.get(position).copied())
+            .unwrap_or(position);
+        Error::computation(
+            "a matrix is singular: elimination met a pivot that is zero or not finite",
+        )
+        .at(format!("unknown {unknown} of {}", self.order()))
+        .remedy(
+            "check the boundary conditions (is every field fixed somewhere?) and the coefficients",
+        )
     }
 
     fn inaccurate(&self, residual: f64) -> Error {
         Error::computation("a linear system could not be solved accurately")
             .at(format!("{} unknowns", self.order()))
-            .value(format!("relative residual {residual:.1e} after {MOST_REFINEMENTS} refinements, allowed {TOLERANCE:e}"))
-            .remedy("the matrix is nearly singular: check boundary conditions, mesh quality and coefficients of very different size")
+            .value(format!(
+                "relative residual {residual:.1e} after {MOST_REFINEMENTS} refinements, allowed \
+                 {TOLERANCE:e}"
+            ))
+            .remedy(
+                "the matrix is nearly singular: check boundary conditions, mesh quality and \
+                 coefficients of very different size",
+            )
     }
 }
 
@@ -371,7 +411,10 @@ fn not_finite(what: &str, value: f64, unknown: usize) -> Error {
     Error::computation(format!("{what} of a linear system is not a finite number"))
         .at(format!("unknown {unknown}"))
         .value(value)
-        .remedy("the computation has blown up before: use a smaller time step, or check expressions and coefficients")
+        .remedy(
+            "the computation has blown up before: use a smaller time step, or check expressions \
+             and coefficients",
+        )
 }
 
 fn column_of_entry(matrix: &SymmetricMatrix, entry: usize) -> usize {
@@ -385,7 +428,11 @@ fn norm(v: &[f64]) -> f64 {
         return plain.sqrt();
     }
     let largest = v.iter().fold(0.0_f64, |m, a| if a.abs() <= m { m } else { a.abs() });
-    if largest == 0.0 { 0.0 } else { largest * v.iter().map(|a| (a / largest).powi(2)).sum::<f64>().sqrt() }
+    if largest == 0.0 {
+        0.0
+    } else {
+        largest * v.iter().map(|a| (a / largest).powi(2)).sum::<f64>().sqrt()
+    }
 }
 
 #[cfg(test)]

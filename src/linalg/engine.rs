@@ -94,11 +94,14 @@ impl Engine {
         let mut tried = Vec::new();
         if options.kind != Some(SolverKind::Schur) {
             let mut factor = Factor::plan(matrix, Ordering::saddle_point(matrix, multipliers)?)?;
-            for (kind, precision) in [(SolverKind::Direct, Precision::Double), (SolverKind::Single, Precision::Single)]
+            for (kind, precision) in
+                [(SolverKind::Direct, Precision::Double), (SolverKind::Single, Precision::Single)]
             {
                 factor = factor.with_precision(precision);
                 let engine = Engine::Whole(factor);
-                if options.kind.is_none_or(|allowed| allowed == kind) && engine.fits(limit, &mut tried) {
+                if options.kind.is_none_or(|allowed| allowed == kind)
+                    && engine.fits(limit, &mut tried)
+                {
                     return Ok(engine);
                 }
                 let Engine::Whole(back) = engine else { break };
@@ -169,8 +172,10 @@ impl Engine {
 
 fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(SolverKind, usize)]) -> Error {
     let limit = limit.unwrap_or(usize::MAX);
-    let needed: Vec<String> =
-        tried.iter().map(|(kind, bytes)| format!("{} by {}", readable(*bytes), kind.name())).collect();
+    let needed: Vec<String> = tried
+        .iter()
+        .map(|(kind, bytes)| format!("{} by {}", readable(*bytes), kind.name()))
+        .collect();
     let fitting = tried.iter().map(|(kind, bytes)| {
         let share = (limit as f64 / *bytes as f64).powf(1.0 / GROWTH);
         format!("about {:.2e} unknowns by {}", share * unknowns as f64, kind.name())
@@ -184,7 +189,8 @@ fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(SolverKind, usize)])
         .at(format!("{unknowns} unknowns"))
         .value(format!("{} are needed, {} may be taken", needed.join(", "), readable(limit)))
         .remedy(format!(
-            "use a coarser mesh ({} would fit){other}, close other programs, or use a machine with more memory",
+            "use a coarser mesh ({} would fit){other}, close other programs, or use a machine \
+             with more memory",
             fitting.join(", ")
         ));
     match cause {

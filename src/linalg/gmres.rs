@@ -73,7 +73,8 @@ impl Gmres {
                 hopeless = !relative.is_finite()
                     || (done.iterations >= TRIAL
                         && relative > tolerance
-                        && expected(first, relative, done.iterations, tolerance) > 1.5 * most as f64);
+                        && expected(first, relative, done.iterations, tolerance)
+                            > 1.5 * most as f64);
             }
             self.add_solution(j, x);
             let true_residual = self.start(matrix, rhs, x) / scale;
@@ -101,7 +102,12 @@ impl Gmres {
     }
 
     /// Adds direction `j`; returns the norm of the residual of the least-squares problem.
-    fn expand(&mut self, j: usize, matrix: &SymmetricMatrix, precondition: &mut impl FnMut(&mut [f64])) -> f64 {
+    fn expand(
+        &mut self,
+        j: usize,
+        matrix: &SymmetricMatrix,
+        precondition: &mut impl FnMut(&mut [f64]),
+    ) -> f64 {
         let n = self.residual.len();
         let z = slot(&mut self.directions, j, n);
         z.copy_from_slice(&self.basis[j]);
@@ -209,7 +215,10 @@ mod tests {
         a.multiply(&x, &mut r);
         r.iter_mut().zip(&rhs).for_each(|(r, b)| *r -= b);
         let relative = (dot(&r, &r) / dot(&rhs, &rhs)).sqrt();
-        assert!((relative - done.residual).abs() < 1e-3 * relative && relative <= 1e-8, "{relative:e}, {done:?}");
+        assert!(
+            (relative - done.residual).abs() < 1e-3 * relative && relative <= 1e-8,
+            "{relative:e}, {done:?}"
+        );
         // A start that is the solution needs none.
         assert_eq!(method.solve(&a, |_| (), &rhs, &mut x, (1e-8, 500)).iterations, 0);
     }

@@ -37,8 +37,8 @@ pub struct LaggedReport {
 impl LaggedReport {
     /// Report of a direct solve, after a factorisation that took `factoring` seconds, if any.
     fn direct(solve: SolveReport, factoring: Option<f64>) -> LaggedReport {
-        let substitutions =
-            solve.iterations + if solve.iterations == 0 || factoring.is_some() { 1 + solve.refinements } else { 0 };
+        let substitutions = solve.iterations
+            + if solve.iterations == 0 || factoring.is_some() { 1 + solve.refinements } else { 0 };
         LaggedReport {
             solve,
             refactored: factoring.is_some(),
@@ -130,7 +130,11 @@ impl LaggedFactor {
     ///
     /// # Errors
     /// As [`Factor::analyse`].
-    pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering, tolerance: f64) -> Result<LaggedFactor> {
+    pub fn analyse(
+        matrix: &SymmetricMatrix,
+        ordering: Ordering,
+        tolerance: f64,
+    ) -> Result<LaggedFactor> {
         Ok(LaggedFactor::with(Engine::Whole(Factor::analyse(matrix, ordering)?), tolerance))
     }
     /// Chooses the solver of a saddle point with these multipliers by the available memory: direct,
@@ -145,11 +149,20 @@ impl LaggedFactor {
         tolerance: f64,
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<LaggedFactor> {
-        Ok(LaggedFactor::with(Engine::choose(matrix, multipliers.into(), options, saddle)?, tolerance))
+        Ok(LaggedFactor::with(
+            Engine::choose(matrix, multipliers.into(), options, saddle)?,
+            tolerance,
+        ))
     }
     fn with(engine: Engine, tolerance: f64) -> LaggedFactor {
         let cost = engine.size().cost();
-        LaggedFactor { engine, krylov: Gmres::default(), solve_cost: SolveCost::default(), tolerance, cost }
+        LaggedFactor {
+            engine,
+            krylov: Gmres::default(),
+            solve_cost: SolveCost::default(),
+            tolerance,
+            cost,
+        }
     }
     /// The factor of the whole matrix; `None` for the Schur solver.
     pub fn factor(&self) -> Option<&Factor> {
@@ -197,8 +210,13 @@ impl LaggedFactor {
         let vectors = if most > 0 { 2 * most.min(RESTART) + 2 } else { 0 };
         let own = vectors * self.engine.size().unknowns * size_of::<f64>();
         match self.kind() {
-            SolverKind::Direct => self.factor().map_or(self.engine.size().bytes, Factor::bytes) + own,
-            kind => self.engine.size().bytes + own.saturating_sub(kind.vector_bytes(self.engine.size().unknowns)),
+            SolverKind::Direct => {
+                self.factor().map_or(self.engine.size().bytes, Factor::bytes) + own
+            }
+            kind => {
+                self.engine.size().bytes
+                    + own.saturating_sub(kind.vector_bytes(self.engine.size().unknowns))
+            }
         }
     }
     /// Costs since the last factorisation.
@@ -247,7 +265,11 @@ impl LaggedFactor {
             let done = self.iterate(matrix, rhs, x, (self.tolerance, self.most_iterations()));
             if done.converged {
                 self.solve_cost.iterated(done.iterations);
-                let solve = SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations };
+                let solve = SolveReport {
+                    residual: done.residual,
+                    refinements: 0,
+                    iterations: done.iterations,
+                };
                 return Ok(LaggedReport {
                     solve,
                     refactored: false,
@@ -268,7 +290,12 @@ impl LaggedFactor {
     }
 
     /// Solves with the factor of `matrix` itself.
-    fn solve_own(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport> {
+    fn solve_own(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        rhs: &[f64],
+        x: &mut [f64],
+    ) -> Result<SolveReport> {
         if let (SolverKind::Direct, Engine::Whole(factor)) = (self.kind(), &mut self.engine) {
             return factor.solve(matrix, rhs, x);
         }
@@ -280,7 +307,11 @@ impl LaggedFactor {
         let most = self.kind().most_iterations();
         let done = self.iterate(matrix, rhs, x, (tolerance, most));
         if done.converged {
-            return Ok(SolveReport { residual: done.residual, refinements: 0, iterations: done.iterations });
+            return Ok(SolveReport {
+                residual: done.residual,
+                refinements: 0,
+                iterations: done.iterations,
+            });
         }
         Err(Error::computation("the iterations for a linear system did not converge")
             .at(format!("{} unknowns, {}", rhs.len(), self.kind()))
@@ -288,11 +319,20 @@ impl LaggedFactor {
                 "relative residual {:.1e} after {} iterations, asked for {tolerance:e}",
                 done.residual, done.iterations
             ))
-            .remedy("take a shorter step or a smaller grad-div weight, or a direct solver where the memory suffices")
+            .remedy(
+                "take a shorter step or a smaller grad-div weight, or a direct solver where the \
+                 memory suffices",
+            )
             .because(Cause::SolverStalled))
     }
 
-    fn iterate(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &mut [f64], limits: (f64, usize)) -> Iterated {
+    fn iterate(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        rhs: &[f64],
+        x: &mut [f64],
+        limits: (f64, usize),
+    ) -> Iterated {
         let engine = &mut self.engine;
         self.krylov.solve(matrix, |v| engine.precondition(matrix, v), rhs, x, limits)
     }
@@ -331,14 +371,21 @@ mod tests {
             let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
             r.iter_mut().zip(&rhs).for_each(|(r, b)| *r -= b);
             let scale = size(&rhs);
-            assert!((size(&r) / scale - report.solve.residual).abs() < 1e-13, "{k}: {:e}", size(&r) / scale);
+            assert!(
+                (size(&r) / scale - report.solve.residual).abs() < 1e-13,
+                "{k}: {:e}",
+                size(&r) / scale
+            );
             let scale = size(&exact);
             r.iter_mut().zip(x.iter().zip(&exact)).for_each(|(r, (x, e))| *r = x - e);
             assert!(size(&r) / scale < 1e-8, "{k}: {:e}", size(&r) / scale);
             factored += usize::from(report.refactored);
             iterations += report.solve.iterations;
         }
-        assert!((1..=10).contains(&factored) && iterations > 20, "{factored} factorisations, {iterations} iterations");
+        assert!(
+            (1..=10).contains(&factored) && iterations > 20,
+            "{factored} factorisations, {iterations} iterations"
+        );
     }
 
     #[test]
@@ -349,7 +396,8 @@ mod tests {
         let mut trials = 0;
         for k in 0..12 {
             // Heavy and viscous fluids in turn: the factor of the one is of no use for the other.
-            let (matrix, _) = if k % 2 == 0 { stokes(16, 1e4, 1e-2, 0.0) } else { stokes(16, 1.0, 1.0, 0.0) };
+            let (matrix, _) =
+                if k % 2 == 0 { stokes(16, 1e4, 1e-2, 0.0) } else { stokes(16, 1.0, 1.0, 0.0) };
             let report = lagged.solve(&matrix, Change::Passing, &rhs, &mut x).unwrap();
             assert!(report.refactored && report.solve.residual < 1e-11, "{report:?}");
             trials += usize::from(report.solve.iterations > 0);
@@ -365,7 +413,10 @@ mod tests {
         let mut x = vec![0.0; rhs.len()];
         for change in [Change::Lasting, Change::None, Change::None] {
             let report = lagged.solve(&matrix, change, &rhs, &mut x).unwrap();
-            assert_eq!((report.refactored, report.solve.iterations), (change == Change::Lasting, 0));
+            assert_eq!(
+                (report.refactored, report.solve.iterations),
+                (change == Change::Lasting, 0)
+            );
         }
     }
 

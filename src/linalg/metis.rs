@@ -48,12 +48,15 @@ impl Graph {
         Ok(order.into_iter().map(|vertex: i32| vertex as usize).collect())
     }
 
-    #[allow(unsafe_code, reason = "METIS is a C library; its safe wrapper has no nested dissection")]
+    #[allow(
+        unsafe_code,
+        reason = "METIS is a C library; its safe wrapper has no nested dissection"
+    )]
     fn call(&mut self, vertices: &mut i32, order: &mut [i32], position: &mut [i32]) -> c_int {
         let mut options = [0; metis_sys::METIS_NOPTIONS as usize];
-        // SAFETY: `options` has METIS_NOPTIONS entries. The graph is one of `vertices` vertices in the form that METIS
-        // documents (checked in the tests of `ordering`); all arrays live, exclusively borrowed,
-        // until the call returns.
+        // SAFETY: `options` has METIS_NOPTIONS entries. The graph is one of `vertices` vertices in
+        // the form that METIS documents (checked in the tests of `ordering`); all arrays live,
+        // exclusively borrowed, until the call returns.
         unsafe {
             metis_sys::METIS_SetDefaultOptions(options.as_mut_ptr());
             options[metis_sys::moptions_et_METIS_OPTION_SEED as usize] = SEED;

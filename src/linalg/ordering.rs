@@ -62,7 +62,10 @@ impl Ordering {
     /// # Errors
     /// Computation, if the matrix is too large for METIS; internal, if there are fewer unknowns
     /// than come before the first multiplier.
-    pub fn saddle_point(matrix: &SymmetricMatrix, multipliers: impl Into<Multipliers>) -> Result<Ordering> {
+    pub fn saddle_point(
+        matrix: &SymmetricMatrix,
+        multipliers: impl Into<Multipliers>,
+    ) -> Result<Ordering> {
         let Multipliers { first: first_multiplier, first_late } = multipliers.into();
         if first_multiplier > matrix.order() {
             return Err(Error::internal(format!(
@@ -86,7 +89,8 @@ impl Ordering {
 
     fn of_blocks(adjacency: &Adjacency, blocks: &Blocks, first_late: usize) -> Result<Ordering> {
         let order = blocks.graph(adjacency)?.nested_dissection()?;
-        let expanded = Ordering::new(order.into_iter().flat_map(|b| blocks.members(b)).copied().collect());
+        let expanded =
+            Ordering::new(order.into_iter().flat_map(|b| blocks.members(b)).copied().collect());
         Ok(expanded.delayed(adjacency, first_late).postordered(adjacency))
     }
 
@@ -98,7 +102,8 @@ impl Ordering {
             return self;
         }
         let place = |i: usize| {
-            let neighbours = adjacency.neighbours(i).iter().filter(|&&j| i >= first_late && j < first_late);
+            let neighbours =
+                adjacency.neighbours(i).iter().filter(|&&j| i >= first_late && j < first_late);
             let last = neighbours.map(|&j| self.positions[j]).fold(self.positions[i], usize::max);
             (last, i >= first_late)
         };
@@ -199,7 +204,10 @@ fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
         let mut largest = (false, 0.0);
         for (i, size) in entries(p).filter(|&(i, _)| !taken[i]) {
             let fresh = !taken_nodes.contains(&node[i]);
-            if size > 0.0 && ((fresh && !largest.0) || (fresh == largest.0 && size > CLEARLY_LARGER * largest.1)) {
+            if size > 0.0
+                && ((fresh && !largest.0)
+                    || (fresh == largest.0 && size > CLEARLY_LARGER * largest.1))
+            {
                 (largest, partners[p]) = ((fresh, size), i);
             }
         }
@@ -220,7 +228,11 @@ struct Adjacency {
 impl Adjacency {
     fn new(matrix: &SymmetricMatrix) -> Adjacency {
         let n = matrix.order();
-        let pairs = || (0..n).flat_map(|j| matrix.column(j).0.iter().map(move |&i| (i, j))).filter(|(i, j)| i < j);
+        let pairs = || {
+            (0..n)
+                .flat_map(|j| matrix.column(j).0.iter().map(move |&i| (i, j)))
+                .filter(|(i, j)| i < j)
+        };
         let mut starts = vec![0; n + 1];
         for (i, j) in pairs() {
             starts[i + 1] += 1;
@@ -262,7 +274,8 @@ impl Blocks {
         for (p, &host) in partners.iter().enumerate().filter(|&(_, &host)| host != NONE) {
             guest[host] = p;
         }
-        let mut blocks = Blocks { starts: vec![0], members: Vec::with_capacity(n), of_unknown: vec![0; n] };
+        let mut blocks =
+            Blocks { starts: vec![0], members: Vec::with_capacity(n), of_unknown: vec![0; n] };
         for host in (0..n).filter(|&i| partners[i] == NONE) {
             for member in [host, guest[host]].into_iter().filter(|&member| member != NONE) {
                 blocks.of_unknown[member] = blocks.starts.len() - 1;
@@ -280,7 +293,8 @@ impl Blocks {
     /// The graph of the blocks, weighted by their numbers of members.
     fn graph(&self, adjacency: &Adjacency) -> Result<Graph> {
         let count = self.starts.len() - 1;
-        let mut graph = Graph { starts: vec![0], neighbours: Vec::new(), weights: Vec::with_capacity(count) };
+        let mut graph =
+            Graph { starts: vec![0], neighbours: Vec::new(), weights: Vec::with_capacity(count) };
         let mut last_seen_by = vec![NONE; count];
         for block in 0..count {
             last_seen_by[block] = block;
@@ -312,7 +326,8 @@ mod tests {
         let mut below: Vec<Vec<usize>> = vec![Vec::new(); n];
         let mut total = n;
         for k in 0..n {
-            let neighbours = adjacency.neighbours(ordering.unknowns[k]).iter().map(|&i| ordering.positions[i]);
+            let neighbours =
+                adjacency.neighbours(ordering.unknowns[k]).iter().map(|&i| ordering.positions[i]);
             below[k].extend(neighbours.filter(|&i| i > k));
             below[k].sort_unstable();
             below[k].dedup();
@@ -338,7 +353,8 @@ mod tests {
         assert_eq!(sorted, (0..1600).collect::<Vec<_>>());
         assert!((0..1600).all(|k| ordering.positions[ordering.unknowns[k]] == k));
         let again: Vec<_> = std::thread::scope(|scope| {
-            let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| Ordering::plain(&a).unwrap())).collect();
+            let threads: Vec<_> =
+                (0..4).map(|_| scope.spawn(|| Ordering::plain(&a).unwrap())).collect();
             threads.into_iter().map(|thread| thread.join().unwrap()).collect()
         });
         assert!(again.iter().all(|other| *other == ordering));
@@ -388,13 +404,16 @@ mod tests {
     fn partners_are_the_largest_entries_on_nodes_that_are_left() {
         // Velocities 0, 1, 2; pressure 3 sees all of them, 4 sees 1 and 2, 5 sees none: 1 and 2 are
         // of one node.
-        let mut a = SymmetricMatrix::from_groups(6, [[0, 3], [1, 3], [2, 3], [1, 4], [2, 4]].iter()).unwrap();
+        let mut a =
+            SymmetricMatrix::from_groups(6, [[0, 3], [1, 3], [2, 3], [1, 4], [2, 4]].iter())
+                .unwrap();
         for (i, p, b) in [(0, 3, 1.0), (1, 3, -4.0), (2, 3, 2.0), (1, 4, 3.0), (2, 4, -2.5)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();
         }
         assert_eq!(partners(&a, 3), [NONE, NONE, NONE, 0, 1, NONE]);
         // Without velocity 0 there is no other choice than the second component of the node.
-        let mut a = SymmetricMatrix::from_groups(4, [[0, 2], [1, 2], [0, 3], [1, 3]].iter()).unwrap();
+        let mut a =
+            SymmetricMatrix::from_groups(4, [[0, 2], [1, 2], [0, 3], [1, 3]].iter()).unwrap();
         for (i, p, b) in [(0, 2, 3.0), (1, 2, 1.0), (0, 3, 4.0), (1, 3, 2.0)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();
         }
@@ -424,7 +443,8 @@ mod tests {
         assert_eq!(graph.starts.len(), count + 1);
         assert_eq!(*graph.starts.last().unwrap() as usize, graph.neighbours.len());
         assert_eq!(graph.weights.iter().sum::<i32>() as usize, a.order());
-        let of = |v: usize| &graph.neighbours[graph.starts[v] as usize..graph.starts[v + 1] as usize];
+        let of =
+            |v: usize| &graph.neighbours[graph.starts[v] as usize..graph.starts[v + 1] as usize];
         for v in 0..count {
             for &w in of(v) {
                 assert!(w as usize != v && of(w as usize).contains(&(v as i32)));

@@ -133,7 +133,9 @@ impl Schur {
         for Block { unknowns, factor, .. } in blocks {
             matrix.multiply(z, product);
             let part = &mut part[..unknowns.len()];
-            part.iter_mut().zip(&*unknowns).for_each(|(v, &i)| *v = r[i as usize] - product[i as usize]);
+            part.iter_mut()
+                .zip(&*unknowns)
+                .for_each(|(v, &i)| *v = r[i as usize] - product[i as usize]);
             factor.substitute(part);
             unknowns.iter().zip(part).for_each(|(&i, v)| z[i as usize] = *v);
         }

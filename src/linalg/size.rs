@@ -19,12 +19,14 @@ const FACTORING_TIME: [f64; 2] = [0.018, 2.5];
 /// 0.006, 0.030, 0.10).
 const SOLVING_TIME: [f64; 2] = [0.8, 100.0];
 
-/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions are in double precision.
+/// The precision that a factor is computed and stored in; matrices, right-hand sides and solutions
+/// are in double precision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// 64 bits: one substitution is accurate to rounding.
     Double,
-    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to follow.
+    /// 32 bits, half the memory: a substitution is accurate to about 1e-6, and iterations have to
+    /// follow.
     Single,
 }
 

@@ -52,7 +52,9 @@ struct Block {
 impl Supernodes {
     /// From blocks in the order of elimination, each with its first column, its width, the start of
     /// its entries and its rows.
-    pub fn new<R: Iterator<Item = u32>>(list: impl Iterator<Item = (usize, usize, usize, R)>) -> Supernodes {
+    pub fn new<R: Iterator<Item = u32>>(
+        list: impl Iterator<Item = (usize, usize, usize, R)>,
+    ) -> Supernodes {
         let (mut blocks, mut rows, mut tallest) = (Vec::new(), Vec::new(), 0);
         for (column, width, entries, below) in list {
             let start = rows.len();
@@ -65,7 +67,9 @@ impl Supernodes {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.blocks.as_slice()) + size_of_val(self.rows.as_slice()) + size_of_val(self.panel.as_slice())
+        size_of_val(self.blocks.as_slice())
+            + size_of_val(self.rows.as_slice())
+            + size_of_val(self.panel.as_slice())
     }
 
     /// Replaces the right-hand side `x`, in the order of elimination, by the solution.
@@ -95,7 +99,12 @@ impl Supernodes {
 
 impl Block {
     /// The entries of the block, and as much of the panel as it needs.
-    fn parts<'a, E>(&self, rows: &[u32], factor: &'a [E], panel: &'a mut [f64]) -> (&'a [E], &'a mut [f64]) {
+    fn parts<'a, E>(
+        &self,
+        rows: &[u32],
+        factor: &'a [E],
+        panel: &'a mut [f64],
+    ) -> (&'a [E], &'a mut [f64]) {
         let height = self.width + rows.len();
         (&factor[self.entries..][..self.width * height], &mut panel[..height])
     }
@@ -115,10 +124,15 @@ fn eliminate<E: Entry>(entries: &[E], width: usize, panel: &mut [f64]) {
 }
 
 /// [`eliminate`] for `N` columns from `k` on. Returns `N`.
-fn eliminate_columns<const N: usize, E: Entry>(entries: &[E], k: usize, panel: &mut [f64]) -> usize {
+fn eliminate_columns<const N: usize, E: Entry>(
+    entries: &[E],
+    k: usize,
+    panel: &mut [f64],
+) -> usize {
     let height = panel.len();
     let (head, tail) = panel.split_at_mut(k + N);
-    let below: [&[E]; N] = std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
+    let below: [&[E]; N] =
+        std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
     let x = &mut head[k..];
     for j in 0..N {
         for i in j + 1..N {
@@ -150,10 +164,15 @@ fn substitute_back<E: Entry>(entries: &[E], width: usize, panel: &mut [f64]) {
 }
 
 /// [`substitute_back`] for `N` columns from `k` on. Returns `N`.
-fn substitute_columns<const N: usize, E: Entry>(entries: &[E], k: usize, panel: &mut [f64]) -> usize {
+fn substitute_columns<const N: usize, E: Entry>(
+    entries: &[E],
+    k: usize,
+    panel: &mut [f64],
+) -> usize {
     let height = panel.len();
     let (head, tail) = panel.split_at_mut(k + N);
-    let below: [&[E]; N] = std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
+    let below: [&[E]; N] =
+        std::array::from_fn(|j| &entries[(k + j) * height + k + N..][..tail.len()]);
     let x = &mut head[k..];
     let sums = products(below, tail);
     for j in (0..N).rev() {

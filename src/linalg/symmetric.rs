@@ -28,7 +28,10 @@ impl SymmetricMatrix {
     ///
     /// # Errors
     /// Internal, if a group names an unknown that does not exist.
-    pub fn from_groups<G: AsRef<[u32]>>(order: usize, groups: impl Iterator<Item = G>) -> Result<Self> {
+    pub fn from_groups<G: AsRef<[u32]>>(
+        order: usize,
+        groups: impl Iterator<Item = G>,
+    ) -> Result<Self> {
         let incidence = Incidence::new(order, groups)?;
         let mut starts = Vec::with_capacity(order + 1);
         let mut rows: Vec<usize> = Vec::new();
@@ -50,8 +53,10 @@ impl SymmetricMatrix {
         }
         rows.shrink_to_fit();
         let values = vec![0.0; rows.len()];
-        let upper = CsMat::try_new_csc((order, order), starts, rows, values)
-            .map_err(|(.., reason)| Error::internal("a matrix pattern is not valid").value(reason))?;
+        let upper =
+            CsMat::try_new_csc((order, order), starts, rows, values).map_err(|(.., reason)| {
+                Error::internal("a matrix pattern is not valid").value(reason)
+            })?;
         let pattern = fingerprint(&upper);
         Ok(SymmetricMatrix { upper, pattern })
     }
@@ -64,12 +69,21 @@ impl SymmetricMatrix {
     pub(super) fn principal(&self, number: &[u32]) -> Result<Self> {
         let (mut starts, mut rows) = (vec![0], Vec::new());
         for j in (0..self.order()).filter(|&j| number[j] != CONSTRAINED) {
-            rows.extend(self.column(j).0.iter().map(|&i| number[i]).filter(|&i| i != CONSTRAINED).map(|i| i as usize));
+            rows.extend(
+                self.column(j)
+                    .0
+                    .iter()
+                    .map(|&i| number[i])
+                    .filter(|&i| i != CONSTRAINED)
+                    .map(|i| i as usize),
+            );
             starts.push(rows.len());
         }
         let (order, values) = (starts.len() - 1, vec![0.0; rows.len()]);
-        let upper = CsMat::try_new_csc((order, order), starts, rows, values)
-            .map_err(|(.., reason)| Error::internal("a principal submatrix is not valid").value(reason))?;
+        let upper =
+            CsMat::try_new_csc((order, order), starts, rows, values).map_err(|(.., reason)| {
+                Error::internal("a principal submatrix is not valid").value(reason)
+            })?;
         let pattern = fingerprint(&upper);
         let mut part = SymmetricMatrix { upper, pattern };
         part.take_principal(self, number);
@@ -135,7 +149,10 @@ impl SymmetricMatrix {
     pub fn add_group(&mut self, unknowns: &[u32], local: &[f64]) -> Result<()> {
         let m = unknowns.len();
         if local.len() != m * m {
-            return Err(Error::internal(format!("a local matrix of {m} unknowns has {} entries", local.len())));
+            return Err(Error::internal(format!(
+                "a local matrix of {m} unknowns has {} entries",
+                local.len()
+            )));
         }
         for (b, &j) in unknowns.iter().enumerate() {
             if j == CONSTRAINED {
@@ -147,7 +164,8 @@ impl SymmetricMatrix {
             for (a, &i) in unknowns.iter().enumerate() {
                 // Also skips the constrained ones, whose number is larger than any other.
                 if i <= j {
-                    *column.get_mut(i as usize).ok_or_else(|| not_in_pattern(i, j))? += local[a * m + b];
+                    *column.get_mut(i as usize).ok_or_else(|| not_in_pattern(i, j))? +=
+                        local[a * m + b];
                 }
             }
         }
@@ -213,7 +231,8 @@ impl SymmetricMatrix {
 }
 
 fn not_in_pattern(i: u32, j: u32) -> Error {
-    Error::internal("an entry that is added to a matrix is not in its pattern").at(format!("row {i}, column {j}"))
+    Error::internal("an entry that is added to a matrix is not in its pattern")
+        .at(format!("row {i}, column {j}"))
 }
 
 fn fingerprint(matrix: &CsMat<f64>) -> u64 {
@@ -241,7 +260,9 @@ impl Incidence {
         for group in groups {
             for &i in group.as_ref().iter().filter(|&&i| i != CONSTRAINED) {
                 let Some(count) = starts.get_mut(i as usize + 1) else {
-                    return Err(Error::internal(format!("a matrix of {order} unknowns is asked to hold unknown {i}")));
+                    return Err(Error::internal(format!(
+                        "a matrix of {order} unknowns is asked to hold unknown {i}"
+                    )));
                 };
                 *count += 1;
                 members.push(i);
@@ -267,9 +288,9 @@ impl Incidence {
 
     /// All members of all groups of an unknown, with repetitions.
     fn neighbours(&self, unknown: usize) -> impl Iterator<Item = &u32> {
-        self.groups[self.starts[unknown]..self.starts[unknown + 1]]
-            .iter()
-            .flat_map(|&g| &self.members[self.group_starts[g as usize]..self.group_starts[g as usize + 1]])
+        self.groups[self.starts[unknown]..self.starts[unknown + 1]].iter().flat_map(|&g| {
+            &self.members[self.group_starts[g as usize]..self.group_starts[g as usize + 1]]
+        })
     }
 }
 

@@ -38,7 +38,9 @@ pub fn stokes(n: usize, mass: f64, viscosity: f64, penalty: f64) -> (SymmetricMa
     let fixed = usize::from(penalty == 0.0);
     let inner = 2 * n - 1;
     // Nodes have the integer coordinates 0..=2n; vertices are those with two even ones.
-    let velocity = |[i, j]: [usize; 2], component: usize| match (1..2 * n).contains(&i) && (1..2 * n).contains(&j) {
+    let velocity = |[i, j]: [usize; 2], component: usize| match (1..2 * n).contains(&i)
+        && (1..2 * n).contains(&j)
+    {
         true => (component * inner * inner + i - 1 + (j - 1) * inner) as u32,
         false => CONSTRAINED,
     };
@@ -48,17 +50,21 @@ pub fn stokes(n: usize, mass: f64, viscosity: f64, penalty: f64) -> (SymmetricMa
     };
     let mut cells = Vec::new();
     for (i, j) in (0..n * n).map(|k| (2 * (k % n), 2 * (k / n))) {
-        for corners in [[[i, j], [i + 2, j], [i + 2, j + 2]], [[i, j], [i + 2, j + 2], [i, j + 2]]] {
+        for corners in [[[i, j], [i + 2, j], [i + 2, j + 2]], [[i, j], [i + 2, j + 2], [i, j + 2]]]
+        {
             let middle = |a: usize, b: usize| [0, 1].map(|c| (corners[a][c] + corners[b][c]) / 2);
-            let nodes = [corners[0], corners[1], corners[2], middle(1, 2), middle(2, 0), middle(0, 1)];
-            let mut unknowns: Vec<u32> = (0..2).flat_map(|c| nodes.map(|node| velocity(node, c))).collect();
+            let nodes =
+                [corners[0], corners[1], corners[2], middle(1, 2), middle(2, 0), middle(0, 1)];
+            let mut unknowns: Vec<u32> =
+                (0..2).flat_map(|c| nodes.map(|node| velocity(node, c))).collect();
             unknowns.extend(corners.map(pressure));
             let points = corners.map(|corner| corner.map(|c| c as f64 / (2 * n) as f64));
             cells.push((unknowns, stokes_cell(points, mass, viscosity, penalty)));
         }
     }
     let order = 2 * inner * inner + (n + 1) * (n + 1) - fixed;
-    let mut matrix = SymmetricMatrix::from_groups(order, cells.iter().map(|(unknowns, _)| unknowns)).unwrap();
+    let mut matrix =
+        SymmetricMatrix::from_groups(order, cells.iter().map(|(unknowns, _)| unknowns)).unwrap();
     for (unknowns, local) in &cells {
         matrix.add_group(unknowns, local).unwrap();
     }
@@ -70,10 +76,13 @@ pub fn stokes(n: usize, mass: f64, viscosity: f64, penalty: f64) -> (SymmetricMa
 fn stokes_cell(x: [[f64; 2]; 3], mass: f64, viscosity: f64, penalty: f64) -> Vec<f64> {
     let edge = |a: usize, b: usize, c: usize| x[b][c] - x[a][c];
     let twice_area = edge(0, 1, 0) * edge(0, 2, 1) - edge(0, 1, 1) * edge(0, 2, 0);
-    let slope = [(1, 2), (2, 0), (0, 1)].map(|(a, b)| [-edge(a, b, 1) / twice_area, edge(a, b, 0) / twice_area]);
+    let slope = [(1, 2), (2, 0), (0, 1)]
+        .map(|(a, b)| [-edge(a, b, 1) / twice_area, edge(a, b, 0) / twice_area]);
     let mut local = vec![0.0; 225];
     // The rule of degree 4 with six points (Dunavant 1985).
-    for (a, weight) in [(0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322)] {
+    for (a, weight) in
+        [(0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322)]
+    {
         for special in 0..3 {
             let mut l = [a; 3];
             l[special] = 1.0 - 2.0 * a;
@@ -89,8 +98,10 @@ fn stokes_cell(x: [[f64; 2]; 3], mass: f64, viscosity: f64, penalty: f64) -> Vec
             for r in 0..6 {
                 for c in 0..2 {
                     for s in 0..6 {
-                        let stiffness = gradient[r][0] * gradient[s][0] + gradient[r][1] * gradient[s][1];
-                        local[(6 * c + r) * 15 + 6 * c + s] += w * (mass * value[r] * value[s] + viscosity * stiffness);
+                        let stiffness =
+                            gradient[r][0] * gradient[s][0] + gradient[r][1] * gradient[s][1];
+                        local[(6 * c + r) * 15 + 6 * c + s] +=
+                            w * (mass * value[r] * value[s] + viscosity * stiffness);
                     }
                     for q in 0..3 {
                         local[(6 * c + r) * 15 + 12 + q] -= w * l[q] * gradient[r][c];

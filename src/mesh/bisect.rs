@@ -68,17 +68,22 @@ pub fn ball_in_box(
 ) -> Result<Mesh<3>> {
     let positive = [radius, band, edge].iter().all(|x| *x > 0.0 && x.is_finite());
     if !positive || centre.iter().any(|x| !x.is_finite()) {
-        return Err(Error::scene("a ball in a box needs a centre and a positive radius, band and edge")
-            .value(format!("centre = {centre:?}, radius = {radius}, band = {band}, edge = {edge}")));
+        return Err(Error::scene(
+            "a ball in a box needs a centre and a positive radius, band and edge",
+        )
+        .value(format!("centre = {centre:?}, radius = {radius}, band = {band}, edge = {edge}")));
     }
     let centre = Point::<3>::from(centre);
     // Equality up to rounding suffices.
     let longest = edge * (1.0 + 1e-12);
-    graded_box(min, max, cells, |v| third_shortest_edge(v) > longest && meets_shell(v, &centre, radius, band))
+    graded_box(min, max, cells, |v| {
+        third_shortest_edge(v) > longest && meets_shell(v, &centre, radius, band)
+    })
 }
 
 fn third_shortest_edge(v: &[Point<3>; 4]) -> f64 {
-    let mut edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[a, b]: [usize; 2]| (v[a] - v[b]).norm());
+    let mut edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+        .map(|[a, b]: [usize; 2]| (v[a] - v[b]).norm());
     edges.sort_by(f64::total_cmp);
     edges[2]
 }
@@ -163,7 +168,9 @@ impl Bisection {
     fn is_cut(&self, cell: &Tagged) -> bool {
         let v = &cell.vertices;
         let near = |k: usize| cell.fresh || self.touched[v[k] as usize];
-        let cut = |a: usize, b: usize| near(a) && near(b) && self.middles.contains_key(&sorted(v[a], v[b]));
+        let cut = |a: usize, b: usize| {
+            near(a) && near(b) && self.middles.contains_key(&sorted(v[a], v[b]))
+        };
         (1..4).any(|a| (0..a).any(|b| cut(a, b)))
     }
 
@@ -174,7 +181,11 @@ impl Bisection {
         self.touched.resize(self.points.len(), false);
         let mut next = Vec::with_capacity(self.cells.len() * 5 / 4);
         for (cell, chosen) in std::mem::take(&mut self.cells).into_iter().zip(&which) {
-            if *chosen { next.extend(self.halves(&cell)?) } else { next.push(Tagged { fresh: false, ..cell }) }
+            if *chosen {
+                next.extend(self.halves(&cell)?)
+            } else {
+                next.push(Tagged { fresh: false, ..cell })
+            }
         }
         self.cells = next;
         if self.cells.len() > MOST_CELLS {
@@ -185,7 +196,10 @@ impl Bisection {
 
     fn halves(&mut self, cell: &Tagged) -> Result<[Tagged; 2]> {
         if cell.generation == MOST_GENERATIONS {
-            return Err(too_fine(format!("{MOST_GENERATIONS} bisections at {:?}", self.corners(cell)[0].as_slice())));
+            return Err(too_fine(format!(
+                "{MOST_GENERATIONS} bisections at {:?}",
+                self.corners(cell)[0].as_slice()
+            )));
         }
         let (v, k) = (cell.vertices, cell.tag as usize);
         let z = self.middle(v[0], v[k]);
@@ -194,7 +208,12 @@ impl Bisection {
         second[..k].copy_from_slice(&v[1..=k]);
         second[k] = z;
         let tag = if k > 1 { cell.tag - 1 } else { 3 };
-        Ok([first, second].map(|vertices| Tagged { vertices, tag, generation: cell.generation + 1, fresh: true }))
+        Ok([first, second].map(|vertices| Tagged {
+            vertices,
+            tag,
+            generation: cell.generation + 1,
+            fresh: true,
+        }))
     }
 
     fn middle(&mut self, a: u32, b: u32) -> u32 {
@@ -223,7 +242,9 @@ fn sorted(a: u32, b: u32) -> [u32; 2] {
 }
 
 fn too_fine(value: String) -> Error {
-    Error::scene("the box would have to be bisected more than is possible").value(value).remedy("ask for longer edges")
+    Error::scene("the box would have to be bisected more than is possible")
+        .value(value)
+        .remedy("ask for longer edges")
 }
 
 #[cfg(test)]

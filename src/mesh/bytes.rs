@@ -30,9 +30,11 @@ impl<const D: usize> Mesh<D> {
             Some(list.into_iter().collect())
         };
         (mesh.boundaries, mesh.regions) = (names()?, names()?);
-        let fits =
-            |names: &BTreeMap<_, Vec<u32>>, count: usize| names.values().flatten().all(|&k| (k as usize) < count);
-        let whole = fits(&mesh.boundaries, mesh.facets.len()) && fits(&mesh.regions, mesh.cell_count());
+        let fits = |names: &BTreeMap<_, Vec<u32>>, count: usize| {
+            names.values().flatten().all(|&k| (k as usize) < count)
+        };
+        let whole =
+            fits(&mesh.boundaries, mesh.facets.len()) && fits(&mesh.regions, mesh.cell_count());
         (from.0.is_empty() && whole).then_some(mesh)
     }
 }

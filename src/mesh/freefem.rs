@@ -66,7 +66,407 @@ pub fn text<const D: usize>(mesh: &Mesh<D>) -> Result<String> {
         format!("{points} {count} {sides}\n{vertices}{cells}{facets}")
     } else {
         format!(
-            "MeshVersionFormatted 2\nDimension 3\nVertices\n{points}\n{vertices}Tetrahedra\n{count}\n{cells}Triangles\n{sides}\n{facets}End\n"
+            "MeshVersionFormatted 2\nDimension \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             3\nVertices\n{points}\n{vertices}Tetrahedra\n{count}\n{cells}Triangles\n{sides}\n{facets}End\n"
         )
     })
 }
@@ -87,7 +487,8 @@ fn seen_from_outside<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> impl Iter
 }
 
 fn nameless<const D: usize>(mesh: &Mesh<D>, facet: &Facet) -> Error {
-    let at: Vec<_> = mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
+    let at: Vec<_> =
+        mesh.facet_points(facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
     let (what, part) = if D == 2 { ("an edge", "Curve") } else { ("a triangle", "Surface") };
     Error::input(format!("{what} of the boundary belongs to no named boundary"))
         .at(format!("the one with the corners {at:?}"))
@@ -127,11 +528,16 @@ mod tests {
         let lines: Vec<&str> = ours.lines().collect();
         let theirs: Vec<Vec<&str>> = SAVED.lines().map(|l| l.split('|').collect()).collect();
         assert_eq!(lines[0], theirs[0][0]);
-        let numbers = |line: &str| line.split(' ').map(|w| w.parse::<f64>().unwrap()).collect::<Vec<_>>();
+        let numbers =
+            |line: &str| line.split(' ').map(|w| w.parse::<f64>().unwrap()).collect::<Vec<_>>();
         for (ours, theirs) in lines[1..13].iter().zip(&theirs[1]) {
             // Where two sides meet, the label of the vertex may be that of either.
             let (a, b) = (numbers(ours), numbers(theirs));
-            assert!((a[0] - b[0]).abs() < 1e-11 && (a[1] - b[1]).abs() < 1e-11 && (a[2] > 0.0) == (b[2] > 0.0));
+            assert!(
+                (a[0] - b[0]).abs() < 1e-11
+                    && (a[1] - b[1]).abs() < 1e-11
+                    && (a[2] > 0.0) == (b[2] > 0.0)
+            );
         }
         let triangle = |line: &str| {
             let v: Vec<usize> = line.split(' ').take(3).map(|w| w.parse().unwrap()).collect();
@@ -154,8 +560,11 @@ mod tests {
         assert_eq!(labels(&mesh), [("inlet".to_string(), 5), ("wall".to_string(), 6)]);
         let text_of = text(&mesh).unwrap();
         assert_eq!(text_of.lines().rev().take(12).filter(|l| l.ends_with(" 5")).count(), 2);
-        let mesh =
-            Mesh::<2>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Into::into).to_vec(), vec![0, 1, 2]).unwrap();
+        let mesh = Mesh::<2>::new(
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Into::into).to_vec(),
+            vec![0, 1, 2],
+        )
+        .unwrap();
         assert!(text(&mesh).unwrap_err().advice().contains("Physical Curve"));
     }
 
@@ -167,10 +576,12 @@ mod tests {
         let part = |name: &str| {
             let at = lines.iter().position(|l| *l == name).unwrap();
             let count: usize = lines[at + 1].parse().unwrap();
-            let numbers = |l: &&str| l.split(' ').map(|w| w.parse::<f64>().unwrap()).collect::<Vec<_>>();
+            let numbers =
+                |l: &&str| l.split(' ').map(|w| w.parse::<f64>().unwrap()).collect::<Vec<_>>();
             lines[at + 2..at + 2 + count].iter().map(numbers).collect::<Vec<_>>()
         };
-        let (vertices, tetrahedra, triangles) = (part("Vertices"), part("Tetrahedra"), part("Triangles"));
+        let (vertices, tetrahedra, triangles) =
+            (part("Vertices"), part("Tetrahedra"), part("Triangles"));
         assert_eq!((vertices.len(), tetrahedra.len(), triangles.len()), (24, 36, 44));
         assert!(lines.len() == 3 + 6 + 24 + 36 + 44 && lines[lines.len() - 1] == "End");
         let point = |v: f64| Point::<3>::from_column_slice(&vertices[v as usize - 1][..3]);
@@ -182,7 +593,8 @@ mod tests {
         for t in &triangles {
             let [a, b, c] = [0, 1, 2].map(|k| point(t[k]));
             let n = (b - a).cross(&(c - a)).normalize();
-            let (axis, sign) = [(1, -1.0), (0, 1.0), (1, 1.0), (0, -1.0), (2, -1.0), (2, 1.0)][t[3] as usize - 1];
+            let (axis, sign) =
+                [(1, -1.0), (0, 1.0), (1, 1.0), (0, -1.0), (2, -1.0), (2, 1.0)][t[3] as usize - 1];
             assert!((n[axis] - sign).abs() < 1e-12, "{t:?}: {n:?}");
         }
     }

@@ -23,10 +23,16 @@ pub enum Diagonals {
 ///
 /// # Errors
 /// A direction without cells, or corners that are not finite or not in order.
-pub fn rectangle(min: [f64; 2], max: [f64; 2], cells: [usize; 2], diagonals: Diagonals) -> Result<Mesh<2>> {
+pub fn rectangle(
+    min: [f64; 2],
+    max: [f64; 2],
+    cells: [usize; 2],
+    diagonals: Diagonals,
+) -> Result<Mesh<2>> {
     check_box(&min, &max, &cells)?;
     let [nx, ny] = cells;
-    let coordinate = |i: usize, n: usize, a: usize| min[a] + (max[a] - min[a]) * i as f64 / n as f64;
+    let coordinate =
+        |i: usize, n: usize, a: usize| min[a] + (max[a] - min[a]) * i as f64 / n as f64;
     let mut points = Vec::with_capacity((nx + 1) * (ny + 1));
     for j in 0..=ny {
         for i in 0..=nx {
@@ -67,17 +73,23 @@ pub fn box_mesh(min: [f64; 3], max: [f64; 3], cells: [usize; 3]) -> Result<Mesh<
     let mut points = Vec::with_capacity((nx + 1) * (ny + 1) * (nz + 1));
     for k in 0..=nz {
         for j in 0..=ny {
-            points.extend((0..=nx).map(|i| Point::<3>::new(coordinate(i, 0), coordinate(j, 1), coordinate(k, 2))));
+            points
+                .extend((0..=nx).map(|i| {
+                    Point::<3>::new(coordinate(i, 0), coordinate(j, 1), coordinate(k, 2))
+                }));
         }
     }
     let step = [1, nx + 1, (nx + 1) * (ny + 1)];
     let mut tetrahedra = Vec::with_capacity(24 * nx * ny * nz);
-    for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
+    for (k, j, i) in
+        (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i))))
+    {
         let corner = i * step[0] + j * step[1] + k * step[2];
         // Each order of the axes is a path along edges to the opposite corner; even orders are
         // positively oriented.
         for [a, b, c] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
-            let path = [0, step[a], step[a] + step[b], step[a] + step[b] + step[c]].map(|s| (corner + s) as u32);
+            let path = [0, step[a], step[a] + step[b], step[a] + step[b] + step[c]]
+                .map(|s| (corner + s) as u32);
             let even = (b + 3 - a) % 3 == 1;
             tetrahedra.extend(if even { path } else { [path[0], path[2], path[1], path[3]] });
         }
@@ -100,8 +112,10 @@ pub fn disc(centre: [f64; 2], radius: f64, rings: usize) -> Result<Mesh<2>> {
         || rings > MOST_ALONG_A_SIDE
         || !(radius > 0.0 && radius.is_finite() && centre.iter().all(|c| c.is_finite()))
     {
-        return Err(Error::scene("a disc needs a centre, a positive radius and at least one ring of cells")
-            .value(format!("centre = {centre:?}, radius = {radius}, rings = {rings}")));
+        return Err(Error::scene(
+            "a disc needs a centre, a positive radius and at least one ring of cells",
+        )
+        .value(format!("centre = {centre:?}, radius = {radius}, rings = {rings}")));
     }
     let mut points = vec![Point::<2>::from(centre)];
     for k in 1..=rings {
@@ -112,7 +126,8 @@ pub fn disc(centre: [f64; 2], radius: f64, rings: usize) -> Result<Mesh<2>> {
         }));
     }
     // Point i of circle k; circle 0 is the centre.
-    let id = |k: usize, i: usize| if k == 0 { 0 } else { (1 + 3 * k * (k - 1) + i % (6 * k)) as u32 };
+    let id =
+        |k: usize, i: usize| if k == 0 { 0 } else { (1 + 3 * k * (k - 1) + i % (6 * k)) as u32 };
     let mut triangles = Vec::with_capacity(18 * rings * rings);
     for k in 1..=rings {
         for sector in 0..6 {
@@ -120,7 +135,11 @@ pub fn disc(centre: [f64; 2], radius: f64, rings: usize) -> Result<Mesh<2>> {
             for i in 0..k {
                 triangles.extend([id(k - 1, inner + i), id(k, outer + i), id(k, outer + i + 1)]);
                 if i + 1 < k {
-                    triangles.extend([id(k - 1, inner + i), id(k, outer + i + 1), id(k - 1, inner + i + 1)]);
+                    triangles.extend([
+                        id(k - 1, inner + i),
+                        id(k, outer + i + 1),
+                        id(k - 1, inner + i + 1),
+                    ]);
                 }
             }
         }
@@ -138,14 +157,20 @@ const MOST_ALONG_A_SIDE: usize = 20_000;
 fn check_box<const D: usize>(min: &[f64; D], max: &[f64; D], cells: &[usize; D]) -> Result<()> {
     let ordered = (0..D).all(|i| max[i] > min[i] && (max[i] - min[i]).is_finite());
     // Every block has up to six cells of four points.
-    let fits = cells.iter().try_fold(24usize, |n, &c| n.checked_mul(c)).is_some_and(|n| n < u32::MAX as usize);
+    let fits = cells
+        .iter()
+        .try_fold(24usize, |n, &c| n.checked_mul(c))
+        .is_some_and(|n| n < u32::MAX as usize);
     if ordered && fits && !cells.contains(&0) {
         return Ok(());
     }
     Err(Error::scene("the sizes of the mesh do not fit")
         .at(if D == 2 { "rectangle" } else { "box" })
         .value(format!("min = {min:?}, max = {max:?}, cells = {cells:?}"))
-        .remedy("give finite corners with max > min, and at least one cell in each direction but less than 170 million in all"))
+        .remedy(
+            "give finite corners with max > min, and at least one cell in each direction but less \
+             than 170 million in all",
+        ))
 }
 
 /// Names the facets of an axis-aligned box `left`, `right`, `bottom`, `top` (3-D also `back`,
@@ -187,9 +212,15 @@ mod tests {
         let rising = [0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 3, 4, 7, 3, 7, 6, 4, 5, 8, 4, 8, 7];
         let jack = [0, 1, 3, 3, 1, 4, 1, 2, 5, 1, 5, 4, 3, 4, 7, 3, 7, 6, 4, 5, 7, 7, 5, 8];
         let falling = [0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 3, 4, 6, 6, 4, 7, 4, 5, 7, 7, 5, 8];
-        for (d, expected) in [(Diagonals::Right, rising), (Diagonals::UnionJack, jack), (Diagonals::Left, falling)] {
+        for (d, expected) in
+            [(Diagonals::Right, rising), (Diagonals::UnionJack, jack), (Diagonals::Left, falling)]
+        {
             let m = rectangle([0.0; 2], [1.0; 2], [2, 2], d).unwrap();
-            assert_eq!((0..8).flat_map(|c| m.cell(c).to_vec()).collect::<Vec<_>>(), expected, "{d:?}");
+            assert_eq!(
+                (0..8).flat_map(|c| m.cell(c).to_vec()).collect::<Vec<_>>(),
+                expected,
+                "{d:?}"
+            );
         }
     }
 
@@ -197,15 +228,18 @@ mod tests {
     fn a_disc_fills_its_polygon_with_well_shaped_triangles() {
         for rings in [1, 2, 7, 40] {
             let m = disc([1.0, -2.0], 3.0, rings).unwrap();
-            assert_eq!((m.cell_count(), m.facets().len(), m.reoriented().len()), (6 * rings * rings, 6 * rings, 0));
+            assert_eq!(
+                (m.cell_count(), m.facets().len(), m.reoriented().len()),
+                (6 * rings * rings, 6 * rings, 0)
+            );
             let n = (6 * rings) as f64;
             let polygon = 0.5 * n * 9.0 * (std::f64::consts::TAU / n).sin();
             assert!((m.volume() - polygon).abs() < 1e-12 * polygon);
             for f in m.facets() {
-                assert!(
-                    m.facet_points(f)
-                        .all(|v| ((m.points()[v as usize] - Point::<2>::new(1.0, -2.0)).norm() - 3.0).abs() < 1e-14)
-                );
+                assert!(m.facet_points(f).all(|v| {
+                    ((m.points()[v as usize] - Point::<2>::new(1.0, -2.0)).norm() - 3.0).abs()
+                        < 1e-14
+                }));
             }
             for c in 0..m.cell_count() {
                 let p = |k: usize| m.points()[m.cell(c)[k % 3] as usize];

@@ -31,7 +31,9 @@ impl<const D: usize> Mesh<D> {
     /// The point at a location.
     pub fn point_at(&self, at: &Location) -> Point<D> {
         let cell = self.cell(at.cell as usize);
-        (0..=D).fold(Point::<D>::zeros(), |x, k| x + self.points()[cell[k] as usize] * at.barycentric[k])
+        (0..=D).fold(Point::<D>::zeros(), |x, k| {
+            x + self.points()[cell[k] as usize] * at.barycentric[k]
+        })
     }
 
     /// Walks along the straight segment from `from`, which lies in `cell`, to `to`.
@@ -92,7 +94,13 @@ impl<const D: usize> Mesh<D> {
     /// contain its start (by which it cannot leave). `None` if there is none: the segment leaves
     /// the domain here.
     #[cold]
-    fn onward(&self, cell: usize, from: &Point<D>, to: &Point<D>, t: f64) -> Option<(usize, [bool; 4])> {
+    fn onward(
+        &self,
+        cell: usize,
+        from: &Point<D>,
+        to: &Point<D>,
+        t: f64,
+    ) -> Option<(usize, [bool; 4])> {
         let p = from + (to - from) * t;
         let mut star = [NONE; STAR];
         star[0] = cell as u32;
@@ -179,7 +187,8 @@ impl<const D: usize> Locator<D> {
         let extent = high - low;
         // A cell of a mesh has a volume, so every extent is positive.
         let spacing = (extent.product() / mesh.cell_count() as f64).powf(1.0 / D as f64);
-        let shape = std::array::from_fn(|i| ((extent[i] / spacing) as usize).clamp(1, mesh.cell_count()));
+        let shape =
+            std::array::from_fn(|i| ((extent[i] / spacing) as usize).clamp(1, mesh.cell_count()));
         let density = Point::<D>::from_fn(|i, _| shape[i] as f64 / extent[i]);
         let mut grid = Locator { low, density, shape, starts: Vec::new(), cells: Vec::new() };
         let buckets = shape.iter().product::<usize>();
@@ -253,7 +262,9 @@ impl<const D: usize> Locator<D> {
     /// Grid coordinates of the bucket of `x`, the nearest one if `x` lies outside the grid.
     fn coordinates(&self, x: &Point<D>) -> [usize; D] {
         // A cast from float saturates: negative values become 0.
-        std::array::from_fn(|i| (((x[i] - self.low[i]) * self.density[i]) as usize).min(self.shape[i] - 1))
+        std::array::from_fn(|i| {
+            (((x[i] - self.low[i]) * self.density[i]) as usize).min(self.shape[i] - 1)
+        })
     }
 
     fn bucket(&self, at: &[usize; D]) -> usize {

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 /// The mesh without the cells whose centre lies in the open box with corners `low` and `high`.
 fn with_hole<const D: usize>(mesh: &Mesh<D>, low: f64, high: f64) -> Mesh<D> {
     let centre = |c: usize| {
-        mesh.cell(c).iter().fold(Point::<D>::zeros(), |s, &v| s + mesh.points()[v as usize]) / (D + 1) as f64
+        mesh.cell(c).iter().fold(Point::<D>::zeros(), |s, &v| s + mesh.points()[v as usize])
+            / (D + 1) as f64
     };
     let kept = (0..mesh.cell_count()).filter(|&c| !centre(c).iter().all(|&x| low < x && x < high));
     Mesh::new(mesh.points().to_vec(), kept.flat_map(|c| mesh.cell(c).to_vec()).collect()).unwrap()
@@ -138,7 +139,11 @@ fn lattice<const D: usize>(mesh: &Mesh<D>, per_cell: i64, stride: usize) {
 
 #[test]
 fn a_hole_stops_a_walk_exactly_when_its_inside_is_entered_in_2d() {
-    lattice(&with_hole(&rectangle([0.0; 2], [3.0; 2], [6, 6], Diagonals::Right).unwrap(), 1.0, 2.0), 4, 1);
+    lattice(
+        &with_hole(&rectangle([0.0; 2], [3.0; 2], [6, 6], Diagonals::Right).unwrap(), 1.0, 2.0),
+        4,
+        1,
+    );
 }
 
 #[test]
@@ -175,7 +180,10 @@ fn walks_through_a_point_of_many_cells_and_along_a_curved_wall() {
                 let (found, inside) = mesh.walk(f.cell, &x, &y);
                 assert!(inside && is_at(&mesh, &found, &y), "{v} to {w}: {found:?}");
                 let (found, inside) = mesh.walk(f.cell, &x, &(2.0 * y - x));
-                assert!((v == w || !inside) && is_at(&mesh, &found, &y), "{v} through {w}: {found:?}");
+                assert!(
+                    (v == w || !inside) && is_at(&mesh, &found, &y),
+                    "{v} through {w}: {found:?}"
+                );
             }
         }
     }

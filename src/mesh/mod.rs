@@ -116,7 +116,8 @@ pub struct Mesh<const D: usize> {
     reoriented: Vec<u32>,
 }
 
-/// Refuses cells that are none of dimension `D`, too many of them, and coordinates that are not finite.
+/// Refuses cells that are none of dimension `D`, too many of them, and coordinates that are not
+/// finite.
 fn check_sizes<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<()> {
     if cells.is_empty() || !cells.len().is_multiple_of(D + 1) {
         return Err(Error::input(format!("the mesh has no cells of dimension {D}"))
@@ -136,7 +137,11 @@ fn check_sizes<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<()>
 }
 
 /// Makes cell `c` positively oriented. Returns its map, and true if its orientation has changed.
-fn oriented<const D: usize>(points: &[Point<D>], c: usize, cell: &mut [u32]) -> Result<(Affine<D>, bool)> {
+fn oriented<const D: usize>(
+    points: &[Point<D>],
+    c: usize,
+    cell: &mut [u32],
+) -> Result<(Affine<D>, bool)> {
     if let Some(&bad) = cell.iter().find(|&&v| v as usize >= points.len()) {
         return Err(Error::input("a cell uses a point that does not exist")
             .at(format!("cell {c} (counted from 0)"))
@@ -228,7 +233,11 @@ impl<const D: usize> Mesh<D> {
     /// points outward.
     pub fn facet_points(&self, f: &Facet) -> impl Iterator<Item = u32> + '_ {
         let opposite = f.opposite as usize;
-        self.cell(f.cell as usize).iter().enumerate().filter(move |(k, _)| *k != opposite).map(|(_, &v)| v)
+        self.cell(f.cell as usize)
+            .iter()
+            .enumerate()
+            .filter(move |(k, _)| *k != opposite)
+            .map(|(_, &v)| v)
     }
     /// Outward unit normal of a boundary facet and its length (2-D) or area (3-D).
     pub fn facet_normal(&self, f: &Facet) -> (SVector<f64, D>, f64) {
@@ -309,7 +318,9 @@ mod tests {
     use super::*;
 
     fn refused(points: &[[f64; 2]], cells: &[u32]) -> String {
-        Mesh::<2>::new(points.iter().map(|&p| p.into()).collect(), cells.to_vec()).unwrap_err().to_string()
+        Mesh::<2>::new(points.iter().map(|&p| p.into()).collect(), cells.to_vec())
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -327,19 +338,31 @@ mod tests {
             assert!(parts.iter().all(|p| message.contains(p)), "{cells:?}: {message}");
         }
         let message = refused(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [f64::NAN, 2.0]], &[0, 1, 2]);
-        assert!(message.contains("not a finite number") && message.contains("point 3"), "{message}");
+        assert!(
+            message.contains("not a finite number") && message.contains("point 3"),
+            "{message}"
+        );
         // Three triangles on one edge.
         let fan = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0]];
         let message = refused(&fan, &[0, 1, 2, 0, 3, 1, 0, 4, 1]);
-        assert!(message.contains("more than two cells") && message.contains("cells [0, 1, 2]"), "{message}");
+        assert!(
+            message.contains("more than two cells") && message.contains("cells [0, 1, 2]"),
+            "{message}"
+        );
     }
 
     #[test]
     fn tetrahedra_on_the_same_side_of_a_facet_are_refused() {
-        let points: Vec<Point<3>> =
-            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.2, 0.2, 2.0], [0.1, 0.1, -1.0]]
-                .map(|p| p.into())
-                .to_vec();
+        let points: Vec<Point<3>> = [
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.2, 0.2, 2.0],
+            [0.1, 0.1, -1.0],
+        ]
+        .map(|p| p.into())
+        .to_vec();
         assert!(Mesh::<3>::new(points.clone(), vec![0, 1, 2, 3, 0, 1, 2, 5]).is_ok());
         let message = Mesh::<3>::new(points, vec![0, 1, 2, 3, 2, 0, 1, 4]).unwrap_err().to_string();
         assert!(message.contains("overlap"), "{message}");

@@ -59,8 +59,12 @@ pub fn check<const D: usize>(mesh: &Mesh<D>) -> (Quality<D>, Vec<Warning>) {
         (parts > 1).then(|| {
             let place = place(mesh, smallest_part);
             Warning::new(
-                format!("the mesh has {parts} parts that are not connected; {place} belongs to the smallest"),
-                "if they should be one, make the surfaces share their boundary (gmsh: BooleanFragments or Coherence)",
+                format!(
+                    "the mesh has {parts} parts that are not connected; {place} belongs to the \
+                     smallest"
+                ),
+                "if they should be one, make the surfaces share their boundary (gmsh: \
+                 BooleanFragments or Coherence)",
             )
         }),
     ];
@@ -79,7 +83,8 @@ fn extreme<const D: usize>(mesh: &Mesh<D>, value: &dyn Fn(usize) -> f64) -> Extr
 }
 
 fn centre<const D: usize>(mesh: &Mesh<D>, c: usize) -> Point<D> {
-    mesh.cell(c).iter().fold(Point::<D>::zeros(), |s, &v| s + mesh.points()[v as usize]) / (D + 1) as f64
+    mesh.cell(c).iter().fold(Point::<D>::zeros(), |s, &v| s + mesh.points()[v as usize])
+        / (D + 1) as f64
 }
 
 fn place<const D: usize>(mesh: &Mesh<D>, c: usize) -> String {
@@ -107,8 +112,9 @@ fn radius_ratio<const D: usize>(mesh: &Mesh<D>, c: usize) -> f64 {
     let (map, cell) = (mesh.map(c), mesh.cell(c));
     let point = |k: usize| mesh.points()[cell[k] as usize];
     let inverse_radius: f64 = (0..=D).map(|k| map.gradient(k).norm()).sum();
-    let circumcentre =
-        (1..=D).fold(Point::<D>::zeros(), |x, k| x + map.gradient(k) * (0.5 * (point(k) - point(0)).norm_squared()));
+    let circumcentre = (1..=D).fold(Point::<D>::zeros(), |x, k| {
+        x + map.gradient(k) * (0.5 * (point(k) - point(0)).norm_squared())
+    });
     D as f64 / (inverse_radius * circumcentre.norm())
 }
 
@@ -146,11 +152,13 @@ fn small_angles<const D: usize>(mesh: &Mesh<D>, worst: &Extreme<D>) -> Option<Wa
     let count = (0..mesh.cell_count()).filter(|&c| smallest_angle(mesh, c) < SMALL_ANGLE).count();
     Some(Warning::new(
         format!(
-            "{count} cell(s) have an angle below {SMALL_ANGLE} degrees; the smallest is {:.3} in {}",
+            "{count} cell(s) have an angle below {SMALL_ANGLE} degrees; the smallest is {:.3} in \
+             {}",
             worst.value,
             place(mesh, worst.cell as usize)
         ),
-        "such cells spoil accuracy and condition: let sizes change slowly, or optimise the mesh (3-D: gmsh -optimize_threshold 0.5)",
+        "such cells spoil accuracy and condition: let sizes change slowly, or optimise the mesh \
+         (3-D: gmsh -optimize_threshold 0.5)",
     ))
 }
 
@@ -176,7 +184,8 @@ fn unused_points<const D: usize>(mesh: &Mesh<D>) -> Option<Warning> {
     let count = unused.iter().filter(|&&u| u).count();
     Some(Warning::new(
         format!(
-            "{count} point(s) belong to no cell; the first is point {first} (counted from 0) at {:?}",
+            "{count} point(s) belong to no cell; the first is point {first} (counted from 0) at \
+             {:?}",
             mesh.points()[first].as_slice()
         ),
         "remove them: no equation determines a value there",
@@ -197,7 +206,8 @@ fn duplicated_points<const D: usize>(mesh: &Mesh<D>) -> Option<Warning> {
     let &(a, b) = pairs.first()?;
     Some(Warning::new(
         format!(
-            "{} point(s) stand at the place of another; the first pair is {a} and {b} (counted from 0) at {:?}",
+            "{} point(s) stand at the place of another; the first pair is {a} and {b} (counted \
+             from 0) at {:?}",
             pairs.len(),
             mesh.points()[a].as_slice()
         ),
@@ -214,14 +224,17 @@ fn unnamed_facets<const D: usize>(mesh: &Mesh<D>) -> Option<Warning> {
     }
     let facet = mesh.facets()[named.iter().position(|n| !n)?];
     let count = named.iter().filter(|n| !**n).count();
-    let corners: Vec<_> = mesh.facet_points(&facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
+    let corners: Vec<_> =
+        mesh.facet_points(&facet).map(|v| mesh.points()[v as usize].as_slice().to_vec()).collect();
     Some(Warning::new(
         format!(
-            "{count} of {} sides on the boundary have no name; the first has the corners {corners:?} and belongs to {}",
+            "{count} of {} sides on the boundary have no name; the first has the corners \
+             {corners:?} and belongs to {}",
             named.len(),
             place(mesh, facet.cell as usize)
         ),
-        "a condition can be given there only through a name: add a Physical Curve (2-D) or Physical Surface (3-D)",
+        "a condition can be given there only through a name: add a Physical Curve (2-D) or \
+         Physical Surface (3-D)",
     ))
 }
 
@@ -249,10 +262,13 @@ mod tests {
         let (q, w) = check(&rectangle([0.0; 2], [3.0, 3.0], [3, 3], Diagonals::Right).unwrap());
         assert!((q.smallest_angle.value - 45.0).abs() < 1e-12);
         assert!((q.smallest_radius_ratio.value - (2.0 - 2f64.sqrt()) * 2f64.sqrt()).abs() < 1e-14);
-        assert!((q.greatest_diameter.value - 2f64.sqrt()).abs() < 1e-14 && q.parts == 1 && w.is_empty());
+        assert!(
+            (q.greatest_diameter.value - 2f64.sqrt()).abs() < 1e-14 && q.parts == 1 && w.is_empty()
+        );
         // Regular tetrahedron: dihedral angle acos(1/3).
         let regular = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-        let (q, _) = check(&Mesh::<3>::new(regular.map(|p| p.into()).to_vec(), vec![0, 1, 2, 3]).unwrap());
+        let (q, _) =
+            check(&Mesh::<3>::new(regular.map(|p| p.into()).to_vec(), vec![0, 1, 2, 3]).unwrap());
         assert!((q.smallest_angle.value - (1.0f64 / 3.0).acos().to_degrees()).abs() < 1e-12);
         assert!((q.smallest_radius_ratio.value - 1.0).abs() < 1e-14);
         // Kuhn's tetrahedra have dihedral angles of 45, 60 and 90 degrees.

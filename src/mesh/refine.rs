@@ -18,8 +18,12 @@ use std::collections::{BTreeSet, HashMap};
 ///
 /// # Errors
 /// A cell inverted or flattened by a moved point.
-pub fn refine<const D: usize>(mesh: &Mesh<D>, onto: impl Fn(&str, &Point<D>) -> Option<Point<D>>) -> Result<Mesh<D>> {
-    let mut middles = Middles { points: mesh.points().to_vec(), by_ends: HashMap::new(), ends: Vec::new() };
+pub fn refine<const D: usize>(
+    mesh: &Mesh<D>,
+    onto: impl Fn(&str, &Point<D>) -> Option<Point<D>>,
+) -> Result<Mesh<D>> {
+    let mut middles =
+        Middles { points: mesh.points().to_vec(), by_ends: HashMap::new(), ends: Vec::new() };
     let mut cells = Vec::with_capacity(((D + 1) << D) * mesh.cell_count());
     for c in 0..mesh.cell_count() {
         match *mesh.cell(c) {
@@ -45,7 +49,11 @@ pub fn refine<const D: usize>(mesh: &Mesh<D>, onto: impl Fn(&str, &Point<D>) -> 
     let parent: Vec<Option<u32>> = fine
         .facets()
         .iter()
-        .map(|f| parent(mesh, &fine, f, |v| if (v as usize) < old { [v; 2] } else { ends_of[v as usize - old] }))
+        .map(|f| {
+            parent(mesh, &fine, f, |v| {
+                if (v as usize) < old { [v; 2] } else { ends_of[v as usize - old] }
+            })
+        })
         .collect();
     inherit(mesh, &mut fine, &parent);
     Ok(fine)
@@ -71,10 +79,13 @@ impl<const D: usize> Middles<D> {
 
     /// The eight tetrahedra of `a b c d`, positively oriented.
     fn eight(&mut self, a: u32, b: u32, c: u32, d: u32) -> [[u32; 4]; 8] {
-        let [ab, ac, ad, bc, bd, cd] = [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)].map(|(i, j)| self.of(i, j));
-        let length = |i: u32, j: u32| (self.points[i as usize] - self.points[j as usize]).norm_squared();
+        let [ab, ac, ad, bc, bd, cd] =
+            [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)].map(|(i, j)| self.of(i, j));
+        let length =
+            |i: u32, j: u32| (self.points[i as usize] - self.points[j as usize]).norm_squared();
         // The ends of a diagonal, and the four other points in turn about it.
-        let diagonals = [(ab, cd, [ac, ad, bd, bc]), (ac, bd, [ad, ab, bc, cd]), (ad, bc, [ab, ac, cd, bd])];
+        let diagonals =
+            [(ab, cd, [ac, ad, bd, bc]), (ac, bd, [ad, ab, bc, cd]), (ad, bc, [ab, ac, cd, bd])];
         let (mut p, mut q, mut ring) = diagonals[0];
         for &(i, j, around) in &diagonals[1..] {
             // A diagonal shorter by rounding only is not taken: of equal ones the first.
@@ -107,7 +118,8 @@ fn names_of_edges<const D: usize>(mesh: &Mesh<D>) -> HashMap<[u32; 2], BTreeSet<
 /// Rejects cells that moved points have inverted; [`Mesh::new`] would reorient them.
 fn refuse_turned<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<()> {
     let volume = |v: &[u32]| {
-        let from_first = |i: usize, k: usize| points[v[k + 1] as usize][i] - points[v[0] as usize][i];
+        let from_first =
+            |i: usize, k: usize| points[v[k + 1] as usize][i] - points[v[0] as usize][i];
         determinant(&SMatrix::<f64, D, D>::from_fn(from_first))
     };
     let Some(cell) = cells.chunks_exact(D + 1).find(|v| volume(v) <= 0.0) else { return Ok(()) };
@@ -145,7 +157,10 @@ fn inherit<const D: usize>(mesh: &Mesh<D>, fine: &mut Mesh<D>, parent: &[Option<
         let mut of_name = vec![false; mesh.facets().len()];
         facets.iter().for_each(|&f| of_name[f as usize] = true);
         let inherits = |p: &Option<u32>| p.is_some_and(|p| of_name[p as usize]);
-        fine.set_boundary(name, (0..).zip(parent).filter(|(_, p)| inherits(p)).map(|(f, _)| f).collect());
+        fine.set_boundary(
+            name,
+            (0..).zip(parent).filter(|(_, p)| inherits(p)).map(|(f, _)| f).collect(),
+        );
     }
     for (name, parts) in mesh.regions() {
         fine.set_region(name, parts.iter().flat_map(|&c| c << D..(c + 1) << D).collect());
@@ -167,11 +182,15 @@ mod tests {
         coarse.set_region("first", vec![0, 3]);
         let fine = refine(&coarse, |_, _| None).unwrap();
         let direct = rectangle([0.0, 0.0], [2.0, 1.0], [6, 4], Diagonals::Right).unwrap();
-        assert_eq!((fine.cell_count(), fine.points().len()), (direct.cell_count(), direct.points().len()));
+        assert_eq!(
+            (fine.cell_count(), fine.points().len()),
+            (direct.cell_count(), direct.points().len())
+        );
         assert!((fine.volume() - 2.0).abs() < 1e-14);
         for (name, facets) in direct.boundaries() {
-            let length =
-                |m: &Mesh<2>, f: &[u32]| -> f64 { f.iter().map(|&f| m.facet_normal(&m.facets()[f as usize]).1).sum() };
+            let length = |m: &Mesh<2>, f: &[u32]| -> f64 {
+                f.iter().map(|&f| m.facet_normal(&m.facets()[f as usize]).1).sum()
+            };
             let inherited = fine.boundary(name).unwrap();
             assert_eq!(inherited.len(), facets.len(), "{name}");
             assert!((length(&fine, inherited) - length(&direct, facets)).abs() < 1e-14, "{name}");
@@ -185,7 +204,9 @@ mod tests {
     fn a_disc_tends_to_the_circle() {
         let mut mesh = disc([0.5, -0.5], 2.0, 2).unwrap();
         let centre = Point::<2>::new(0.5, -0.5);
-        let onto = |name: &str, x: &Point<2>| (name == "wall").then(|| centre + (x - centre).normalize() * 2.0);
+        let onto = |name: &str, x: &Point<2>| {
+            (name == "wall").then(|| centre + (x - centre).normalize() * 2.0)
+        };
         let mut before = f64::INFINITY;
         for _ in 0..3 {
             mesh = refine(&mesh, onto).unwrap();
@@ -200,7 +221,8 @@ mod tests {
     #[test]
     fn a_boundary_that_is_moved_through_its_triangle_is_refused() {
         let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], Diagonals::Right).unwrap();
-        let far = |name: &str, x: &Point<2>| (name == "left").then(|| x + Point::<2>::new(0.6, 0.0));
+        let far =
+            |name: &str, x: &Point<2>| (name == "left").then(|| x + Point::<2>::new(0.6, 0.0));
         assert!(refine(&mesh, far).unwrap_err().to_string().contains("turned over"));
     }
 
@@ -211,7 +233,8 @@ mod tests {
         let fine = refine(&coarse, |_, _| None).unwrap();
         let direct = box_mesh([0.0; 3], [2.0, 2.0, 2.0], [4, 4, 4]).unwrap();
         let cells = |mesh: &Mesh<3>| -> BTreeSet<Vec<[i64; 3]>> {
-            let point = |v: &u32| mesh.points()[*v as usize].map(|x| (x * 1e6).round() as i64).into();
+            let point =
+                |v: &u32| mesh.points()[*v as usize].map(|x| (x * 1e6).round() as i64).into();
             let cell = |c: usize| {
                 let mut points: Vec<[i64; 3]> = mesh.cell(c).iter().map(point).collect();
                 points.sort_unstable();
@@ -223,8 +246,9 @@ mod tests {
         assert_eq!(cells(&fine), cells(&direct));
         assert!(fine.reoriented().is_empty());
         for (name, facets) in direct.boundaries() {
-            let area =
-                |m: &Mesh<3>, f: &[u32]| f.iter().map(|&f| m.facet_normal(&m.facets()[f as usize]).1).sum::<f64>();
+            let area = |m: &Mesh<3>, f: &[u32]| {
+                f.iter().map(|&f| m.facet_normal(&m.facets()[f as usize]).1).sum::<f64>()
+            };
             let inherited = fine.boundary(name).unwrap();
             assert_eq!(inherited.len(), facets.len(), "{name}");
             assert!((area(&fine, inherited) - area(&direct, facets)).abs() < 1e-13, "{name}");
@@ -232,7 +256,10 @@ mod tests {
                 let facet = &fine.facets()[f as usize];
                 assert_eq!(
                     fine.facet_normal(facet).0.iamax(),
-                    ["left right", "bottom top", "back front"].iter().position(|n| n.contains(name.as_str())).unwrap()
+                    ["left right", "bottom top", "back front"]
+                        .iter()
+                        .position(|n| n.contains(name.as_str()))
+                        .unwrap()
                 );
             }
         }
@@ -256,6 +283,10 @@ mod tests {
         }
         let quality = check(&mesh).0;
         assert!(before < 0.05 && mesh.cell_count() == 8 << 12, "{before}");
-        assert!(quality.smallest_angle.value > 10.0 && quality.parts == 1, "{}", quality.smallest_angle.value);
+        assert!(
+            quality.smallest_angle.value > 10.0 && quality.parts == 1,
+            "{}",
+            quality.smallest_angle.value
+        );
     }
 }

@@ -5,7 +5,10 @@ use crate::base::{Error, Result};
 use rayon::prelude::*;
 
 /// Neighbours of all cells, and the facets without one.
-pub(super) fn connect<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Result<(Vec<u32>, Vec<Facet>)> {
+pub(super) fn connect<const D: usize>(
+    points: &[Point<D>],
+    cells: &[u32],
+) -> Result<(Vec<u32>, Vec<Facet>)> {
     let vertices = |slot: u32| &cells[slot as usize / (D + 1) * (D + 1)..][..D + 1];
     let local = |slot: u32| slot as usize % (D + 1);
     let mut sides: Vec<([u32; 3], u32)> = (0..cells.len() as u32)
@@ -17,7 +20,9 @@ pub(super) fn connect<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Res
     for group in sides.chunk_by(|a, b| a.0 == b.0) {
         match *group {
             [_] => {}
-            [(_, a), (_, b)] if facet_parity(vertices(a), local(a)) != facet_parity(vertices(b), local(b)) => {
+            [(_, a), (_, b)]
+                if facet_parity(vertices(a), local(a)) != facet_parity(vertices(b), local(b)) =>
+            {
                 neighbours[a as usize] = b / (D as u32 + 1);
                 neighbours[b as usize] = a / (D as u32 + 1);
             }
@@ -33,7 +38,8 @@ pub(super) fn connect<const D: usize>(points: &[Point<D>], cells: &[u32]) -> Res
 
 /// The error for a facet that cells do not share as they should.
 fn refuse<const D: usize>(points: &[Point<D>], group: &[([u32; 3], u32)]) -> Error {
-    let at: Vec<_> = group[0].0[..D].iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
+    let at: Vec<_> =
+        group[0].0[..D].iter().map(|&v| points[v as usize].as_slice().to_vec()).collect();
     let numbers: Vec<_> = group.iter().map(|(_, slot)| slot / (D as u32 + 1)).collect();
     let what = if group.len() > 2 {
         "a facet belongs to more than two cells: the mesh is not a manifold"
@@ -41,9 +47,15 @@ fn refuse<const D: usize>(points: &[Point<D>], group: &[([u32; 3], u32)]) -> Err
         "two cells overlap: they lie on the same side of the facet they share"
     };
     Error::input(what)
-        .at(format!("cell {} (counted from 0), facet with points {at:?}", numbers[numbers.len() - 1]))
+        .at(format!(
+            "cell {} (counted from 0), facet with points {at:?}",
+            numbers[numbers.len() - 1]
+        ))
         .value(format!("cells {numbers:?}"))
-        .remedy("look for cells that are stored twice, and for a surface that is folded or meshed twice")
+        .remedy(
+            "look for cells that are stored twice, and for a surface that is folded or meshed \
+             twice",
+        )
 }
 
 /// The sorted point numbers of the facet opposite to vertex `k`; unused entries are [`NONE`].

@@ -2,7 +2,8 @@
 
 use super::field::FieldData;
 
-/// The range of the values that get different colours; values beyond get the colour of the nearer end.
+/// The range of the values that get different colours; values beyond get the colour of the nearer
+/// end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// The lowest value.
@@ -12,17 +13,21 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// From the least to the greatest value at the nodes, of the length for a vector field. Values that are not finite do
-    /// not count; without values the range is empty.
+    /// From the least to the greatest value at the nodes, of the length for a vector field. Values
+    /// that are not finite do not count; without values the range is empty.
     pub fn of<const D: usize>(field: FieldData<D>) -> Scale {
         let range = |values: &mut dyn Iterator<Item = f64>| {
             let finite = values.filter(|v| v.is_finite());
-            finite.fold(Scale { low: f64::INFINITY, high: f64::NEG_INFINITY }, |s, v| s.with(Scale { low: v, high: v }))
+            finite.fold(Scale { low: f64::INFINITY, high: f64::NEG_INFINITY }, |s, v| {
+                s.with(Scale { low: v, high: v })
+            })
         };
         match field {
             FieldData::Scalar(f) => range(&mut f.iter().copied()),
             // A length is compared with zero.
-            FieldData::Vector(f) => range(&mut f.iter().map(|v| v.norm()).chain(std::iter::once(0.0))),
+            FieldData::Vector(f) => {
+                range(&mut f.iter().map(|v| v.norm()).chain(std::iter::once(0.0)))
+            }
         }
     }
     /// The scale that serves both: for the frames of a film.
@@ -31,7 +36,8 @@ impl Scale {
     }
 }
 
-/// The colours of a scale: viridis, or blue below zero and red above (ColorBrewer) where values have both signs.
+/// The colours of a scale: viridis, or blue below zero and red above (ColorBrewer) where values
+/// have both signs.
 pub(super) struct Colours {
     /// The lowest and the highest value of the colour bar, never equal.
     pub low: f64,
@@ -50,7 +56,8 @@ impl Colours {
     }
     /// Greys from black to white where `grey`, else colours.
     pub fn with(scale: Scale, grey: bool) -> Colours {
-        let Scale { low, high } = if scale.low <= scale.high { scale } else { Scale { low: 0.0, high: 1.0 } };
+        let Scale { low, high } =
+            if scale.low <= scale.high { scale } else { Scale { low: 0.0, high: 1.0 } };
         let largest = low.abs().max(high.abs());
         // A few negative values of a field that is positive by nature do not make it a signed one.
         let signed = !grey && low < 0.0 && high > 0.0 && low.abs().min(high) > 0.05 * largest;

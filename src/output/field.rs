@@ -5,7 +5,8 @@ use crate::fem::{EDGES, Space};
 use nalgebra::SVector;
 use std::ops::{Add, Mul};
 
-/// The values of a field, one a node of the space; on a P2 space also one a point of the mesh, for a P1 field.
+/// The values of a field, one a node of the space; on a P2 space also one a point of the mesh, for
+/// a P1 field.
 #[derive(Clone, Copy, Debug)]
 pub enum FieldData<'a, const D: usize> {
     /// A number a node.

@@ -31,7 +31,12 @@ pub enum Content {
 
 impl Figure {
     /// A chart, `svg` being made by [`Chart::svg`](super::Chart::svg).
-    pub fn chart(name: impl Into<String>, title: impl Into<String>, svg: String, caption: impl Into<String>) -> Figure {
+    pub fn chart(
+        name: impl Into<String>,
+        title: impl Into<String>,
+        svg: String,
+        caption: impl Into<String>,
+    ) -> Figure {
         let content = Content::Svg(svg);
         Figure { name: name.into(), title: title.into(), content, caption: caption.into() }
     }
@@ -47,7 +52,8 @@ impl Figure {
     /// The element `figure` of HTML.
     pub(super) fn html(&self) -> String {
         let name = escape(&self.title);
-        let image = |kind, bytes| format!("<img alt=\"{name}\" src=\"{}\"/>", data_uri(kind, bytes));
+        let image =
+            |kind, bytes| format!("<img alt=\"{name}\" src=\"{}\"/>", data_uri(kind, bytes));
         let content = match &self.content {
             Content::Svg(svg) => svg.clone(),
             Content::Png(bytes) => image("image/png", bytes),
@@ -60,7 +66,9 @@ impl Figure {
         };
         let stop = if self.title.is_empty() || self.title.ends_with('.') { "" } else { "." };
         let caption = prose(&self.caption);
-        format!("<figure>{content}\n<figcaption><b>{name}{stop}</b> {caption}</figcaption></figure>")
+        format!(
+            "<figure>{content}\n<figcaption><b>{name}{stop}</b> {caption}</figcaption></figure>"
+        )
     }
 }
 
@@ -87,7 +95,9 @@ mod tests {
 
     #[test]
     fn base64_is_that_of_rfc_4648() {
-        for (text, code) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+        for (text, code) in
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
+        {
             assert_eq!(data_uri("a/b", text.as_bytes()), format!("data:a/b;base64,{code}"));
         }
         assert!(data_uri("a/b", &[0xfb, 0xff]).ends_with(",+/8="));

@@ -5,14 +5,16 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// Replaces the file at `path` by `bytes`: they are written beside it and renamed, so that a stop at any moment leaves
-/// the old or the new file.
+/// Replaces the file at `path` by `bytes`: they are written beside it and renamed, so that a stop
+/// at any moment leaves the old or the new file.
 ///
 /// # Errors
 /// The folder does not exist or may not be written to, or the disk is full; the remedy says which.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     let beside = temporary(path);
-    let written = File::create(&beside).and_then(|mut f| f.write_all(bytes)).and_then(|()| fs::rename(&beside, path));
+    let written = File::create(&beside)
+        .and_then(|mut f| f.write_all(bytes))
+        .and_then(|()| fs::rename(&beside, path));
     written.map_err(|e| {
         // Nothing more can be done for the user if the half-written file cannot be removed either.
         let _ = fs::remove_file(&beside);
@@ -57,7 +59,9 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 /// The file cannot be read, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read(path)?).map_err(|e| {
-        Error::input("a text file is not valid UTF-8").at(path.display().to_string()).value(e.utf8_error())
+        Error::input("a text file is not valid UTF-8")
+            .at(path.display().to_string())
+            .value(e.utf8_error())
     })
 }
 

@@ -20,29 +20,44 @@ pub struct Film {
     pub warning: Option<Warning>,
 }
 
-/// Writes `stem.gif` and, with `ffmpeg`, `stem.mp4`: one picture after the other, `per_second` of them in a second. The
-/// last one stays a little before the film begins again. Pictures are taken one by one and not kept.
+/// Writes `stem.gif` and, with `ffmpeg`, `stem.mp4`: one picture after the other, `per_second` of
+/// them in a second. The last one stays a little before the film begins again. Pictures are taken
+/// one by one and not kept.
 ///
 /// # Errors
 /// A picture that failed; no picture; pictures of different sizes; a file that cannot be written.
-pub fn write_film(stem: &Path, pictures: impl IntoIterator<Item = Result<Image>>, per_second: f64) -> Result<Film> {
+pub fn write_film(
+    stem: &Path,
+    pictures: impl IntoIterator<Item = Result<Image>>,
+    per_second: f64,
+) -> Result<Film> {
     film(stem, pictures, per_second, "ffmpeg")
 }
 
-fn film(stem: &Path, pictures: impl IntoIterator<Item = Result<Image>>, per_second: f64, ffmpeg: &str) -> Result<Film> {
+fn film(
+    stem: &Path,
+    pictures: impl IntoIterator<Item = Result<Image>>,
+    per_second: f64,
+    ffmpeg: &str,
+) -> Result<Film> {
     let (gif_path, mp4_path) = (stem.with_extension("gif"), stem.with_extension("mp4"));
     let mut pictures = pictures.into_iter().peekable();
     let size = match pictures.peek() {
         Some(Ok(first)) => [first.width(), first.height()],
         Some(Err(e)) => return Err(e.clone()),
-        None => return Err(Error::input("a film needs at least one picture").at(stem.display().to_string())),
+        None => {
+            return Err(
+                Error::input("a film needs at least one picture").at(stem.display().to_string())
+            );
+        }
     };
     let mut gif = Gif::new(size, per_second)?;
     let mut mp4 = Mp4::start(ffmpeg, &mp4_path, size, per_second);
     while let Some(picture) = pictures.next() {
         let picture = picture?;
         if [picture.width(), picture.height()] != size {
-            return Err(Error::internal("the pictures of a film differ in size").at(stem.display().to_string()));
+            return Err(Error::internal("the pictures of a film differ in size")
+                .at(stem.display().to_string()));
         }
         gif.add(&picture, pictures.peek().is_none())?;
         if let Some(mp4) = &mut mp4 {
@@ -54,7 +69,8 @@ fn film(stem: &Path, pictures: impl IntoIterator<Item = Result<Image>>, per_seco
         None => Ok(Film { gif: gif_path, mp4: None, warning: None }),
         Some(Ok(())) => Ok(Film { gif: gif_path, mp4: Some(mp4_path), warning: None }),
         Some(Err(why)) => {
-            let warning = Warning::new(format!("ffmpeg wrote no MP4 film: {why}"), "the GIF film is there");
+            let warning =
+                Warning::new(format!("ffmpeg wrote no MP4 film: {why}"), "the GIF film is there");
             Ok(Film { gif: gif_path, mp4: None, warning: Some(warning) })
         }
     }
@@ -69,7 +85,9 @@ struct Gif {
 
 impl Gif {
     fn new([width, height]: [usize; 2], per_second: f64) -> Result<Gif> {
-        let side = |n: usize| u16::try_from(n).map_err(|_| Error::input("a film is too large for GIF").value(n));
+        let side = |n: usize| {
+            u16::try_from(n).map_err(|_| Error::input("a film is too large for GIF").value(n))
+        };
         let size = [side(width)?, side(height)?];
         let mut encoder = gif::Encoder::new(Vec::new(), size[0], size[1], &[]).map_err(failed)?;
         encoder.set_repeat(gif::Repeat::Infinite).map_err(failed)?;
@@ -78,7 +96,8 @@ impl Gif {
     }
     fn add(&mut self, picture: &Image, last: bool) -> Result<()> {
         let (palette, pixels) = palette::reduce(picture.rgb());
-        let mut frame = gif::Frame::from_palette_pixels(self.size[0], self.size[1], pixels, palette, None);
+        let mut frame =
+            gif::Frame::from_palette_pixels(self.size[0], self.size[1], pixels, palette, None);
         frame.delay = if last { self.delay.max(150) } else { self.delay };
         self.encoder.write_frame(&frame).map_err(failed)
     }
@@ -100,14 +119,40 @@ struct Mp4 {
 
 impl Mp4 {
     /// None if there is no such program.
-    fn start(ffmpeg: &str, path: &Path, [width, height]: [usize; 2], per_second: f64) -> Option<Mp4> {
+    fn start(
+        ffmpeg: &str,
+        path: &Path,
+        [width, height]: [usize; 2],
+        per_second: f64,
+    ) -> Option<Mp4> {
         let part = path.with_extension("mp4.part");
         let size = format!("{width}x{height}");
         let rate = per_second.to_string();
         let process = Command::new(ffmpeg)
-            .args(["-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &rate])
+            .args([
+                "-loglevel",
+                "error",
+                "-y",
+                "-f",
+                "rawvideo",
+                "-pix_fmt",
+                "rgb24",
+                "-s",
+                &size,
+                "-r",
+                &rate,
+            ])
             // Every player knows H.264 with halved colours, which needs even sides.
-            .args(["-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-c:v", "libx264", "-crf", "18"])
+            .args([
+                "-i",
+                "-",
+                "-vf",
+                "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
+                "-c:v",
+                "libx264",
+                "-crf",
+                "18",
+            ])
             .args(["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"])
             .arg(&part)
             .stdin(Stdio::piped())
@@ -123,7 +168,8 @@ impl Mp4 {
     fn finish(self) -> std::result::Result<(), String> {
         let output = self.process.wait_with_output().map_err(|e| e.to_string())?;
         if output.status.success() {
-            return fs::rename(&self.part, &self.path).map_err(|e| cannot_write(&self.path, &e).to_string());
+            return fs::rename(&self.part, &self.path)
+                .map_err(|e| cannot_write(&self.path, &e).to_string());
         }
         let _ = fs::remove_file(&self.part);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -143,7 +189,8 @@ mod tests {
         let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [3, 3], Diagonals::Right).unwrap();
         let space = Space::new(&Arc::new(mesh), Element::P2);
         let f = space.interpolate(|x| x[0]);
-        let picture = Picture { size: [300, 260], ..Picture::new(&space, FieldData::Scalar(&f), "a film") };
+        let picture =
+            Picture { size: [300, 260], ..Picture::new(&space, FieldData::Scalar(&f), "a film") };
         (0..n).map(|i| Picture { time: Some(i as f64), ..picture.clone() }.draw()).collect()
     }
 
@@ -158,7 +205,10 @@ mod tests {
         let (expected, mut delays) = (pictures(3), Vec::new());
         while let Some(frame) = decoder.read_next_frame().unwrap() {
             let image = expected[delays.len()].as_ref().unwrap();
-            assert_eq!((frame.width as usize, frame.height as usize), (image.width(), image.height()));
+            assert_eq!(
+                (frame.width as usize, frame.height as usize),
+                (image.width(), image.height())
+            );
             let error: f64 = frame
                 .buffer
                 .chunks_exact(4)

@@ -30,7 +30,8 @@ const OTHERS: [(&[u8], &str); 7] = [
 ];
 
 impl GreyImage {
-    /// An image of `width` columns from `levels`, row by row from the top; levels beyond 0 and 1 are written as these.
+    /// An image of `width` columns from `levels`, row by row from the top; levels beyond 0 and 1
+    /// are written as these.
     ///
     /// # Errors
     /// The number of levels is no multiple of the width.
@@ -53,19 +54,20 @@ impl GreyImage {
         checked_size(path, [info.width, info.height])
     }
 
-    /// Reads a PNG file: grey, colour or with a palette, 1 to 16 bits a channel. Colours become grey by `0.299 R + 0.587 G + 0.114 B` of the
-    /// values as they are stored.
+    /// Reads a PNG file: grey, colour or with a palette, 1 to 16 bits a channel. Colours become
+    /// grey by `0.299 R + 0.587 G + 0.114 B` of the values as they are stored.
     ///
     /// # Errors
-    /// Of kind [`Input`](crate::base::Kind::Input): the file cannot be read, is in another format or damaged, is too large, or is
-    /// transparent somewhere.
+    /// Of kind [`Input`](crate::base::Kind::Input): the file cannot be read, is in another format
+    /// or damaged, is too large, or is transparent somewhere.
     pub fn read(path: &Path) -> Result<GreyImage> {
         let bytes = bytes_of(path)?;
         let mut decoder = decoder(&bytes, path)?;
         decoder.set_transformations(Transformations::EXPAND);
         let mut reader = decoder.read_info().map_err(|e| damaged(path, &e))?;
         let [width, height] = checked_size(path, [reader.info().width, reader.info().height])?;
-        let mut data = vec![0; reader.output_buffer_size().ok_or_else(|| too_large(path, [width, height]))?];
+        let mut data =
+            vec![0; reader.output_buffer_size().ok_or_else(|| too_large(path, [width, height]))?];
         let info = reader.next_frame(&mut data).map_err(|e| damaged(path, &e))?;
         data.truncate(info.buffer_size());
         let values: Vec<f64> = match info.bit_depth {
@@ -84,10 +86,12 @@ impl GreyImage {
         if matches!(info.color_type, ColorType::GrayscaleAlpha | ColorType::Rgba)
             && let Some(k) = pixels.clone().position(|p| p[channels - 1] < 1.0)
         {
-            return Err(Error::input("the image is transparent, and what is behind it is not known")
-                .at(path.display().to_string())
-                .value(format!("pixel in column {}, row {}", k % width, k / width))
-                .remedy("lay it on a background: magick in.png -background white -flatten out.png"));
+            return Err(Error::input(
+                "the image is transparent, and what is behind it is not known",
+            )
+            .at(path.display().to_string())
+            .value(format!("pixel in column {}, row {}", k % width, k / width))
+            .remedy("lay it on a background: magick in.png -background white -flatten out.png"));
         }
         let levels = pixels.map(|p| if channels < 3 { p[0] } else { colour(&p[..3]) }).collect();
         GreyImage::new(width, levels)
@@ -105,14 +109,16 @@ impl GreyImage {
     pub fn levels(&self) -> &[f64] {
         &self.levels
     }
-    /// The level at `x` columns from the left and `y` rows from the bottom: that of the pixel there, beyond the image of the nearest one.
+    /// The level at `x` columns from the left and `y` rows from the bottom: that of the pixel
+    /// there, beyond the image of the nearest one.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let within = |v: f64, n: usize| (v.floor().max(0.0) as usize).min(n - 1);
         let row = self.height - 1 - within(y, self.height);
         self.levels[row * self.width + within(x, self.width)]
     }
-    /// The mean of the levels over the square of a pixel around a place as in [`at`](Self::at): linear in each direction between the middles
-    /// of pixels, and where four pixels meet their mean.
+    /// The mean of the levels over the square of a pixel around a place as in [`at`](Self::at):
+    /// linear in each direction between the middles of pixels, and where four pixels meet their
+    /// mean.
     pub fn smooth(&self, x: f64, y: f64) -> f64 {
         let (left, below) = ((x - 0.5).floor(), (y - 0.5).floor());
         let (s, t) = (x - 0.5 - left, y - 0.5 - below);
@@ -130,8 +136,11 @@ impl GreyImage {
         let mut encoder = Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(ColorType::Grayscale);
         encoder.set_depth(BitDepth::Eight);
-        let data: Vec<u8> =
-            self.levels.iter().map(|v| (v.clamp(0.0, 1.0) * f64::from(u8::MAX)).round() as u8).collect();
+        let data: Vec<u8> = self
+            .levels
+            .iter()
+            .map(|v| (v.clamp(0.0, 1.0) * f64::from(u8::MAX)).round() as u8)
+            .collect();
         let written = encoder.write_header().and_then(|mut w| {
             w.write_image_data(&data)?;
             w.finish()
@@ -154,7 +163,10 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
 fn decoder<'a>(bytes: &'a [u8], path: &Path) -> Result<Decoder<Cursor<&'a [u8]>>> {
     if !bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         let what = OTHERS.iter().find(|(first, _)| bytes.starts_with(first));
-        let what = what.map_or_else(|| format!("{} bytes", bytes.len()), |(_, name)| format!("it looks like {name}"));
+        let what = what.map_or_else(
+            || format!("{} bytes", bytes.len()),
+            |(_, name)| format!("it looks like {name}"),
+        );
         return Err(Error::input("the image is not a PNG file")
             .at(path.display().to_string())
             .value(what)
@@ -220,8 +232,14 @@ mod tests {
             levels([2, 1], ColorType::Grayscale, BitDepth::Sixteen, &[0xff, 0xff, 0x80, 0]),
             [1.0, 32768.0 / 65535.0]
         );
-        assert_eq!(levels([3, 1], ColorType::Grayscale, BitDepth::One, &[0b1010_0000]), [1.0, 0.0, 1.0]);
-        assert_eq!(levels([3, 1], ColorType::Indexed, BitDepth::Eight, &[1, 0, 2]), [1.0, 0.0, 0.299]);
+        assert_eq!(
+            levels([3, 1], ColorType::Grayscale, BitDepth::One, &[0b1010_0000]),
+            [1.0, 0.0, 1.0]
+        );
+        assert_eq!(
+            levels([3, 1], ColorType::Indexed, BitDepth::Eight, &[1, 0, 2]),
+            [1.0, 0.0, 0.299]
+        );
         let colours = levels([2, 1], ColorType::Rgb, BitDepth::Eight, &[0, 255, 0, 0, 0, 255]);
         assert!((colours[0] - 0.587).abs() < 1e-15 && colours[1] == 0.114);
         assert_eq!(levels([1, 1], ColorType::GrayscaleAlpha, BitDepth::Eight, &[51, 255]), [0.2]);
@@ -233,7 +251,10 @@ mod tests {
         let path = dir.path().join("a.png");
         let told = |part: &str| {
             let e = GreyImage::read(&path).unwrap_err();
-            assert!(e.to_string().contains(part) && e.kind() == Kind::Input && !e.advice().is_empty(), "{part}: {e}");
+            assert!(
+                e.to_string().contains(part) && e.kind() == Kind::Input && !e.advice().is_empty(),
+                "{part}: {e}"
+            );
         };
         told("the image cannot be read");
         fs::write(&path, b"\xff\xd8\xff\xe0 and so on").unwrap();
@@ -266,7 +287,10 @@ mod tests {
             [0.3, 0.4, 0.1, 0.2]
         );
         assert_eq!(image.at(-3.0, f64::NAN), 0.3);
-        assert!((image.smooth(1.0, 1.0) - 0.25).abs() < 1e-15 && (image.smooth(1.5, 1.0) - 0.3).abs() < 1e-15);
+        assert!(
+            (image.smooth(1.0, 1.0) - 0.25).abs() < 1e-15
+                && (image.smooth(1.5, 1.0) - 0.3).abs() < 1e-15
+        );
         assert_eq!(image.smooth(0.5, 1.5), 0.1);
     }
 }

@@ -1,8 +1,9 @@
-//! Text on images, drawn as strokes like the lettering of a technical drawing. The letters are our own.
+//! Text on images, drawn as strokes like the lettering of a technical drawing. The letters are our
+//! own.
 //!
-//! A letter is a path in units of a tenth of the height of a capital, from the left end of the baseline, y upward:
-//! `M x y` moves, `L x y` draws a straight line, `C` a cubic curve, `V x y` a quarter of an ellipse that leaves
-//! vertically, `H x y` one that leaves horizontally.
+//! A letter is a path in units of a tenth of the height of a capital, from the left end of the
+//! baseline, y upward: `M x y` moves, `L x y` draws a straight line, `C` a cubic curve, `V x y` a
+//! quarter of an ellipse that leaves vertically, `H x y` one that leaves horizontally.
 
 use super::raster::{Image, Ink, Segment};
 
@@ -56,7 +57,11 @@ fn glyph(c: char) -> (f64, Vec<Segment>) {
 /// An accented letter as its base and the path of the accent, around x = 0 above a small letter.
 fn decomposed(c: char) -> (char, Option<&'static str>) {
     let found = ACCENTED.iter().find_map(|(letters, bases, path)| {
-        letters.chars().zip(bases.chars()).find(|(l, _)| *l == c).map(|(_, base)| (base, Some(*path)))
+        letters
+            .chars()
+            .zip(bases.chars())
+            .find(|(l, _)| *l == c)
+            .map(|(_, base)| (base, Some(*path)))
     });
     found.unwrap_or((c, None))
 }
@@ -65,7 +70,9 @@ fn decomposed(c: char) -> (char, Option<&'static str>) {
 fn trace(path: &str) -> Vec<Segment> {
     let mut segments = Vec::new();
     let mut pen = [0.0; 2];
-    for command in path.split_inclusive(|c: char| c.is_ascii_alphabetic()).collect::<Vec<_>>().windows(2) {
+    for command in
+        path.split_inclusive(|c: char| c.is_ascii_alphabetic()).collect::<Vec<_>>().windows(2)
+    {
         let kind = command[0].chars().next_back().unwrap_or('M');
         let numbers = command[1].trim_end_matches(|c: char| c.is_ascii_alphabetic());
         let n: Vec<f64> = numbers.split_whitespace().filter_map(|v| v.parse().ok()).collect();
@@ -75,11 +82,13 @@ fn trace(path: &str) -> Vec<Segment> {
         match (kind, n.as_slice()) {
             ('L', _) => segments.push([pen, end]),
             ('V', _) => {
-                let controls = [[pen[0], pen[1] + bend * (y - pen[1])], [x + bend * (pen[0] - x), y]];
+                let controls =
+                    [[pen[0], pen[1] + bend * (y - pen[1])], [x + bend * (pen[0] - x), y]];
                 curve(&mut segments, pen, controls, end);
             }
             ('H', _) => {
-                let controls = [[pen[0] + bend * (x - pen[0]), pen[1]], [x, y + bend * (pen[1] - y)]];
+                let controls =
+                    [[pen[0] + bend * (x - pen[0]), pen[1]], [x, y + bend * (pen[1] - y)]];
                 curve(&mut segments, pen, controls, end);
             }
             ('C', &[a, b, c, d, ..]) => curve(&mut segments, pen, [[a, b], [c, d]], end),
@@ -96,7 +105,12 @@ fn curve(segments: &mut Vec<Segment>, start: [f64; 2], [a, b]: [[f64; 2]; 2], en
     for k in 1..=8 {
         let t = f64::from(k) / 8.0;
         let s = 1.0 - t;
-        let at = |i: usize| s * s * s * start[i] + 3.0 * s * s * t * a[i] + 3.0 * s * t * t * b[i] + t * t * t * end[i];
+        let at = |i: usize| {
+            s * s * s * start[i]
+                + 3.0 * s * s * t * a[i]
+                + 3.0 * s * t * t * b[i]
+                + t * t * t * end[i]
+        };
         let next = [at(0), at(1)];
         segments.push([last, next]);
         last = next;
@@ -120,7 +134,11 @@ const GLYPHS: &[(char, f64, &str)] = &[
     ('"', 2.6, "M0.3 10L0.3 7.4M2.3 10L2.3 7.4"),
     ('#', 6.6, "M1.4 0L2.8 10M4 0L5.4 10M0.4 6.6L6.6 6.6M0 3.4L6.2 3.4"),
     ('$', 6.0, "M5.6 8V3 10H0.4 7.6V3 5.2H5.9 2.6V3 0H0 2.2M3 11.4L3 -1.4"),
-    ('%', 8.4, "M7 10L1.4 0M1.9 10H0 7.8V1.9 5.6H3.8 7.8V1.9 10M6.5 4.4H4.6 2.2V6.5 0H8.4 2.2V6.5 4.4"),
+    (
+        '%',
+        8.4,
+        "M7 10L1.4 0M1.9 10H0 7.8V1.9 5.6H3.8 7.8V1.9 10M6.5 4.4H4.6 2.2V6.5 0H8.4 2.2V6.5 4.4",
+    ),
     ('&', 7.4, "M7.4 0L1.8 7C0.4 8.8 1.6 10 3 10H4.8 8.3C4.8 5.9 0 5.4 0 2.6V2.8 0H6.8 4.6"),
     ('\'', 0.6, "M0.3 10L0.3 7.4"),
     ('(', 2.4, "M2.4 11H0 4.5V2.4 -2"),
@@ -148,7 +166,12 @@ const GLYPHS: &[(char, f64, &str)] = &[
     ('=', 5.6, "M0 5.8L5.6 5.8M0 3L5.6 3"),
     ('>', 5.6, "M0 8L5.6 4.4L0 0.8"),
     ('?', 4.8, "M0.2 7.9V2.4 10H4.8 7.6C4.8 5.4 2.3 5.4 2.3 3M2.3 0L2.3 0.2"),
-    ('@', 9.0, "M6.4 3.9V4.4 6.2H2.6 3.9V4.4 1.6H6.4 3.9V7.8 1.6H9 4.6V4.5 9.4H0 4V4.5 -1.6C5.6 -1.6 6.4 -1.4 7.2 -1"),
+    (
+        '@',
+        9.0,
+        "M6.4 3.9V4.4 6.2H2.6 3.9V4.4 1.6H6.4 3.9V7.8 1.6H9 4.6V4.5 9.4H0 4V4.5 -1.6C5.6 -1.6 6.4 \
+         -1.4 7.2 -1",
+    ),
     ('A', 7.0, "M0 0L3.5 10L7 0M1.22 3.5L5.78 3.5"),
     ('B', 6.0, "M0 5.3L0 10L3 10H5.4 7.65V3 5.3L0 5.3L0 0L3 0H6 2.65V3 5.3"),
     ('C', 6.8, "M6.7 7.6V3.8 10H0 5V3.8 0H6.7 2.4"),
@@ -230,7 +253,10 @@ mod tests {
             assert_eq!(advance, *width);
             assert!(*c == ' ' || !strokes.is_empty(), "{c} is blank");
             for [x, y] in strokes.iter().flatten() {
-                assert!((-0.6..=advance + 0.6).contains(x) && (-3.1..=11.5).contains(y), "{c}: {x} {y}");
+                assert!(
+                    (-0.6..=advance + 0.6).contains(x) && (-3.1..=11.5).contains(y),
+                    "{c}: {x} {y}"
+                );
             }
         }
         for c in (32u8..127).map(char::from).chain("éÀçñ".chars()) {
@@ -257,7 +283,8 @@ mod tests {
         let columns = |align| {
             let mut image = Image::white(200, 40);
             draw(&mut image, "HIH", [100.0, 30.0], 20.0, align, Ink::solid([0; 3]));
-            let dark: Vec<usize> = (0..200).filter(|&x| (0..40).any(|y| image.pixel(x, y)[0] < 128)).collect();
+            let dark: Vec<usize> =
+                (0..200).filter(|&x| (0..40).any(|y| image.pixel(x, y)[0] < 128)).collect();
             (dark[0] as f64, *dark.last().unwrap() as f64)
         };
         let w = width("HIH", 20.0);

@@ -1,7 +1,7 @@
 //! Escaping, common to XML and HTML.
 
-/// `text` with the five characters that XML and HTML reserve replaced, safe as content and inside quoted attributes.
-/// Control characters that XML forbids become the replacement character.
+/// `text` with the five characters that XML and HTML reserve replaced, safe as content and inside
+/// quoted attributes. Control characters that XML forbids become the replacement character.
 pub(super) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -24,13 +24,16 @@ pub(super) fn escape(text: &str) -> String {
 pub(super) fn prose(text: &str) -> String {
     let exponent = |w: &str| {
         w.split_once("e-").is_some_and(|(before, after)| {
-            before.ends_with(|c: char| c.is_ascii_digit()) && after.starts_with(|c: char| c.is_ascii_digit())
+            before.ends_with(|c: char| c.is_ascii_digit())
+                && after.starts_with(|c: char| c.is_ascii_digit())
         })
     };
     let word = |w: &str| match (exponent(w), w.strip_suffix([' ', '\n'])) {
         (false, _) => escape(w),
         (true, None) => format!("<span class=\"whole\">{}</span>", escape(w)),
-        (true, Some(number)) => format!("<span class=\"whole\">{}</span>{}", escape(number), &w[number.len()..]),
+        (true, Some(number)) => {
+            format!("<span class=\"whole\">{}</span>{}", escape(number), &w[number.len()..])
+        }
     };
     text.split_inclusive([' ', '\n']).map(word).collect()
 }
@@ -61,7 +64,8 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Fails unless every tag is closed in order, attributes are quoted and `&` only begins an entity.
+    /// Fails unless every tag is closed in order, attributes are quoted and `&` only begins an
+    /// entity.
     pub fn assert_well_formed(xml: &str) {
         let mut open = Vec::new();
         let mut rest = xml;
@@ -77,7 +81,8 @@ pub(super) mod tests {
             assert_eq!(tag.matches('"').count() % 2, 0, "quotes of <{tag:.80}>");
             assert!(!tag.contains('<'), "< within <{tag:.80}>");
             assert_entities(tag);
-            let name = tag.trim_start_matches('/').split([' ', '\n', '/']).next().unwrap_or_default();
+            let name =
+                tag.trim_start_matches('/').split([' ', '\n', '/']).next().unwrap_or_default();
             if tag.starts_with('/') {
                 assert_eq!(open.pop(), Some(name), "closing tags in order");
             } else if !tag.ends_with('/') && !tag.starts_with(['!', '?']) {

@@ -7,12 +7,20 @@ pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
         return Vec::new();
     }
     let decade = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * decade).find(|s| *s >= rough).unwrap_or(rough);
+    let step = [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .map(|m| m * decade)
+        .find(|s| *s >= rough)
+        .unwrap_or(rough);
     let first = (low / step - 1e-9).ceil();
-    (0..=(2.0 * count) as usize).map(|k| (first + k as f64) * step).take_while(|v| *v <= high + 1e-9 * step).collect()
+    (0..=(2.0 * count) as usize)
+        .map(|k| (first + k as f64) * step)
+        .take_while(|v| *v <= high + 1e-9 * step)
+        .collect()
 }
 
-/// A number on an axis with ticks about `step` apart and numbers up to `largest`: as many digits as tell ticks apart.
+/// A number on an axis with ticks about `step` apart and numbers up to `largest`: as many digits as
+/// tell ticks apart.
 pub(super) fn tick_text(v: f64, step: f64, largest: f64) -> String {
     let decade = |x: f64| if x > 0.0 { x.log10().floor() } else { 0.0 };
     // Ticks are multiples of 1, 2, 2.5 or 5 times a power of ten: one digit more than the step has.
@@ -22,14 +30,17 @@ pub(super) fn tick_text(v: f64, step: f64, largest: f64) -> String {
     }
     let text = format!("{v:.*e}", (digits + decade(v.abs())).clamp(0.0, 15.0) as usize);
     match text.split_once('e') {
-        Some((mantissa, exponent)) if v.abs() > 1e-9 * step => format!("{}e{exponent}", trimmed(mantissa)),
+        Some((mantissa, exponent)) if v.abs() > 1e-9 * step => {
+            format!("{}e{exponent}", trimmed(mantissa))
+        }
         _ => "0".into(),
     }
 }
 
 /// Without zeros at the end of the decimals, and without a negative zero.
 pub(super) fn trimmed(text: &str) -> String {
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text };
+    let text =
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text };
     if text == "-0" { "0".into() } else { text.into() }
 }
 
@@ -63,7 +74,9 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let text = |low, high| ticks(low, high, 5.0).iter().map(|&v| short(v)).collect::<Vec<_>>().join(" ");
+        let text = |low, high| {
+            ticks(low, high, 5.0).iter().map(|&v| short(v)).collect::<Vec<_>>().join(" ")
+        };
         assert_eq!(text(0.0, 1.0), "0 0.2 0.4 0.6 0.8 1");
         assert_eq!(text(-0.31, 0.77), "-0.25 0 0.25 0.5 0.75");
         assert_eq!(text(0.0, 3e-7), "0 1e-7 2e-7 3e-7");
@@ -93,9 +106,12 @@ mod tests {
         ] {
             assert_eq!(short(v), text);
         }
-        for (v, digits, text) in
-            [(9.99961, 4, "10"), (0.72194, 4, "0.7219"), (123456.7, 3, "123457"), (-2.4e-4, 1, "-2e-4")]
-        {
+        for (v, digits, text) in [
+            (9.99961, 4, "10"),
+            (0.72194, 4, "0.7219"),
+            (123456.7, 3, "123457"),
+            (-2.4e-4, 1, "-2e-4"),
+        ] {
             assert_eq!(rounded(v, digits), text);
         }
     }

@@ -79,7 +79,9 @@ impl Page {
         out.element("h1", &self.title);
         out.element("p", &self.subtitle);
         out.line("</header><main>");
-        self.alarms.iter().for_each(|a| out.line(&format!("<div class=\"alarm\" role=\"alert\">{}</div>", escape(a))));
+        self.alarms.iter().for_each(|a| {
+            out.line(&format!("<div class=\"alarm\" role=\"alert\">{}</div>", escape(a)))
+        });
         out.key_numbers(&self.key_numbers);
         out.list("", "remarks", &self.notes);
         out.list("Results", "statements", &self.statements);
@@ -89,7 +91,10 @@ impl Page {
         self.texts.iter().for_each(|(title, text)| out.text(title, text));
         self.details.iter().for_each(|t| out.details(t));
         out.line("</main><footer>");
-        self.footer.split("\n\n").filter(|p| !p.trim().is_empty()).for_each(|p| out.element("p", p));
+        self.footer
+            .split("\n\n")
+            .filter(|p| !p.trim().is_empty())
+            .for_each(|p| out.element("p", p));
         out.line("</footer></body></html>");
         out.0
     }
@@ -152,7 +157,8 @@ impl Html {
     fn text(&mut self, title: &str, text: &str) {
         match text.lines().count() {
             0 => {}
-            n => self.folded(title, n < LONG, |out| out.line(&format!("<pre>{}</pre>", escape(text)))),
+            n => self
+                .folded(title, n < LONG, |out| out.line(&format!("<pre>{}</pre>", escape(text)))),
         }
     }
     fn details(&mut self, table: &Table) {
@@ -182,7 +188,9 @@ mod tests {
         let evil = "<script>alert(\"x\")</script> & 'more' http://example.org";
         let text = || evil.to_string();
         let figure = |content| Figure { name: text(), title: text(), content, caption: text() };
-        let table = || Table::new(evil, evil, [evil]).with_rows([vec![Cell::text(evil)]]).with_caption(evil);
+        let table = || {
+            Table::new(evil, evil, [evil]).with_rows([vec![Cell::text(evil)]]).with_caption(evil)
+        };
         let page = Page {
             title: text(),
             subtitle: text(),
@@ -190,8 +198,12 @@ mod tests {
             key_numbers: vec![KeyNumber { label: text(), value: text(), note: text() }],
             notes: vec![text()],
             statements: vec![text()],
-            pictures: [Content::Gif(vec![1, 2, 3]), Content::Png(vec![4]), Content::Mp4(vec![5])].map(figure).to_vec(),
-            charts: vec![figure(Content::Svg("<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>".into()))],
+            pictures: [Content::Gif(vec![1, 2, 3]), Content::Png(vec![4]), Content::Mp4(vec![5])]
+                .map(figure)
+                .to_vec(),
+            charts: vec![figure(Content::Svg(
+                "<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>".into(),
+            ))],
             tables: vec![table()],
             texts: vec![(text(), text())],
             details: vec![table()],
@@ -199,9 +211,16 @@ mod tests {
         }
         .html();
         assert_well_formed(&page);
-        assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains("url("));
-        assert_eq!(page.matches("&lt;script&gt;").count(), 3 + 1 + 3 + 2 + 3 * 3 + 2 + 4 + 2 + 4 + 2);
-        for kind in ["image/gif;base64,AQID", "image/png;base64,BA==", "video/mp4;base64,BQ==", "<svg"] {
+        assert!(
+            !page.contains("<script") && !page.contains("src=\"http") && !page.contains("url(")
+        );
+        assert_eq!(
+            page.matches("&lt;script&gt;").count(),
+            3 + 1 + 3 + 2 + 3 * 3 + 2 + 4 + 2 + 4 + 2
+        );
+        for kind in
+            ["image/gif;base64,AQID", "image/png;base64,BA==", "video/mp4;base64,BQ==", "<svg"]
+        {
             assert!(page.contains(kind), "{kind} is missing");
         }
         assert!(page.find("alarm\"") < page.find("numbers\""), "alarms come first");

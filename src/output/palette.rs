@@ -1,7 +1,8 @@
-//! At most 256 colours for a picture, as GIF wants: median cut (Heckbert 1982) of the colours that occur.
+//! At most 256 colours for a picture, as GIF wants: median cut (Heckbert 1982) of the colours that
+//! occur.
 //!
-//! Boxes are cut by their extent and the root of their number of pixels: a thin line and the colour bar get their colours
-//! although few pixels show them.
+//! Boxes are cut by their extent and the root of their number of pixels: a thin line and the colour
+//! bar get their colours although few pixels show them.
 
 /// Bits kept of each of red, green and blue.
 const BITS: u32 = 6;
@@ -18,7 +19,8 @@ pub(super) fn reduce(rgb: &[u8]) -> (Vec<u8>, Vec<u8>) {
     let mut pixels = vec![0u32; 1 << (3 * BITS)];
     rgb.chunks_exact(3).for_each(|p| pixels[bin(p)] += 1);
     let occurring = (0..pixels.len()).filter(|&k| pixels[k] > 0);
-    let boxes = cut(occurring.map(|k| Colour { rgb: colour(k), pixels: f64::from(pixels[k]) }).collect());
+    let boxes =
+        cut(occurring.map(|k| Colour { rgb: colour(k), pixels: f64::from(pixels[k]) }).collect());
     let mut palette = Vec::with_capacity(3 * boxes.len());
     let mut entry = vec![0u8; pixels.len()];
     for (i, members) in boxes.iter().enumerate() {
@@ -36,7 +38,8 @@ pub(super) fn reduce(rgb: &[u8]) -> (Vec<u8>, Vec<u8>) {
 fn cut(colours: Vec<Colour>) -> Vec<Vec<Colour>> {
     let mut boxes = vec![(weight(&colours), colours)];
     while boxes.len() < 256 {
-        let widest = (0..boxes.len()).max_by(|&a, &b| boxes[a].0.total_cmp(&boxes[b].0)).unwrap_or(0);
+        let widest =
+            (0..boxes.len()).max_by(|&a, &b| boxes[a].0.total_cmp(&boxes[b].0)).unwrap_or(0);
         if boxes[widest].0 <= 0.0 {
             break;
         }
@@ -59,7 +62,8 @@ fn weight(group: &[Colour]) -> f64 {
 /// The axis along which the colours of a group differ most, and by how much.
 fn extent(group: &[Colour]) -> (usize, u8) {
     let along = |k: usize| {
-        let (low, high) = group.iter().fold((255, 0), |(a, b), c| (c.rgb[k].min(a), c.rgb[k].max(b)));
+        let (low, high) =
+            group.iter().fold((255, 0), |(a, b), c| (c.rgb[k].min(a), c.rgb[k].max(b)));
         (k, high.saturating_sub(low))
     };
     (0..3).map(along).max_by_key(|e| e.1).unwrap_or((0, 0))

@@ -120,13 +120,20 @@ impl<'a> Picture<'a> {
         };
         for y in 0..area.size[1] {
             for x in 0..area.size[0] {
-                let four =
-                    [0, 1, lattice.columns, lattice.columns + 1].map(|k| samples[2 * y * lattice.columns + 2 * x + k]);
+                let four = [0, 1, lattice.columns, lattice.columns + 1]
+                    .map(|k| samples[2 * y * lattice.columns + 2 * x + k]);
                 let inside = four.iter().filter(|s| s[3] > 0).count() as u16;
                 if inside > 0 {
-                    let mean = |i: usize| (four.iter().map(|s| u16::from(s[i])).sum::<u16>() / inside) as u8;
+                    let mean = |i: usize| {
+                        (four.iter().map(|s| u16::from(s[i])).sum::<u16>() / inside) as u8
+                    };
                     let ink = Ink::solid([mean(0), mean(1), mean(2)]);
-                    image.blend(area.corner[0] + x, area.corner[1] + y, ink, f32::from(inside) / 4.0);
+                    image.blend(
+                        area.corner[0] + x,
+                        area.corner[1] + y,
+                        ink,
+                        f32::from(inside) / 4.0,
+                    );
                 }
             }
         }
@@ -141,13 +148,17 @@ impl<'a> Picture<'a> {
             for (k, &other) in mesh.neighbours(c).iter().enumerate() {
                 let open = other == crate::mesh::NONE;
                 if open || (!boundary && (other as usize) < c) {
-                    edges.push([(k + 1) % 3, (k + 2) % 3].map(|v| area.pixel(&mesh.points()[cell[v] as usize])));
+                    edges.push(
+                        [(k + 1) % 3, (k + 2) % 3]
+                            .map(|v| area.pixel(&mesh.points()[cell[v] as usize])),
+                    );
                 }
             }
         }
         edges
     }
-    /// The zero line: a pixel is covered by its distance |phi| / |grad phi| to it. White beside it sets it off.
+    /// The zero line: a pixel is covered by its distance |phi| / |grad phi| to it. White beside it
+    /// sets it off.
     fn draw_interface(&self, area: &PlotArea, phi: &[f64], image: &mut Image) {
         let lattice = area.lattice(1.0);
         let distance = lattice.sample(self.space.mesh(), f32::NAN, |c, l| {
@@ -158,11 +169,22 @@ impl<'a> Picture<'a> {
         for (width, ink) in [(4.6, Ink { rgb: [255; 3], opacity: 0.7 }), (2.2, line)] {
             for (i, d) in distance.iter().enumerate().filter(|(_, d)| **d < 0.5 * width + 0.5) {
                 let (x, y) = (i % lattice.columns, i / lattice.columns);
-                image.blend(area.corner[0] + x, area.corner[1] + y, ink, (0.5 * width + 0.5 - d).min(1.0));
+                image.blend(
+                    area.corner[0] + x,
+                    area.corner[1] + y,
+                    ink,
+                    (0.5 * width + 0.5 - d).min(1.0),
+                );
             }
         }
     }
-    fn draw_arrows(&self, area: &PlotArea, arrows: &Arrows, dark: bool, image: &mut Image) -> Result<()> {
+    fn draw_arrows(
+        &self,
+        area: &PlotArea,
+        arrows: &Arrows,
+        dark: bool,
+        image: &mut Image,
+    ) -> Result<()> {
         let u = on_nodes(self.space, "velocity", arrows.velocity)?;
         if !(arrows.fastest > 0.0 && arrows.fastest.is_finite()) {
             return Ok(());
@@ -172,7 +194,8 @@ impl<'a> Picture<'a> {
         let samples = lattice.sample(self.space.mesh(), zero, |c, l| self.space.value(&u, c, l));
         let mut segments = Vec::new();
         for (i, v) in samples.iter().enumerate() {
-            // By the root, so that slow parts have their direction too; the colours show how slow they are.
+            // By the root, so that slow parts have their direction too; the colours show how slow
+            // they are.
             let length = 0.92 * SPACING * (v.norm() / arrows.fastest).min(1.0).sqrt();
             if length >= 4.0 {
                 let middle = area.pixel(&lattice.point(i % lattice.columns, i / lattice.columns));
@@ -180,8 +203,10 @@ impl<'a> Picture<'a> {
                 segments.extend(arrow(middle, d, length));
             }
         }
-        // What lies around an arrow sets it off where the colours below are as light or as dark as itself.
-        let (arrow, around) = if dark { ([30, 34, 40], [255; 3]) } else { ([255; 3], [20, 24, 30]) };
+        // What lies around an arrow sets it off where the colours below are as light or as dark as
+        // itself.
+        let (arrow, around) =
+            if dark { ([30, 34, 40], [255; 3]) } else { ([255; 3], [20, 24, 30]) };
         image.stroke(&segments, 3.0, Ink { rgb: around, opacity: 0.35 });
         image.stroke(&segments, 1.3, Ink { rgb: arrow, opacity: 0.9 });
         Ok(())
@@ -201,7 +226,14 @@ impl<'a> Picture<'a> {
                     lettering::draw(image, &text, [x, y + 11.0 + size], size, Align::Centre, QUIET);
                 } else {
                     image.stroke(&[[[x - 6.0, y], [x - 2.0, y]]], 1.0, QUIET);
-                    lettering::draw(image, &text, [x - 11.0, y + 0.5 * size], size, Align::Right, QUIET);
+                    lettering::draw(
+                        image,
+                        &text,
+                        [x - 11.0, y + 0.5 * size],
+                        size,
+                        Align::Right,
+                        QUIET,
+                    );
                 }
             }
         }
@@ -210,7 +242,9 @@ impl<'a> Picture<'a> {
 
 /// An arrow around its middle, in direction `d`.
 fn arrow(middle: [f64; 2], d: [f64; 2], length: f64) -> [Segment; 3] {
-    let along = |s: f64, side: f64| [middle[0] + s * d[0] - side * d[1], middle[1] + s * d[1] + side * d[0]];
+    let along = |s: f64, side: f64| {
+        [middle[0] + s * d[0] - side * d[1], middle[1] + s * d[1] + side * d[0]]
+    };
     let (head, tip) = ((0.36 * length).min(6.0), along(0.5 * length, 0.0));
     let wing = |side: f64| [tip, along(0.5 * length - head, side * 0.55 * head)];
     [[along(-0.5 * length, 0.0), tip], wing(1.0), wing(-1.0)]
@@ -243,7 +277,10 @@ impl PlotArea {
         let even = |n: f64| 2 * (0.5 * n).ceil() as usize;
         PlotArea {
             image: [even(LEFT + place[0] + RIGHT), even(TOP + place[1] + BOTTOM)],
-            corner: [(LEFT + 0.5 * (place[0] - size[0])) as usize, (TOP + 0.5 * (place[1] - size[1])) as usize],
+            corner: [
+                (LEFT + 0.5 * (place[0] - size[0])) as usize,
+                (TOP + 0.5 * (place[1] - size[1])) as usize,
+            ],
             size: size.map(|s| s as usize),
             low: [low[0], low[1]],
             length,
@@ -258,7 +295,8 @@ impl PlotArea {
             self.corner[1] as f64 + (1.0 - at(1)) * self.size[1] as f64,
         ]
     }
-    /// The centres of the pixels of the drawing, or of `fine` by `fine` parts of each (few and far if `fine < 1`).
+    /// The centres of the pixels of the drawing, or of `fine` by `fine` parts of each (few and far
+    /// if `fine < 1`).
     fn lattice(&self, fine: f64) -> Lattice {
         let count = self.size.map(|s| ((s as f64 * fine).round() as usize).max(1));
         let step = [self.length[0] / count[0] as f64, self.length[1] / count[1] as f64];

@@ -11,8 +11,9 @@ use std::path::Path;
 /// # Errors
 /// The file cannot be written.
 pub fn write_pvd(path: &Path, entries: &[(f64, String)]) -> Result<()> {
-    let mut text =
-        String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+    let mut text = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n",
+    );
     for (time, file) in entries {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" file=\"{}\"/>", escape(file));
@@ -27,7 +28,9 @@ pub fn write_pvd(path: &Path, entries: &[(f64, String)]) -> Result<()> {
 /// The file cannot be read, or an entry has no time or no file.
 pub fn read_pvd(path: &Path) -> Result<Vec<(f64, String)>> {
     let text = read_text(path)?;
-    let broken = |what: &str| Error::input(what).at(path.display().to_string()).remedy("run the scene again");
+    let broken = |what: &str| {
+        Error::input(what).at(path.display().to_string()).remedy("run the scene again")
+    };
     if !text.contains("type=\"Collection\"") {
         return Err(broken("this is not a PVD file"));
     }
@@ -50,8 +53,11 @@ mod tests {
     fn a_list_comes_back_as_it_was_written() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("fields.pvd");
-        let entries =
-            vec![(0.0, "fields/a.vtu".to_string()), (0.1 + 0.2, "R&D \"b\".vtu".to_string()), (1e-9, "c".into())];
+        let entries = vec![
+            (0.0, "fields/a.vtu".to_string()),
+            (0.1 + 0.2, "R&D \"b\".vtu".to_string()),
+            (1e-9, "c".into()),
+        ];
         write_pvd(&path, &entries).unwrap();
         assert_eq!(read_pvd(&path).unwrap(), entries);
     }
@@ -60,7 +66,9 @@ mod tests {
     fn other_files_are_refused() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.pvd");
-        for text in ["hello", "<VTKFile type=\"Collection\"><DataSet timestep=\"soon\" file=\"a\"/>"] {
+        for text in
+            ["hello", "<VTKFile type=\"Collection\"><DataSet timestep=\"soon\" file=\"a\"/>"]
+        {
             std::fs::write(&path, text).unwrap();
             assert!(read_pvd(&path).unwrap_err().place().contains("a.pvd"));
         }

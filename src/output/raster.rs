@@ -47,7 +47,8 @@ impl Image {
     pub fn rgb(&self) -> &[u8] {
         &self.rgb
     }
-    /// The colour of a pixel, column and row counted from the upper left; white outside of the image.
+    /// The colour of a pixel, column and row counted from the upper left; white outside of the
+    /// image.
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
         let at = 3 * (x + y * self.width);
         match self.rgb.get(at..at + 3) {
@@ -76,9 +77,14 @@ impl Image {
         };
         let rows = |s: &Segment| range(s[0][1], s[1][1], self.height);
         let columns = |s: &Segment| range(s[0][0], s[1][0], self.width);
-        let (top, bottom) = segments.iter().map(rows).fold((usize::MAX, 0), |(a, b), r| (a.min(r.start), b.max(r.end)));
-        let (left, right) =
-            segments.iter().map(columns).fold((usize::MAX, 0), |(a, b), c| (a.min(c.start), b.max(c.end)));
+        let (top, bottom) = segments
+            .iter()
+            .map(rows)
+            .fold((usize::MAX, 0), |(a, b), r| (a.min(r.start), b.max(r.end)));
+        let (left, right) = segments
+            .iter()
+            .map(columns)
+            .fold((usize::MAX, 0), |(a, b), c| (a.min(c.start), b.max(c.end)));
         if top >= bottom || left >= right {
             return;
         }
@@ -125,12 +131,14 @@ impl Image {
     }
 }
 
-/// Distance of a point to a segment, and where on it the nearest point is: 0 at its start, 1 at its end.
+/// Distance of a point to a segment, and where on it the nearest point is: 0 at its start, 1 at its
+/// end.
 pub(super) fn distance(p: [f64; 2], [a, b]: &Segment) -> (f64, f64) {
     let (d, r) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = d[0] * d[0] + d[1] * d[1];
     let s = if length > 0.0 { ((r[0] * d[0] + r[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
-    // Not hypot, which takes most of the time of a picture for nothing: pixels are far from overflow.
+    // Not hypot, which takes most of the time of a picture for nothing: pixels are far from
+    // overflow.
     (((r[0] - s * d[0]).powi(2) + (r[1] - s * d[1]).powi(2)).sqrt(), s)
 }
 

@@ -17,8 +17,14 @@ pub(super) struct Lattice {
 const BAND: usize = 32;
 
 impl Lattice {
-    /// The value at every point, row by row, of `value(cell, barycentric coordinates)`; `empty` outside of the mesh.
-    pub fn sample<T>(&self, mesh: &Mesh<2>, empty: T, value: impl Fn(usize, &[f64; 4]) -> T + Sync) -> Vec<T>
+    /// The value at every point, row by row, of `value(cell, barycentric coordinates)`; `empty`
+    /// outside of the mesh.
+    pub fn sample<T>(
+        &self,
+        mesh: &Mesh<2>,
+        empty: T,
+        value: impl Fn(usize, &[f64; 4]) -> T + Sync,
+    ) -> Vec<T>
     where
         T: Copy + Send + Sync,
     {
@@ -26,7 +32,8 @@ impl Lattice {
         if out.is_empty() {
             return out;
         }
-        let boxes: Vec<[usize; 4]> = (0..mesh.cell_count()).into_par_iter().map(|c| self.bounds(mesh, c)).collect();
+        let boxes: Vec<[usize; 4]> =
+            (0..mesh.cell_count()).into_par_iter().map(|c| self.bounds(mesh, c)).collect();
         out.par_chunks_mut(self.columns * BAND).enumerate().for_each(|(k, part)| {
             let (first, end) = (k * BAND, k * BAND + part.len() / self.columns);
             for (c, b) in boxes.iter().enumerate() {
@@ -52,7 +59,8 @@ impl Lattice {
         let (a, b) = (map.barycentric(&a), map.barycentric(&b));
         for column in columns {
             let l: [f64; 4] = std::array::from_fn(|k| a[k] + column as f64 * (b[k] - a[k]));
-            // A point on an edge belongs to both cells; the tolerance keeps rounding from leaving it to none.
+            // A point on an edge belongs to both cells; the tolerance keeps rounding from leaving
+            // it to none.
             if l[0] >= -1e-9 && l[1] >= -1e-9 && l[2] >= -1e-9 {
                 line[column] = value(c, &l);
             }
@@ -64,12 +72,16 @@ impl Lattice {
             self.origin[1] + row as f64 * self.step[1],
         )
     }
-    /// First column, end of columns, first row and end of rows of the points that may lie in a cell.
+    /// First column, end of columns, first row and end of rows of the points that may lie in a
+    /// cell.
     fn bounds(&self, mesh: &Mesh<2>, c: usize) -> [usize; 4] {
         let range = |axis: usize, count: usize| {
-            let at =
-                mesh.cell(c).iter().map(|&v| (mesh.points()[v as usize][axis] - self.origin[axis]) / self.step[axis]);
-            let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            let at = mesh
+                .cell(c)
+                .iter()
+                .map(|&v| (mesh.points()[v as usize][axis] - self.origin[axis]) / self.step[axis]);
+            let (low, high) =
+                at.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             let (low, high) = ((low - 1e-6).ceil().max(0.0) as usize, (high + 1e-6).floor());
             (low.min(count), if high < 0.0 { 0 } else { (high as usize + 1).min(count) })
         };
@@ -92,7 +104,8 @@ mod tests {
         let exact = |x: &SVector<f64, 2>| 1.0 + x[0] * x[1] - 2.0 * x[0] * x[0];
         let f = space.interpolate(exact);
         // Points on edges, on vertices and outside are among them; the second axis points down.
-        let lattice = Lattice { origin: [-0.5, 1.25], step: [0.0625, -0.0625], columns: 50, rows: 30 };
+        let lattice =
+            Lattice { origin: [-0.5, 1.25], step: [0.0625, -0.0625], columns: 50, rows: 30 };
         let samples = lattice.sample(&mesh, f64::NAN, |c, l| space.value(&f, c, l));
         for (i, v) in samples.iter().enumerate() {
             let x = lattice.point(i % 50, i / 50);

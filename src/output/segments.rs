@@ -31,9 +31,10 @@ impl Pixels {
         lattice.sample(space.mesh(), false, |c, l| space.value(phi, c, l) < 0.0)
     }
 
-    /// The lines of a contour as a table of points: number of the line, whether it is `closed` (else both ends lie on the boundary),
-    /// whether it is the rim of a `hole`, and `column` and `row` in pixels from the upper left corner of the image. The inside is on the left when
-    /// a line is walked in the scene, whose second axis points up.
+    /// The lines of a contour as a table of points: number of the line, whether it is `closed`
+    /// (else both ends lie on the boundary), whether it is the rim of a `hole`, and `column` and
+    /// `row` in pixels from the upper left corner of the image. The inside is on the left when a
+    /// line is walked in the scene, whose second axis points up.
     ///
     /// # Errors
     /// None is known.
@@ -44,12 +45,19 @@ impl Pixels {
             let hole = line.closed && enclosed(&points) < 0.0;
             for x in &points {
                 let place = [x[0] / self.side, self.size[1] as f64 - x[1] / self.side];
-                let row = [k as f64, f64::from(u8::from(line.closed)), f64::from(u8::from(hole)), place[0], place[1]];
+                let row = [
+                    k as f64,
+                    f64::from(u8::from(line.closed)),
+                    f64::from(u8::from(hole)),
+                    place[0],
+                    place[1],
+                ];
                 columns.iter_mut().zip(row).for_each(|(column, v)| column.push(v));
             }
         }
         let names = ["contour", "closed", "hole", "column", "row"];
-        let named: Vec<(&str, &[f64])> = names.into_iter().zip(columns.iter().map(Vec::as_slice)).collect();
+        let named: Vec<(&str, &[f64])> =
+            names.into_iter().zip(columns.iter().map(Vec::as_slice)).collect();
         Ok(Series::new(&named))
     }
 }
@@ -70,7 +78,8 @@ mod tests {
     #[test]
     fn a_ring_has_two_lines_and_its_pixels() {
         let pixels = Pixels { size: [40, 30], side: 0.5 };
-        let mesh = Arc::new(rectangle([0.0, 0.0], [20.0, 15.0], [20, 15], Diagonals::Right).unwrap());
+        let mesh =
+            Arc::new(rectangle([0.0, 0.0], [20.0, 15.0], [20, 15], Diagonals::Right).unwrap());
         let space = Space::new(&mesh, Element::P2);
         let radius = |x: &Point<2>| (x - Point::<2>::new(9.0, 8.0)).norm();
         let phi = space.interpolate(|x| (radius(x) - 4.0).abs() - 2.0);
@@ -83,12 +92,15 @@ mod tests {
         let (line, hole) = (table.column("contour").unwrap(), table.column("hole").unwrap());
         assert_eq!(line.last(), Some(&1.0));
         for k in 0..table.rows() {
-            let place = [table.column("column").unwrap()[k] - 18.0, table.column("row").unwrap()[k] - 14.0];
+            let place =
+                [table.column("column").unwrap()[k] - 18.0, table.column("row").unwrap()[k] - 14.0];
             let exact = if hole[k] == 1.0 { 4.0 } else { 12.0 };
             assert!((place[0].hypot(place[1]) - exact).abs() < 0.05, "{place:?}");
         }
         assert!(
-            table.column("closed").unwrap().iter().all(|c| *c == 1.0) && hole.contains(&1.0) && hole.contains(&0.0)
+            table.column("closed").unwrap().iter().all(|c| *c == 1.0)
+                && hole.contains(&1.0)
+                && hole.contains(&0.0)
         );
     }
 }

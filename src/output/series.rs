@@ -50,8 +50,11 @@ impl Series {
     /// # Errors
     /// The columns differ in length, or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        if self.columns.iter().any(|c| c.len() != self.rows()) || self.columns.len() != self.names.len() {
-            return Err(Error::internal("the columns of a table differ in length").at(path.display().to_string()));
+        if self.columns.iter().any(|c| c.len() != self.rows())
+            || self.columns.len() != self.names.len()
+        {
+            return Err(Error::internal("the columns of a table differ in length")
+                .at(path.display().to_string()));
         }
         let mut text = csv::names(self.names.iter().map(String::as_str));
         for i in 0..self.rows() {
@@ -59,8 +62,8 @@ impl Series {
         }
         write_file(path, text.as_bytes())
     }
-    /// Reads a CSV file of numbers under a line of names. Empty lines, and a last row that was cut off in
-    /// writing, are ignored.
+    /// Reads a CSV file of numbers under a line of names. Empty lines, and a last row that was cut
+    /// off in writing, are ignored.
     ///
     /// # Errors
     /// The file cannot be read, a row has too few or too many entries, or an entry is not a number.
@@ -78,10 +81,19 @@ impl Series {
                 if !line.ends_with('\n') {
                     break;
                 }
-                return Err(wrong(path, i, format!("{} entries for {} columns", entries.len(), names.len())));
+                return Err(wrong(
+                    path,
+                    i,
+                    format!("{} entries for {} columns", entries.len(), names.len()),
+                ));
             }
             for (column, entry) in columns.iter_mut().zip(&entries) {
-                column.push(entry.trim().parse().map_err(|_| wrong(path, i, format!("{entry:?} is not a number")))?);
+                column.push(
+                    entry
+                        .trim()
+                        .parse()
+                        .map_err(|_| wrong(path, i, format!("{entry:?} is not a number")))?,
+                );
             }
         }
         Ok(Series { names, columns })

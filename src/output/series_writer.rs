@@ -26,7 +26,8 @@ impl SeriesWriter {
     /// The file cannot be written.
     pub fn create(path: &Path, names: &[&str]) -> Result<SeriesWriter> {
         let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
-        let mut series = SeriesWriter { path: path.into(), file, columns: names.len() + 1, rows: 0, length: 0 };
+        let mut series =
+            SeriesWriter { path: path.into(), file, columns: names.len() + 1, rows: 0, length: 0 };
         series.write(&header(names))?;
         Ok(series)
     }
@@ -44,7 +45,8 @@ impl SeriesWriter {
                 .at(place)
                 .value(text.lines().next().unwrap_or_default())
                 .remedy(
-                    "resume with the scene the run was started with, or start again in another folder with --out",
+                    "resume with the scene the run was started with, or start again in another \
+                     folder with --out",
                 ));
         }
         let mut ends = text.match_indices('\n').map(|(i, _)| i + 1).skip(rows);
@@ -82,7 +84,8 @@ impl SeriesWriter {
     }
     fn write(&mut self, line: &str) -> Result<()> {
         self.file.write_all(line.as_bytes()).map_err(|e| {
-            // A piece of a row would make the next one wrong; if the file cannot be cut either, resuming drops the piece.
+            // A piece of a row would make the next one wrong; if the file cannot be cut either,
+            // resuming drops the piece.
             let _ = self.file.set_len(self.length);
             cannot_write(&self.path, &e)
         })?;
@@ -134,8 +137,12 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.csv");
         fill(&mut SeriesWriter::create(&path, &NAMES).unwrap(), 0..5);
-        assert!(SeriesWriter::resume(&path, &["pressure"], 2).unwrap_err().what().contains("columns"));
-        assert!(SeriesWriter::resume(&path, &NAMES, 6).unwrap_err().wrong_value().contains("5 rows"));
+        assert!(
+            SeriesWriter::resume(&path, &["pressure"], 2).unwrap_err().what().contains("columns")
+        );
+        assert!(
+            SeriesWriter::resume(&path, &NAMES, 6).unwrap_err().wrong_value().contains("5 rows")
+        );
         assert!(SeriesWriter::resume(&dir.path().join("b.csv"), &NAMES, 0).is_err());
         assert_eq!(Series::read(&path).unwrap().rows(), 5);
         assert_eq!(SeriesWriter::resume(&path, &NAMES, 5).unwrap().rows(), 5);

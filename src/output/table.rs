@@ -92,7 +92,11 @@ pub struct Column {
 impl Column {
     /// Heading and unit: the name of the column in files and on the terminal.
     pub fn name(&self) -> String {
-        if self.unit.is_empty() { self.heading.clone() } else { format!("{} {}", self.heading, self.unit) }
+        if self.unit.is_empty() {
+            self.heading.clone()
+        } else {
+            format!("{} {}", self.heading, self.unit)
+        }
     }
 }
 
@@ -119,7 +123,11 @@ pub struct Table {
 
 impl Table {
     /// A table without rows.
-    pub fn new<C: Into<Column>>(name: &str, title: &str, columns: impl IntoIterator<Item = C>) -> Table {
+    pub fn new<C: Into<Column>>(
+        name: &str,
+        title: &str,
+        columns: impl IntoIterator<Item = C>,
+    ) -> Table {
         let columns = columns.into_iter().map(Into::into).collect();
         Table { name: name.into(), title: title.into(), columns, ..Table::default() }
     }
@@ -223,7 +231,11 @@ impl Table {
             format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
         };
         let rows: String = self.shown().map(row).collect();
-        let head = if headings.is_empty() { headings } else { format!("<thead><tr>{headings}</tr></thead>\n") };
+        let head = if headings.is_empty() {
+            headings
+        } else {
+            format!("<thead><tr>{headings}</tr></thead>\n")
+        };
         format!("<div class=\"scroll\"><table>\n{head}<tbody>\n{rows}</tbody></table></div>")
     }
 }
@@ -235,24 +247,37 @@ mod tests {
 
     fn table() -> Table {
         let mut table = Table::new("steps", "Steps", ["run", "error", "CPU"]).with_unit("CPU", "s");
-        table.rows.push(vec![Cell::text("n = 30, \"a\""), Cell::number(0.012345678, 3), Cell::number(0.5, 2)]);
+        table.rows.push(vec![
+            Cell::text("n = 30, \"a\""),
+            Cell::number(0.012345678, 3),
+            Cell::number(0.5, 2),
+        ]);
         table.rows.push(vec![Cell::text("n = 60"), Cell::optional(None, 3), Cell::count(Some(12))]);
         table
     }
 
     #[test]
     fn readers_see_few_digits_and_files_hold_all() {
-        let text = "Steps\nrun           error  CPU s\nn = 30, \"a\"  0.0123    0.5\nn = 60            -     12\n";
+        let text = "Steps\nrun           error  CPU s\nn = 30, \"a\"  0.0123    0.5\nn = \
+            60            -     12\n";
         assert_eq!(table().text(), text);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("steps.csv");
         table().write(&path).unwrap();
         let text = std::fs::read_to_string(path).unwrap();
-        assert_eq!(text, "run,error,CPU s\n\"n = 30, \"\"a\"\"\",0.012345678,0.5\nn = 60,NaN,12.0\n");
+        assert_eq!(
+            text,
+            "run,error,CPU s\n\"n = 30, \"\"a\"\"\",0.012345678,0.5\nn = 60,NaN,12.0\n"
+        );
         let markdown = table().markdown();
-        assert!(markdown.starts_with("| run | error | CPU s |\n|---|---|---|\n| n = 30, \"a\" | 0.0123 | 0.5 |\n"));
+        assert!(markdown.starts_with(
+            "| run | error | CPU s |\n|---|---|---|\n| n = 30, \"a\" | 0.0123 | 0.5 |\n"
+        ));
         let json = table().json();
-        assert_eq!((&json[0]["error"], &json[1]["CPU s"]), (&Value::from(0.012345678), &Value::from(12.0)));
+        assert_eq!(
+            (&json[0]["error"], &json[1]["CPU s"]),
+            (&Value::from(0.012345678), &Value::from(12.0))
+        );
         assert!(json[1]["error"].is_null());
     }
 
@@ -260,10 +285,14 @@ mod tests {
     fn numbers_are_aligned_and_units_are_set_apart_on_a_page() {
         let html = table().html();
         assert_well_formed(&html);
-        for part in ["<th>run</th>", "<th class=\"number\">CPU <span class=\"unit\">s</span></th>"] {
+        for part in ["<th>run</th>", "<th class=\"number\">CPU <span class=\"unit\">s</span></th>"]
+        {
             assert!(html.contains(part), "{html}");
         }
-        assert!(html.contains("<td>n = 30, &quot;a&quot;</td><td class=\"number\">0.0123</td>"), "{html}");
+        assert!(
+            html.contains("<td>n = 30, &quot;a&quot;</td><td class=\"number\">0.0123</td>"),
+            "{html}"
+        );
     }
 
     #[test]

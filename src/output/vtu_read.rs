@@ -26,7 +26,8 @@ pub enum Values<const D: usize> {
 pub struct Snapshot<const D: usize> {
     /// The time.
     pub time: f64,
-    /// The space the fields live on, with the nodes numbered as they were; its mesh knows its regions but no boundary names.
+    /// The space the fields live on, with the nodes numbered as they were; its mesh knows its
+    /// regions but no boundary names.
     pub space: Space<D>,
     /// Names and values, in the order of the file.
     pub fields: Vec<(String, Values<D>)>,
@@ -70,10 +71,12 @@ impl<const D: usize> Snapshot<D> {
 /// Reads a file that [`write_vtu`](super::write_vtu) wrote.
 ///
 /// # Errors
-/// The file cannot be read, is cut off or damaged, was written by another program, or is of another dimension.
+/// The file cannot be read, is cut off or damaged, was written by another program, or is of another
+/// dimension.
 pub fn read_vtu<const D: usize>(path: &Path) -> Result<Snapshot<D>> {
     let bytes = file::read(path)?;
-    parse(&bytes).map_err(|e| if e.place().is_empty() { e.at(path.display().to_string()) } else { e })
+    parse(&bytes)
+        .map_err(|e| if e.place().is_empty() { e.at(path.display().to_string()) } else { e })
 }
 
 fn parse<const D: usize>(bytes: &[u8]) -> Result<Snapshot<D>> {
@@ -81,7 +84,9 @@ fn parse<const D: usize>(bytes: &[u8]) -> Result<Snapshot<D>> {
     let [points, cells] = file.sizes()?;
     let time = file.floats("FieldData", "TimeValue", 1)?[0];
     let types = file.array("Cells", "types", cells)?;
-    let element = [Element::P1, Element::P2].into_iter().find(|&e| types.iter().all(|&t| t == cell_type(e, D)));
+    let element = [Element::P1, Element::P2]
+        .into_iter()
+        .find(|&e| types.iter().all(|&t| t == cell_type(e, D)));
     let element = element.ok_or_else(|| {
         Error::input(format!("the cells are not triangles or tetrahedra of dimension {D}"))
             .value(format!("VTK cell type {}", types.first().copied().unwrap_or_default()))
@@ -89,14 +94,18 @@ fn parse<const D: usize>(bytes: &[u8]) -> Result<Snapshot<D>> {
     let nodes = vectors::<D>(&file.floats("Points", "Points", 3 * points)?);
     let n = element.local_count(D);
     let connectivity = file.array("Cells", "connectivity", 8 * n * cells)?;
-    let index = |b: &[u8]| u32::try_from(u64::from_le_bytes(eight(b))).ok().filter(|&i| (i as usize) < points);
+    let index = |b: &[u8]| {
+        u32::try_from(u64::from_le_bytes(eight(b))).ok().filter(|&i| (i as usize) < points)
+    };
     let connectivity: Option<Vec<u32>> = connectivity.chunks_exact(8).map(index).collect();
-    let connectivity = connectivity.ok_or_else(|| damaged("a cell uses a point that does not exist"))?;
+    let connectivity =
+        connectivity.ok_or_else(|| damaged("a cell uses a point that does not exist"))?;
     let space = rebuild(element, &nodes, &connectivity, &file.regions(cells)?)?;
     Ok(Snapshot { time, space, fields: file.fields(points)? })
 }
 
-/// The space, built from its vertices as the writer's was, with the same numbers for the same nodes.
+/// The space, built from its vertices as the writer's was, with the same numbers for the same
+/// nodes.
 fn rebuild<const D: usize>(
     element: Element,
     nodes: &[Point<D>],
@@ -105,13 +114,18 @@ fn rebuild<const D: usize>(
 ) -> Result<Space<D>> {
     let n = element.local_count(D);
     // Midpoints are numbered after all points of the mesh.
-    let points = connectivity.chunks_exact(n).flat_map(|c| &c[D + 1..]).min().map_or(nodes.len(), |&m| m as usize);
+    let points = connectivity
+        .chunks_exact(n)
+        .flat_map(|c| &c[D + 1..])
+        .min()
+        .map_or(nodes.len(), |&m| m as usize);
     let vertices = connectivity.chunks_exact(n).flat_map(|c| c[..=D].iter().copied()).collect();
     let mut mesh = Mesh::new(nodes[..points].to_vec(), vertices)?;
     regions.iter().for_each(|(name, cells)| mesh.set_region(name.clone(), cells.clone()));
     let space = Space::new(&Arc::new(mesh), element);
     let same = space.nodes() == nodes
-        && (0..connectivity.len() / n).all(|c| space.cell_nodes(c) == &connectivity[c * n..(c + 1) * n]);
+        && (0..connectivity.len() / n)
+            .all(|c| space.cell_nodes(c) == &connectivity[c * n..(c + 1) * n]);
     if same { Ok(space) } else { Err(foreign("its nodes are numbered in another way")) }
 }
 
@@ -123,9 +137,12 @@ struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     fn split(bytes: &'a [u8]) -> Result<Parts<'a>> {
-        let rest = bytes.strip_prefix(HEAD.as_bytes()).ok_or_else(|| foreign("its first lines differ"))?;
-        let at =
-            rest.windows(TAIL.len()).position(|w| w == TAIL.as_bytes()).ok_or_else(|| damaged("it has no data"))?;
+        let rest =
+            bytes.strip_prefix(HEAD.as_bytes()).ok_or_else(|| foreign("its first lines differ"))?;
+        let at = rest
+            .windows(TAIL.len())
+            .position(|w| w == TAIL.as_bytes())
+            .ok_or_else(|| damaged("it has no data"))?;
         let head = std::str::from_utf8(&rest[..at]).map_err(|_| damaged("its head is not text"))?;
         Ok(Parts { head, data: &rest[at + TAIL.len()..] })
     }
@@ -133,7 +150,8 @@ impl<'a> Parts<'a> {
     fn sizes(&self) -> Result<[usize; 2]> {
         let tag = self.head.split("<Piece").nth(1).unwrap_or_default();
         // Node numbers have 32 bits, which also keeps all sizes below far from overflow.
-        let size = |name| attribute(tag, name).and_then(|v| v.parse::<u32>().ok()).map(|v| v as usize);
+        let size =
+            |name| attribute(tag, name).and_then(|v| v.parse::<u32>().ok()).map(|v| v as usize);
         size("NumberOfPoints")
             .zip(size("NumberOfCells"))
             .map(|(p, c)| [p, c])
@@ -157,11 +175,13 @@ impl<'a> Parts<'a> {
     /// The bytes an array tag points to, uncompressed.
     fn content(&self, tag: &str, length: usize) -> Result<Vec<u8>> {
         let cut = || damaged("it is cut off or its data are corrupt");
-        let offset = attribute(tag, "offset").and_then(|o| o.parse::<usize>().ok()).ok_or_else(cut)?;
+        let offset =
+            attribute(tag, "offset").and_then(|o| o.parse::<usize>().ok()).ok_or_else(cut)?;
         let data = self.data.get(offset..).ok_or_else(cut)?;
         let blocks = length.div_ceil(BLOCK);
         let table = data.get(..8 * (3 + blocks)).ok_or_else(cut)?;
-        let table: Vec<usize> = table.chunks_exact(8).map(|b| u64::from_le_bytes(eight(b)) as usize).collect();
+        let table: Vec<usize> =
+            table.chunks_exact(8).map(|b| u64::from_le_bytes(eight(b)) as usize).collect();
         if table[..3] != [blocks, BLOCK, length % BLOCK] {
             return Err(cut());
         }
@@ -171,7 +191,10 @@ impl<'a> Parts<'a> {
             let block = rest.get(..size).ok_or_else(cut)?;
             rest = &rest[size..];
             // One byte more than expected is enough to notice a block that is too long.
-            ZlibDecoder::new(block).take(BLOCK as u64 + 1).read_to_end(&mut out).map_err(|_| cut())?;
+            ZlibDecoder::new(block)
+                .take(BLOCK as u64 + 1)
+                .read_to_end(&mut out)
+                .map_err(|_| cut())?;
         }
         if out.len() == length { Ok(out) } else { Err(cut()) }
     }
@@ -190,9 +213,14 @@ impl<'a> Parts<'a> {
     fn regions(&self, cells: usize) -> Result<Vec<(String, Vec<u32>)>> {
         let mut regions = Vec::new();
         for tag in self.tags("CellData") {
-            if let Some(name) = attribute(tag, "Name").as_deref().and_then(|n| n.strip_prefix("region ")) {
+            if let Some(name) =
+                attribute(tag, "Name").as_deref().and_then(|n| n.strip_prefix("region "))
+            {
                 let inside = self.content(tag, cells)?;
-                regions.push((name.to_string(), (0..cells as u32).filter(|&c| inside[c as usize] == 1).collect()));
+                regions.push((
+                    name.to_string(),
+                    (0..cells as u32).filter(|&c| inside[c as usize] == 1).collect(),
+                ));
             }
         }
         Ok(regions)

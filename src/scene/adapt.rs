@@ -40,7 +40,11 @@ impl Lengths {
     ///
     /// # Errors
     /// Neither an edge nor a thickness is given, or an edge is longer than the longest one allowed.
-    pub(super) fn new<const D: usize>(scene: &Scene, adapt: &Adapt, mesh: &Mesh<D>) -> Result<Lengths> {
+    pub(super) fn new<const D: usize>(
+        scene: &Scene,
+        adapt: &Adapt,
+        mesh: &Mesh<D>,
+    ) -> Result<Lengths> {
         let longest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(0.0, f64::max);
         let thickness = scene.numerics.thickness;
         let edge = adapt.edge.or(thickness.map(|eps| eps / EDGES));
@@ -49,17 +53,20 @@ impl Lengths {
             Some(edge) => edge,
             None if !interfaces => longest,
             None => {
-                let e = Error::scene("the mesh is to follow the interfaces, but how fine it shall be is not said")
-                    .value("neither mesh.adapt.edge nor numerics.thickness is given")
-                    .remedy("give mesh.adapt.edge, or numerics.thickness, of which it is a third");
+                let e = Error::scene(
+                    "the mesh is to follow the interfaces, but how fine it shall be is not said",
+                )
+                .value("neither mesh.adapt.edge nor numerics.thickness is given")
+                .remedy("give mesh.adapt.edge, or numerics.thickness, of which it is a third");
                 return Err(scene.blame(&["mesh", "adapt"], e));
             }
         };
         let longest = adapt.h_max.unwrap_or(longest);
         if edge > longest {
-            let e = Error::scene("the edges wanted at the interfaces are longer than any of the mesh")
-                .value(format!("edge {edge}, longest edge {longest:.4}"))
-                .remedy("give a shorter mesh.adapt.edge, or a longer mesh.adapt.h_max");
+            let e =
+                Error::scene("the edges wanted at the interfaces are longer than any of the mesh")
+                    .value(format!("edge {edge}, longest edge {longest:.4}"))
+                    .remedy("give a shorter mesh.adapt.edge, or a longer mesh.adapt.h_max");
             return Err(scene.blame(&["mesh", "adapt"], e));
         }
         let width = adapt.width.unwrap_or(thickness.unwrap_or(EDGES * edge) + edge);
@@ -71,7 +78,11 @@ impl Lengths {
 ///
 /// # Errors
 /// Shapes that do not lie on the mesh.
-pub(super) fn adapted_start<const D: usize>(scene: &Scene, given: Mesh<D>, lengths: &Lengths) -> Result<Mesh<D>> {
+pub(super) fn adapted_start<const D: usize>(
+    scene: &Scene,
+    given: Mesh<D>,
+    lengths: &Lengths,
+) -> Result<Mesh<D>> {
     // Without interfaces the given mesh is kept, as the fields are not known yet.
     let Some(adapt) = scene.adapt.as_ref().filter(|_| !scene.structures().is_empty()) else {
         return Ok(given);
@@ -105,7 +116,10 @@ fn adapted(scene: &Scene, adapt: &Adapt, given: Mesh<2>, lengths: &Lengths) -> R
 fn rebuilt(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) -> Result<Mesh<2>> {
     let options = AdaptOptions { keep_boundary, ..AdaptOptions::default() };
     let adapted = adapt::adapt(mesh, metric, &options).map_err(|e| {
-        scene.blame(&["mesh", "adapt"], e.remedy("take longer edges (mesh.adapt.edge, along, h_min) or a larger error"))
+        scene.blame(
+            &["mesh", "adapt"],
+            e.remedy("take longer edges (mesh.adapt.edge, along, h_min) or a larger error"),
+        )
     })?;
     Ok(adapted.mesh)
 }
@@ -166,7 +180,9 @@ impl Wanted<'_> {
         let mut normals = vec![(SMatrix::<f64, 2, 2>::zeros(), 0.0); mesh.points().len()];
         for c in 0..mesh.cell_count() {
             for gradient in level_sets.iter().filter_map(|phi| self.near(phi, c)) {
-                let n = gradient.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(|| SVector::<f64, 2>::new(1.0, 0.0));
+                let n = gradient
+                    .try_normalize(f64::MIN_POSITIVE)
+                    .unwrap_or_else(|| SVector::<f64, 2>::new(1.0, 0.0));
                 for &v in mesh.cell(c) {
                     normals[v as usize].0 += n * n.transpose();
                     normals[v as usize].1 += 1.0;
@@ -187,14 +203,17 @@ impl Wanted<'_> {
     fn near(&self, phi: &[f64], c: usize) -> Option<SVector<f64, 2>> {
         let gradient = self.space.gradient(phi, c, &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0]);
         let values = self.space.cell_nodes(c).iter().map(|&n| phi[n as usize]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let least = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
         (least <= self.lengths.width * gradient.norm()).then_some(gradient)
     }
 
     /// The metric of the second derivatives of one field; `None` while it is constant.
     fn field(&self, space: &Space<2>, values: &[f64]) -> Result<Option<Metric>> {
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let (low, high) = values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         if high - low <= f64::MIN_POSITIVE {
             return Ok(None);
         }
@@ -210,9 +229,13 @@ impl Wanted<'_> {
         for field in &self.adapt.fields {
             match field {
                 AdaptField::Velocity => {
-                    all.extend((0..2).map(|i| (self.space, state.flow.u.iter().map(|u| u[i]).collect())));
+                    all.extend(
+                        (0..2).map(|i| (self.space, state.flow.u.iter().map(|u| u[i]).collect())),
+                    );
                 }
-                AdaptField::Pressure => all.extend(pressure.map(|space| (&**space, state.flow.p.clone()))),
+                AdaptField::Pressure => {
+                    all.extend(pressure.map(|space| (&**space, state.flow.p.clone())))
+                }
                 AdaptField::LevelSet => {
                     all.extend(level_sets(view).iter().map(|phi| (self.space, phi.to_vec())));
                 }
@@ -233,7 +256,9 @@ impl Wanted<'_> {
             if let Some(count) = self.adapt.vertices {
                 metric = metric.scaled_to(mesh, count)?;
             }
-            metric = metric.bounded(shortest, self.lengths.longest).limited_anisotropy(self.adapt.anisotropy);
+            metric = metric
+                .bounded(shortest, self.lengths.longest)
+                .limited_anisotropy(self.adapt.anisotropy);
         }
         Ok(Some(metric.graded(mesh, self.adapt.gradation)?))
     }

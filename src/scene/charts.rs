@@ -33,9 +33,20 @@ impl<'a> Sheet<'a> {
         if self.curves.is_empty() {
             return None;
         }
-        let curves =
-            self.curves.iter().map(|(name, y, stroke)| Curve { name, x: self.x, y, stroke: *stroke, colour: None });
-        let chart = Chart { title, x_label: self.x_label, y_label, curves: curves.collect(), ..Chart::default() };
+        let curves = self.curves.iter().map(|(name, y, stroke)| Curve {
+            name,
+            x: self.x,
+            y,
+            stroke: *stroke,
+            colour: None,
+        });
+        let chart = Chart {
+            title,
+            x_label: self.x_label,
+            y_label,
+            curves: curves.collect(),
+            ..Chart::default()
+        };
         Some(Figure::chart(name, title, chart.svg(), caption))
     }
 }
@@ -76,22 +87,32 @@ impl<'a> Columns<'a> {
     /// Semi-axes of a structure, which is round when at rest or not.
     pub fn axes(&self, name: &str, round_at_rest: bool) -> Option<Figure> {
         let (words, mut sheet) = (self.words(), self.sheet());
-        words.axes.iter().for_each(|(column, what)| sheet.line(*what, self.column_of(name, column)));
+        words
+            .axes
+            .iter()
+            .for_each(|(column, what)| sheet.line(*what, self.column_of(name, column)));
         if !sheet.curves.is_empty() {
             sheet.dashed(words.round, self.round_radius(name));
         }
         let title = format!("Semi-axes of {name}");
         let end = match (round_at_rest, words.axes.len()) {
             (false, _) => "",
-            (true, 2) => ", the shape at rest in a fluid at rest; both axes end there when nothing drives the flow",
-            (true, _) => ", the shape at rest in a fluid at rest; all axes end there when nothing drives the flow",
+            (true, 2) => {
+                ", the shape at rest in a fluid at rest; both axes end there when nothing drives \
+                 the flow"
+            }
+            (true, _) => {
+                ", the shape at rest in a fluid at rest; all axes end there when nothing drives \
+                 the flow"
+            }
         };
         sheet.draw(
             format!("axes-{name}"),
             [&title, "length"],
             format!(
-                "Semi-axes of the {} that has the second moments of the inside. Dashed: the radius of the {} of the same \
-                 {}{end}. A zigzag from row to row would mean that the time step is too large for the stiffness of the membrane.",
+                "Semi-axes of the {} that has the second moments of the inside. Dashed: the \
+                 radius of the {} of the same {}{end}. A zigzag from row to row would mean that \
+                 the time step is too large for the stiffness of the membrane.",
                 words.oval, words.round, words.enclosed,
             ),
         )
@@ -104,19 +125,22 @@ impl<'a> Columns<'a> {
         let title = format!("Half-chords of {name}");
         if !sheet.curves.is_empty() {
             let caption = format!(
-                "Half the distance of the two points where a line of the scene crosses the {cut}: on a centred {oval} \
-                 along the axes, its semi-axis. Where a chord parts from the semi-axis the shape is no {oval}. A gap \
-                 means that the line misses the {cut}.",
+                "Half the distance of the two points where a line of the scene crosses the {cut}: \
+                 on a centred {oval} along the axes, its semi-axis. Where a chord parts from the \
+                 semi-axis the shape is no {oval}. A gap means that the line misses the {cut}.",
                 cut = words.cut,
                 oval = words.oval
             );
             return sheet.draw(format!("chords-{name}"), [&title, "length"], caption);
         }
-        words.extents.iter().for_each(|(column, what)| sheet.line(*what, self.column_of(name, column)));
+        words
+            .extents
+            .iter()
+            .for_each(|(column, what)| sheet.line(*what, self.column_of(name, column)));
         let title = format!("Extents of {name}");
         let caption = format!(
-            "{} of the {}. On an {oval} along the axes they are its semi-axes; \
-             where they part from them the shape is turned, or no {oval}.",
+            "{} of the {}. On an {oval} along the axes they are its semi-axes; where they part \
+             from them the shape is turned, or no {oval}.",
             words.widths,
             words.cut,
             oval = words.oval

@@ -20,7 +20,8 @@ pub(super) fn check_flow(scene: &Scene) -> Result<()> {
         return Ok(());
     }
     let e = Error::scene(
-        "nothing fixes the velocity: without inertia a uniform motion or a rotation can be added to the flow",
+        "nothing fixes the velocity: without inertia a uniform motion or a rotation can be added \
+         to the flow",
     )
     .value("density 0, and no boundary with a velocity or no_slip")
     .remedy("give a boundary a velocity or no_slip = true, or the fluid a density");
@@ -31,7 +32,8 @@ pub(super) fn check_flow(scene: &Scene) -> Result<()> {
 /// with `--set time.end` still runs.
 pub(super) fn unreached_profiles(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
     scene.output.profiles.iter().filter_map(|p| {
-        let late: Vec<String> = p.times.iter().filter(|t| **t > scene.time.end).map(f64::to_string).collect();
+        let late: Vec<String> =
+            p.times.iter().filter(|t| **t > scene.time.end).map(f64::to_string).collect();
         let what = format!(
             "profile `{}` is not written at t = {}: the run ends at {}",
             p.name,

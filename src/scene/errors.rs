@@ -36,7 +36,8 @@ pub(super) fn measure<const D: usize>(view: &View<'_, D>, row: &mut Row) {
         let mut shift = 0.0;
         if !flow.numbering().is_open() {
             let basis = Basis::new(space, &Arc::new(Rule::simplex(D, DEGREE)));
-            let [sum, area] = integrate(&basis, Cells::All, |q| [basis.value(q, &state.flow.p) - at(&q.x), 1.0]);
+            let [sum, area] =
+                integrate(&basis, Cells::All, |q| [basis.value(q, &state.flow.p) - at(&q.x), 1.0]);
             shift = sum / area;
         }
         scalar_errors(space, &state.flow.p, |x| (at(x) + shift, SVector::zeros())).l2

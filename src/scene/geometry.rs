@@ -7,7 +7,9 @@ use super::site::BAND;
 use super::view::View;
 use crate::base::Result;
 use crate::fem::{Recovery, Space, SurfacePoint};
-use crate::levelset::{Curvature, Delta, Frenet, Smeared, SpaceCurve, Width, band_edges, vertices_near};
+use crate::levelset::{
+    Curvature, Delta, Frenet, Smeared, SpaceCurve, Width, band_edges, vertices_near,
+};
 use std::any::Any;
 
 /// Degree of the quadrature of smeared delta functions.
@@ -56,7 +58,10 @@ pub(super) fn measure<const D: usize>(view: &View<'_, D>, k: usize, row: &mut Ro
 }
 
 /// Minimum, maximum and mean on an interface.
-fn spread<const D: usize>(points: &[SurfacePoint<D>], f: impl Fn(&SurfacePoint<D>) -> f64) -> [f64; 3] {
+fn spread<const D: usize>(
+    points: &[SurfacePoint<D>],
+    f: impl Fn(&SurfacePoint<D>) -> f64,
+) -> [f64; 3] {
     let (mut least, mut most, mut sum, mut size) = (f64::NAN, f64::NAN, 0.0, 0.0);
     for p in points {
         let value = f(p);
@@ -88,7 +93,10 @@ fn smeared<const D: usize>(view: &View<'_, D>, k: usize, phi: &[f64]) -> Smeared
 
 /// Mean and, in space, Gauss curvature of an interface with the suffixes of their names: P1
 /// functions, nonzero only at the vertices of the cells that the interface crosses.
-pub(super) fn fields<const D: usize>(view: &View<'_, D>, k: usize) -> Vec<(&'static str, Vec<f64>)> {
+pub(super) fn fields<const D: usize>(
+    view: &View<'_, D>,
+    k: usize,
+) -> Vec<(&'static str, Vec<f64>)> {
     let Curvature { mean, gauss } = near(view.space(), &view.level_set(k));
     let mut fields = vec![("curvature", mean)];
     if D == 3 {
@@ -105,7 +113,11 @@ const CURVE_COLUMNS: [&str; 6] =
 ///
 /// # Errors
 /// A level set that is not finite.
-pub(super) fn measure_curve<const D: usize>(view: &View<'_, D>, curve: &Named<Curve>, row: &mut Row) -> Result<()> {
+pub(super) fn measure_curve<const D: usize>(
+    view: &View<'_, D>,
+    curve: &Named<Curve>,
+    row: &mut Row,
+) -> Result<()> {
     let structures = view.carried.structures();
     let number = |name: &String| structures.iter().position(|s| s.name() == name).unwrap_or(0);
     let [a, b] = [0, 1].map(|i| view.level_set(number(&curve.of[i])));

@@ -30,8 +30,11 @@ impl<const D: usize> Probes<D> {
         let locate = |x: Point<D>, keys: [&str; 3]| {
             locator.locate(mesh, &x).ok_or_else(|| {
                 let (lo, hi) = mesh.bounding_box();
-                let remedy =
-                    format!("give a point of the mesh, which spans {:?} to {:?}", lo.as_slice(), hi.as_slice());
+                let remedy = format!(
+                    "give a point of the mesh, which spans {:?} to {:?}",
+                    lo.as_slice(),
+                    hi.as_slice()
+                );
                 let e = Error::scene("the point lies outside the mesh");
                 script.blame(&keys, e.value(format!("{:?}", x.as_slice())).remedy(remedy))
             })
@@ -153,7 +156,9 @@ impl<'a, const D: usize> Derived<'a, D> {
         // There is exactly one level set when a scene requests it.
         let phi = |f: &dyn Fn(&[f64]) -> f64| vec![f(&self.view.level_set(0))];
         let pressure = || {
-            let value = |flow: &crate::flow::FlowSolver<D>| flow.pressure().space().value(&state.flow.p, cell, l);
+            let value = |flow: &crate::flow::FlowSolver<D>| {
+                flow.pressure().space().value(&state.flow.p, cell, l)
+            };
             self.view.flow.map_or(f64::NAN, value)
         };
         match of {

@@ -22,7 +22,9 @@ pub(super) fn mesh<const D: usize>(script: &Script) -> Result<(Mesh<D>, Vec<Warn
     }
     let place = |e| script.blame(&["mesh"], e);
     let found = match &script.mesh {
-        MeshSource::Rectangle(r) => same(mesh::rectangle(r.min, r.max, r.cells, r.diagonals).map_err(place)?),
+        MeshSource::Rectangle(r) => {
+            same(mesh::rectangle(r.min, r.max, r.cells, r.diagonals).map_err(place)?)
+        }
         MeshSource::Disc(d) => same(mesh::disc(d.centre, d.radius, d.cells).map_err(place)?),
         source => match source.generated() {
             Some(made) => same(made.map_err(place)?),

@@ -1,12 +1,17 @@
 //! Nearest known name to a misspelt one.
 
 /// The candidate with the smallest edit distance to `name`, if the distance is small.
-pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     let lower = name.to_lowercase();
     candidates
         .into_iter()
         .map(|c| (edits(&lower, &c.to_lowercase()), c))
-        .filter(|&(d, c)| d < c.len().min(name.len()).max(1) && d <= 1 + c.len().min(name.len()) / 4)
+        .filter(|&(d, c)| {
+            d < c.len().min(name.len()).max(1) && d <= 1 + c.len().min(name.len()) / 4
+        })
         .min_by_key(|&(d, _)| d)
         .map(|(_, c)| c)
 }

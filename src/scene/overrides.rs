@@ -65,8 +65,12 @@ fn enter<'a>(node: &'a mut Node, name: &str, place: Place, text: &str) -> Result
         }
         Value::Array(items) => {
             let count = items.len();
-            let what = format!("the list has {count} entries, numbered from 0; `{name}` is none of them");
-            name.parse().ok().and_then(|k: usize| items.get_mut(k)).ok_or_else(|| fault(text, span, what))
+            let what =
+                format!("the list has {count} entries, numbered from 0; `{name}` is none of them");
+            name.parse()
+                .ok()
+                .and_then(|k: usize| items.get_mut(k))
+                .ok_or_else(|| fault(text, span, what))
         }
         other => {
             let what = format!("`{name}` cannot be set inside {}", other.kind());
@@ -79,6 +83,9 @@ fn fault(text: &str, span: std::ops::Range<usize>, what: impl Into<String>) -> E
     Error::scene(what)
         .at(format!("--set {text}"))
         .value(text)
-        .remedy("write --set key.sub=value, for example --set time.step=1e-3 or --set membrane.0.stretch=1.1")
+        .remedy(
+            "write --set key.sub=value, for example --set time.step=1e-3 or --set \
+             membrane.0.stretch=1.1",
+        )
         .snippet(Snippet { path: "--set".to_string(), source: text.to_string(), span })
 }

@@ -8,7 +8,10 @@ use crate::base::Result;
 ///
 /// # Errors
 /// A shape that does not lie on the mesh.
-pub(super) fn place<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Vec<Option<Placed<D>>>> {
+pub(super) fn place<const D: usize>(
+    scene: &Scene,
+    site: &Site<'_, D>,
+) -> Result<Vec<Option<Placed<D>>>> {
     let place = |k: usize| {
         let (structure, [list, number]) = (&scene.structures()[k], scene.structure_keys(k));
         let Some(shape) = structure.shape() else { return Ok(None) };

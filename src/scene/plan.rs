@@ -41,7 +41,10 @@ pub(super) fn mesh<const D: usize>(
     let mut lines = vec![
         format!("{source}{made}: {count} {}, {} points", cells(D), mesh.points().len()),
         format!("from ({}) to ({})", listed(&lo), listed(&hi)),
-        format!("edges up to {:.4}, smallest angle {:.1} degrees", q.greatest_diameter.value, q.smallest_angle.value),
+        format!(
+            "edges up to {:.4}, smallest angle {:.1} degrees",
+            q.greatest_diameter.value, q.smallest_angle.value
+        ),
         format!("boundary names: {}", names.join(", ")),
     ];
     lines.extend(adapted.map(|(adapt, lengths)| follows(adapt, lengths)));
@@ -54,9 +57,15 @@ fn source<const D: usize>(script: &Script) -> String {
         MeshSource::File { path, refine: 0, .. } => format!("{}", path.display()),
         MeshSource::File { path, refine, .. } => {
             let (cell, parts) = if D == 2 { ("triangle", 4usize) } else { ("tetrahedron", 8) };
-            format!("{}, every {cell} cut into {}", path.display(), parts.saturating_pow(*refine as u32))
+            format!(
+                "{}, every {cell} cut into {}",
+                path.display(),
+                parts.saturating_pow(*refine as u32)
+            )
         }
-        MeshSource::Rectangle(Rectangle { cells, .. }) => format!("rectangle of {} x {} squares", cells[0], cells[1]),
+        MeshSource::Rectangle(Rectangle { cells, .. }) => {
+            format!("rectangle of {} x {} squares", cells[0], cells[1])
+        }
         MeshSource::Disc(disc) => format!("disc with {} cells along a radius", disc.cells),
         MeshSource::Box(Block { cells: [x, y, z], .. }) => format!("box of {x} x {y} x {z} boxes"),
         MeshSource::BallInBox(BallInBox { cells: [x, y, z], edge, .. }) => {
@@ -73,18 +82,23 @@ fn listed<const D: usize>(x: &Point<D>) -> String {
 /// Adaptation of the mesh in words.
 fn follows(adapt: &Adapt, lengths: &Lengths) -> String {
     let Lengths { edge, along, width, longest } = lengths;
-    let when =
-        adapt.every.map_or("at the start alone".into(), |every| format!("at the start and looked at every {every}"));
+    let when = adapt.every.map_or("at the start alone".into(), |every| {
+        format!("at the start and looked at every {every}")
+    });
     let growth = adapt.gradation;
     let mut text = format!(
-        "adapted {when}: edges of {edge:.4} across and {along:.4} along, up to {width:.4} from the interfaces, then growing by {growth} each to {longest:.4}"
+        "adapted {when}: edges of {edge:.4} across and {along:.4} along, up to {width:.4} from \
+         the interfaces, then growing by {growth} each to {longest:.4}"
     );
     if !adapt.fields.is_empty() {
         let target = match adapt.vertices {
             Some(count) => format!("{count} points"),
             None => format!("an interpolation error of {}", adapt.error),
         };
-        text += &format!("; by the second derivatives of {} field kinds for {target}", adapt.fields.len());
+        text += &format!(
+            "; by the second derivatives of {} field kinds for {target}",
+            adapt.fields.len()
+        );
     }
     text
 }
@@ -101,7 +115,8 @@ pub(super) fn boundaries(script: &Script) -> Vec<String> {
         Condition::Open => "open (no stress)".into(),
         Condition::Periodic(other) => format!("periodic with {other}"),
     };
-    let line = |b: &super::schema::Boundary| format!("boundary {}: {}", b.name, condition(&b.condition));
+    let line =
+        |b: &super::schema::Boundary| format!("boundary {}: {}", b.name, condition(&b.condition));
     script.boundaries.iter().map(line).collect()
 }
 
@@ -120,7 +135,8 @@ pub(super) fn level_sets<const D: usize>(view: &View<'_, D>) -> Option<String> {
 pub(super) fn map_memory<const D: usize>(view: &View<'_, D>) -> Option<String> {
     let submap = view.state.fields.map.as_ref()?.bytes() as f64 / 1e6;
     Some(format!(
-        "backward map: {submap:.2} MB a submap (P2); their number grows with the time and is the column `submaps`"
+        "backward map: {submap:.2} MB a submap (P2); their number grows with the time and is the \
+         column `submaps`"
     ))
 }
 
@@ -130,7 +146,8 @@ pub(super) fn transport<const D: usize>(script: &Script, view: &View<'_, D>) -> 
         Method::Nodal => "level set carried to the nodes (nodal)".into(),
         Method::Projected => "level set projected at the quadrature points (projected)".into(),
         Method::Composed => format!(
-            "level set composed with the backward map (composed): a new submap when the gradient of its displacement exceeds {}{}",
+            "level set composed with the backward map (composed): a new submap when the gradient \
+             of its displacement exceeds {}{}",
             view.carried.carrier().remap,
             if script.numerics.remap.is_some() { "" } else { " (measured default)" }
         ),
@@ -147,7 +164,10 @@ pub(super) fn steps(script: &Script) -> String {
     let time = &script.time;
     match time.tolerance {
         Some(tolerance) => {
-            format!("steps that follow the error, tolerance {tolerance}, the first {}, to t = {}", time.step, time.end)
+            format!(
+                "steps that follow the error, tolerance {tolerance}, the first {}, to t = {}",
+                time.step, time.end
+            )
         }
         None => format!("{} steps of {} to t = {}", time.steps(), time.step, time.end),
     }

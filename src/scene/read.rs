@@ -3,8 +3,8 @@
 
 use super::keys::{Context, Item, Keys, Table, Tabled, Writer, distinct};
 use super::schema::{
-    Adapt, Exact, Fluid, Given, Image, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion, Numerics, Output, Tables, Time,
-    check_image, constants, read_boundaries,
+    Adapt, Exact, Fluid, Given, Image, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion, Numerics,
+    Output, Tables, Time, check_image, constants, read_boundaries,
 };
 use super::structures::{KINDS, StructureKind, Traits};
 use crate::base::{Error, Result};
@@ -22,8 +22,8 @@ pub static KEYS: LazyLock<Keys> = LazyLock::new(|| {
     let lists = KINDS.iter().map(|kind| kind.key());
     let keys: Vec<_> = KEYS_BEFORE.into_iter().chain(lists).chain(KEYS_AFTER).collect();
     Keys {
-        about: "A scene is a TOML file. Lengths, times and masses are in any consistent system of units; \
-            units below are those of SI.",
+        about: "A scene is a TOML file. Lengths, times and masses are in any consistent system of \
+            units; units below are those of SI.",
         keys: keys.leak(),
     }
 });
@@ -40,7 +40,12 @@ pub(super) fn read(root: &Item, folder: &Path, name: &str) -> Result<(Tables, St
 }
 
 /// Reads a scene whose mesh file has this dimension; by default that of the file, or else 2.
-fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> Result<(Tables, Structures)> {
+fn read_as(
+    root: &Item,
+    folder: &Path,
+    name: &str,
+    dimension: Option<usize>,
+) -> Result<(Tables, Structures)> {
     let scene = root.table(&KEYS)?;
     let constants = scene.optional("constants", constants)?.unwrap_or_default();
     let context = Context { dimension: 2, constants, folder: folder.to_path_buf() };
@@ -57,8 +62,15 @@ fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> 
             scene.required("fluid", "write [fluid] with viscosity = 0.01", read)?
         }
     };
-    let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", |i| Time::read(i, &context))?;
-    check(&scene, (&mesh, &fluid, image.is_some()), (&numerics, &time, adapt.as_ref()), &structures)?;
+    let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", |i| {
+        Time::read(i, &context)
+    })?;
+    check(
+        &scene,
+        (&mesh, &fluid, image.is_some()),
+        (&numerics, &time, adapt.as_ref()),
+        &structures,
+    )?;
     let names: Vec<&str> = structures.iter().map(|s| s.name()).collect();
     let motion = Motion::of(&fluid, image.is_some());
     let has_map = traits.iter().any(|t| t.resists_shear);
@@ -83,7 +95,11 @@ fn read_as(root: &Item, folder: &Path, name: &str, dimension: Option<usize>) -> 
 }
 
 /// Reads the image, if there is one, and the mesh.
-fn read_mesh(scene: &Table<'_>, context: &Context, dimension: Option<usize>) -> Result<(Option<Image>, MeshSource)> {
+fn read_mesh(
+    scene: &Table<'_>,
+    context: &Context,
+    dimension: Option<usize>,
+) -> Result<(Option<Image>, MeshSource)> {
     let item = scene.get("image");
     let image = item.as_ref().map(|i| Image::read(i, context)).transpose()?;
     let remedy = "write [mesh] with rectangle = { min = [0, 0], max = [1, 1], cells = [30, 30] }";
@@ -112,7 +128,11 @@ fn read_adapt(scene: &Table<'_>, context: &Context) -> Result<Option<Adapt>> {
 }
 
 /// Reads all structures, each with a distinct name.
-fn read_structures(scene: &Table<'_>, numerics: &Numerics, context: &Context) -> Result<Structures> {
+fn read_structures(
+    scene: &Table<'_>,
+    numerics: &Numerics,
+    context: &Context,
+) -> Result<Structures> {
     let mut all: Structures = Vec::new();
     for kind in KINDS {
         let taken: Vec<&str> = all.iter().map(|s| s.name()).collect();
@@ -126,7 +146,9 @@ fn read_structures(scene: &Table<'_>, numerics: &Numerics, context: &Context) ->
 /// Names of the structures that enclose a fluid, each with true if it specifies that fluid itself.
 fn own_fluids(structures: &[Box<dyn StructureKind>]) -> Vec<(String, bool)> {
     let acting = structures.iter().filter(|s| s.traits().acts);
-    acting.map(|s| (s.name().to_string(), s.traits().own_fluid.iter().any(Option::is_some))).collect()
+    acting
+        .map(|s| (s.name().to_string(), s.traits().own_fluid.iter().any(Option::is_some)))
+        .collect()
 }
 
 /// Writes a scene as TOML with all defaults; the result reads as an equal scene.
@@ -161,11 +183,15 @@ fn check(
     if let (Some(item), Method::Composed) = (&adapt_item, numerics.transport) {
         return Err(item
             .key_error("a mesh that changes cannot carry the chain of maps of composed transport")
-            .remedy("take numerics.transport = \"nodal\" or \"projected\", or leave mesh.adapt out"));
+            .remedy(
+                "take numerics.transport = \"nodal\" or \"projected\", or leave mesh.adapt out",
+            ));
     }
     let table = scene.get("numerics").map(|i| i.open_table()).transpose()?;
     match table.and_then(|t| t.get("redistance")) {
-        Some(item) => check_redistance(&item, structures, numerics.transport, time.tolerance.is_some()),
+        Some(item) => {
+            check_redistance(&item, structures, numerics.transport, time.tolerance.is_some())
+        }
         None => Ok(()),
     }
 }
@@ -178,13 +204,16 @@ fn check_elements(
     dimension: usize,
     adapts: bool,
 ) -> Result<()> {
-    let Some(table) = scene.get("numerics").map(|i| i.open_table()).transpose()? else { return Ok(()) };
+    let Some(table) = scene.get("numerics").map(|i| i.open_table()).transpose()? else {
+        return Ok(());
+    };
     if let (Some(item), Some(scheme)) = (table.get("surface_tension"), numerics.surface_tension) {
         let acting = || structures.iter().filter(|s| s.traits().acts);
         if let Some(s) = acting().find(|s| !s.traits().constant_tension) {
             return Err(item
                 .key_error(format!(
-                    "the schemes of `surface_tension` are for constant tension, and {} `{}` has another law",
+                    "the schemes of `surface_tension` are for constant tension, and {} `{}` has \
+                     another law",
                     s.list(),
                     s.name()
                 ))
@@ -201,11 +230,14 @@ fn check_elements(
     }
     match table.get("pressure").filter(|_| numerics.pressure == Element::P1P0) {
         Some(item) if numerics.solver == Some(SolverKind::Schur) => Err(item
-            .key_error("the Schur route has no operator for a pressure that holds the constants twice")
+            .key_error(
+                "the Schur route has no operator for a pressure that holds the constants twice",
+            )
             .remedy("take solver = \"auto\", or pressure = \"P1\"")),
         Some(item) if dimension == 3 => Err(item
             .key_error(
-                "in space P2 velocities cannot balance a pressure with a constant of each cell: the pair is not stable",
+                "in space P2 velocities cannot balance a pressure with a constant of each cell: \
+                 the pair is not stable",
             )
             .remedy("take pressure = \"P1\"")),
         Some(item) if adapts => Err(item
@@ -222,55 +254,88 @@ fn check_tolerance(scene: &Table<'_>, fluid: &Fluid, adapt: Option<&Adapt>) -> R
     let Some(item) = time.and_then(|t| t.get("tolerance")) else { return Ok(()) };
     if fluid.is_prescribed() {
         return Err(item
-            .key_error("the velocity is prescribed, and there is no flow whose error steps could follow")
+            .key_error(
+                "the velocity is prescribed, and there is no flow whose error steps could follow",
+            )
             .remedy("leave time.tolerance out, and choose time.step"));
     }
     if adapt.is_some_and(|a| a.every.is_some()) {
         return Err(item
             .key_error("steps cannot follow the error on a mesh that is made anew")
-            .remedy("leave out time.tolerance, or mesh.adapt.every: the mesh is then adapted at the start alone"));
+            .remedy(
+                "leave out time.tolerance, or mesh.adapt.every: the mesh is then adapted at the \
+                 start alone",
+            ));
     }
     Ok(())
 }
 
 /// A prescribed velocity transports level sets and nothing else.
-fn check_passive(scene: &Table<'_>, structures: &[Box<dyn StructureKind>], without_level_set: bool) -> Result<()> {
+fn check_passive(
+    scene: &Table<'_>,
+    structures: &[Box<dyn StructureKind>],
+    without_level_set: bool,
+) -> Result<()> {
     let acting = structures.iter().find(|s| s.traits().acts);
     if let Some(item) = acting.and_then(|s| scene.get(s.list())) {
         return Err(item
             .key_error(format!("a {} acts on the flow, but the velocity is prescribed", item.key))
-            .remedy("carry its shape as a [[level_set]], or give a viscosity in place of prescribed_velocity"));
+            .remedy(
+                "carry its shape as a [[level_set]], or give a viscosity in place of \
+                 prescribed_velocity",
+            ));
     }
-    if let Some(item) = scene.get("exact").map(|e| e.open_table()).transpose()?.and_then(|e| e.get("pressure")) {
+    if let Some(item) =
+        scene.get("exact").map(|e| e.open_table()).transpose()?.and_then(|e| e.get("pressure"))
+    {
         return Err(item
-            .key_error("there is no pressure to compare: the velocity is prescribed and no flow is solved")
+            .key_error(
+                "there is no pressure to compare: the velocity is prescribed and no flow is solved",
+            )
             .remedy("leave exact.pressure out"));
     }
     match scene.get("fluid") {
-        Some(item) if without_level_set => Err(item
-            .key_error("the velocity is prescribed and carries nothing")
-            .remedy("add [[level_set]] with shape.circle = { centre = [0.5, 0.75], radius = 0.15 }")),
+        Some(item) if without_level_set => {
+            Err(item.key_error("the velocity is prescribed and carries nothing").remedy(
+                "add [[level_set]] with shape.circle = { centre = [0.5, 0.75], radius = 0.15 }",
+            ))
+        }
         _ => Ok(()),
     }
 }
 
 /// Rejects redistancing of structures that use the slope of their level set, or have none.
-fn check_redistance(item: &Item, structures: &[Box<dyn StructureKind>], transport: Method, paced: bool) -> Result<()> {
+fn check_redistance(
+    item: &Item,
+    structures: &[Box<dyn StructureKind>],
+    transport: Method,
+    paced: bool,
+) -> Result<()> {
     let acting = || structures.iter().filter(|s| s.traits().acts);
-    let refuse = |what: String, remedy: &str| -> Result<()> { Err::<(), Error>(item.key_error(what).remedy(remedy)) };
-    let without = "leave numerics.redistance out: bands are renormalised by the slope, which needs no redistancing";
+    let refuse = |what: String, remedy: &str| -> Result<()> {
+        Err::<(), Error>(item.key_error(what).remedy(remedy))
+    };
+    let without = "leave numerics.redistance out: bands are renormalised by the slope, which \
+        needs no redistancing";
     if structures.is_empty() {
-        return refuse("there is no interface to redistance".into(), "leave it out, or add a [[level_set]]");
+        return refuse(
+            "there is no interface to redistance".into(),
+            "leave it out, or add a [[level_set]]",
+        );
     }
     if transport == Method::Composed {
         return refuse(
-            "composed transport never changes its level sets, which are functions of the way back to time 0".into(),
-            "take numerics.transport = \"nodal\" or \"projected\", or leave numerics.redistance out",
+            "composed transport never changes its level sets, which are functions of the way back \
+             to time 0"
+                .into(),
+            "take numerics.transport = \"nodal\" or \"projected\", or leave numerics.redistance \
+             out",
         );
     }
     if paced && acting().next().is_some() {
         return refuse(
-            "steps that follow the error would follow the jumps that redistancing makes in the force of a membrane"
+            "steps that follow the error would follow the jumps that redistancing makes in the \
+             force of a membrane"
                 .into(),
             "leave out numerics.redistance, or time.tolerance",
         );
@@ -279,13 +344,15 @@ fn check_redistance(item: &Item, structures: &[Box<dyn StructureKind>], transpor
         let (name, traits) = (s.name(), s.traits());
         if !traits.constant_tension {
             let what = format!(
-                "the slope of the level set of `{name}` is the stretch of an elastic membrane, and redistancing destroys it"
+                "the slope of the level set of `{name}` is the stretch of an elastic membrane, \
+                 and redistancing destroys it"
             );
             return refuse(what, without);
         }
         if traits.mass > 0.0 {
             let what = format!(
-                "the slope of the level set of `{name}` thins the mass of the membrane (3.19), and redistancing destroys it"
+                "the slope of the level set of `{name}` thins the mass of the membrane (3.19), \
+                 and redistancing destroys it"
             );
             return refuse(what, "leave numerics.redistance out, or take mass = 0");
         }

@@ -17,15 +17,19 @@ pub(super) fn in_words(scene: &Script) -> Option<String> {
     let method = match r.scheme() {
         Redistance::HamiltonJacobi { iterations } => {
             format!(
-                "{iterations} pseudo-time steps of (1.35), straight up to about {iterations} half edges from the interface"
+                "{iterations} pseudo-time steps of (1.35), straight up to about {iterations} half \
+                 edges from the interface"
             )
         }
         Redistance::FastMarching => "fast marching, of first order away from the interface".into(),
-        Redistance::Exact => "the distance of each node from the zero set of the P2 function".into(),
+        Redistance::Exact => {
+            "the distance of each node from the zero set of the P2 function".into()
+        }
     };
     let every = if r.every == 1 { "every step".into() } else { format!("every {} steps", r.every) };
     let volume = if r.volume { "; a constant keeps what the interface encloses" } else { "" };
     Some(format!(
-        "level sets redistanced after {every}: {method}{volume}; this displaces the interface a little each time"
+        "level sets redistanced after {every}: {method}{volume}; this displaces the interface a \
+         little each time"
     ))
 }

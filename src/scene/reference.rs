@@ -19,20 +19,29 @@ const EXPRESSIONS: &str = "expressions";
 ///
 /// Errors: of kind [`Scene`](crate::base::Kind::Scene) if there is no such table.
 pub fn reference(of: Option<&str>) -> Result<String> {
-    let mut sections =
-        vec![Section { paths: vec![String::new()], headings: vec!["The scene".to_string()], keys: &KEYS }];
+    let mut sections = vec![Section {
+        paths: vec![String::new()],
+        headings: vec!["The scene".to_string()],
+        keys: &KEYS,
+    }];
     collect(&KEYS, "", &mut sections);
     let wanted = |path: &str| match of {
         None => true,
-        Some(of) => path.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')),
+        Some(of) => {
+            path.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        }
     };
-    let mut parts: Vec<String> =
-        sections.iter().filter(|s| s.paths.iter().any(|p| wanted(p))).map(Section::markdown).collect();
+    let mut parts: Vec<String> = sections
+        .iter()
+        .filter(|s| s.paths.iter().any(|p| wanted(p)))
+        .map(Section::markdown)
+        .collect();
     if wanted(EXPRESSIONS) {
         parts.push(expressions());
     }
     if parts.is_empty() {
-        let known = sections.iter().flat_map(|s| &s.paths).map(String::as_str).filter(|p| !p.is_empty());
+        let known =
+            sections.iter().flat_map(|s| &s.paths).map(String::as_str).filter(|p| !p.is_empty());
         let of = of.unwrap_or("");
         return Err(Error::scene(format!("`{of}` is not a table of the scene"))
             .at("command line, TABLE")
@@ -46,7 +55,8 @@ pub fn reference(of: Option<&str>) -> Result<String> {
 fn collect(keys: &'static Keys, path: &str, sections: &mut Vec<Section>) {
     for key in keys.keys {
         let Some(inner) = key.kind.keys() else { continue };
-        let path = if path.is_empty() { key.name.to_string() } else { format!("{path}.{}", key.name) };
+        let path =
+            if path.is_empty() { key.name.to_string() } else { format!("{path}.{}", key.name) };
         let heading = match key.kind {
             Kind::Named(_) => format!("[{path}.NAME]"),
             Kind::List(_) => format!("[[{path}]]"),
@@ -58,7 +68,11 @@ fn collect(keys: &'static Keys, path: &str, sections: &mut Vec<Section>) {
                 section.headings.push(heading);
             }
             None => {
-                sections.push(Section { paths: vec![path.clone()], headings: vec![heading], keys: inner });
+                sections.push(Section {
+                    paths: vec![path.clone()],
+                    headings: vec![heading],
+                    keys: inner,
+                });
                 collect(inner, &path, sections);
             }
         }
@@ -86,7 +100,9 @@ fn entry(key: &Key) -> String {
         Kind::Lengths(n) => format!("{} numbers > 0", in_words(n)),
         Kind::Count([least, most]) if most == least + 1 => format!("{least} or {most}"),
         Kind::Count([least, most]) => format!("whole number from {least} to {most}"),
-        Kind::Counts(n, [least, most]) => format!("{} whole numbers from {least} to {most}", in_words(n)),
+        Kind::Counts(n, [least, most]) => {
+            format!("{} whole numbers from {least} to {most}", in_words(n))
+        }
         Kind::Choice(words) => quoted(words, "`"),
         Kind::Set(words) => format!("list of {}", quoted(words, "")),
         Kind::Table(_) => "table".to_string(),
@@ -124,11 +140,15 @@ fn expressions() -> String {
     let functions = functions().map(|f| format!("`{f}`")).collect::<Vec<_>>().join(", ");
     format!(
         "## Expressions\n\n\
-         Where an expression may stand, write a number or a text such as `\"sin(pi * x) * min(t, 1)\"`. It may use `x`, `y`, `z`, `t`, `pi` \
+         Where an expression may stand, write a number or a text such as `\"sin(pi * x) * min(t, \
+         1)\"`. It may use `x`, `y`, `z`, `t`, `pi` \
          and the names in `[constants]`.\n\n\
-         Operators, from loose to tight: `||`; `&&`; the comparisons `<`, `>`, `<=`, `>=`, `==`, `!=`, which do not chain; `+`, `-`; `*`, `/`; \
-         the prefixes `-`, `+`, `!`; and `^`, which groups to the right, so that `-x^2` is `-(x^2)`. True is 1 and false is 0.\n\n\
-         Functions: {functions}. `log` is the natural logarithm, angles are in radians, and `if(c, a, b)` is `a` where `c` is not 0 and else `b`.\n"
+         Operators, from loose to tight: `||`; `&&`; the comparisons `<`, `>`, `<=`, `>=`, `==`, \
+         `!=`, which do not chain; `+`, `-`; `*`, `/`; \
+         the prefixes `-`, `+`, `!`; and `^`, which groups to the right, so that `-x^2` is \
+         `-(x^2)`. True is 1 and false is 0.\n\n\
+         Functions: {functions}. `log` is the natural logarithm, angles are in radians, and \
+         `if(c, a, b)` is `a` where `c` is not 0 and else `b`.\n"
     )
 }
 
@@ -141,10 +161,17 @@ mod tests {
         let whole = reference(None).unwrap();
         let shape = reference(Some("membrane.shape")).unwrap();
         assert!(whole.contains(&shape), "{shape}");
-        assert!(shape.starts_with("### `[membrane.shape]`") && shape.contains("`[membrane.shape.ellipse]`"), "{shape}");
+        assert!(
+            shape.starts_with("### `[membrane.shape]`")
+                && shape.contains("`[membrane.shape.ellipse]`"),
+            "{shape}"
+        );
         assert!(!shape.contains("stretch"));
         assert!(reference(Some("expressions")).unwrap().contains("`hypot`"));
-        assert!(reference(Some("fluid.viscosity")).unwrap().contains("inside"), "a table at two places");
+        assert!(
+            reference(Some("fluid.viscosity")).unwrap().contains("inside"),
+            "a table at two places"
+        );
     }
 
     #[test]

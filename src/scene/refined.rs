@@ -33,9 +33,12 @@ pub(super) fn refined<const D: usize>(
         check_lies_on(&mesh, name, curve.as_ref()).map_err(place)?;
         curves.push((name, curve));
     }
-    let onto =
-        |name: &str, x: &Point<D>| curves.iter().find(|c| c.0 == name).map(|(_, curve)| nearest(curve.as_ref(), *x));
-    (0..times).try_fold(mesh, |mesh, _| refine(&mesh, onto)).map_err(|e| script.blame(&["mesh", "refine"], e))
+    let onto = |name: &str, x: &Point<D>| {
+        curves.iter().find(|c| c.0 == name).map(|(_, curve)| nearest(curve.as_ref(), *x))
+    };
+    (0..times)
+        .try_fold(mesh, |mesh, _| refine(&mesh, onto))
+        .map_err(|e| script.blame(&["mesh", "refine"], e))
 }
 
 fn check_lies_on<const D: usize>(mesh: &Mesh<D>, name: &str, curve: &dyn Shape<D>) -> Result<()> {
@@ -51,7 +54,10 @@ fn check_lies_on<const D: usize>(mesh: &Mesh<D>, name: &str, curve: &dyn Shape<D
                     "the boundary `{name}` does not lie on the curve that the scene gives it"
                 ))
                 .value(format!("the point {:?} is {off:.3e} away from it", x.as_slice()))
-                .remedy("give the curve that the mesh was made from, or leave it out: straight parts need none"));
+                .remedy(
+                    "give the curve that the mesh was made from, or leave it out: straight parts \
+                     need none",
+                ));
             }
         }
     }

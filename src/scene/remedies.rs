@@ -26,8 +26,8 @@ fn keys(cause: Cause, value: &str) -> String {
         Cause::ShortestStep => "a larger time.tolerance or a smaller time.step_min",
         Cause::ErrorControl => "time.order = 2, or no time.tolerance",
         Cause::BlowUp => {
-            "a smaller time.step, numerics.coupling = \"implicit\", or a larger numerics.grad_div; \
-             `immersa explain` prints the step limit"
+            "a smaller time.step, numerics.coupling = \"implicit\", or a larger \
+             numerics.grad_div; `immersa explain` prints the step limit"
         }
         Cause::FirstOrder => "time.order = 1, or numerics.coupling",
         Cause::Massless => "density of [fluid] and of the structures, or numerics.coupling",
@@ -36,7 +36,9 @@ fn keys(cause: Cause, value: &str) -> String {
         Cause::SeveralCurves => "a table [[level_set]] each",
         Cause::ContourLost => "image.length, image.start",
         Cause::BareBoundary if value == "unnamed" => "a table [boundary.walls]",
-        Cause::BareBoundary => return format!("a table [boundary.{}]", value.split(", ").next().unwrap_or(value)),
+        Cause::BareBoundary => {
+            return format!("a table [boundary.{}]", value.split(", ").next().unwrap_or(value));
+        }
         Cause::CurvedBoundary => "mesh.geometry",
     };
     keys.to_string()

@@ -14,7 +14,11 @@ impl Row {
         self.values.push(value);
     }
     /// Adds columns whose names begin with `prefix`.
-    pub fn put_all<S: AsRef<str>>(&mut self, prefix: &str, columns: impl IntoIterator<Item = (S, f64)>) {
+    pub fn put_all<S: AsRef<str>>(
+        &mut self,
+        prefix: &str,
+        columns: impl IntoIterator<Item = (S, f64)>,
+    ) {
         for (name, value) in columns {
             self.put(format!("{prefix}{}", name.as_ref()), value);
         }

@@ -151,7 +151,10 @@ impl<'a> Run<'a> {
                 self.save()?;
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
                     .at(format!("time {:.6}", self.problem.moment().time))
-                    .remedy(format!("go on with --resume --out {}", self.folder.path().display())));
+                    .remedy(format!(
+                        "go on with --resume --out {}",
+                        self.folder.path().display()
+                    )));
             }
             let before = self.problem.energies().map_or(0.0, |(e, _)| e.total());
             let first = self.problem.moment().steps == 0;
@@ -189,7 +192,9 @@ impl<'a> Run<'a> {
         let (moment, time) = (self.problem.moment(), &self.scene.time);
         let done = moment.steps as usize;
         match time.tolerance {
-            Some(_) => [done, done + ((time.end - moment.time).max(0.0) / moment.dt).ceil() as usize],
+            Some(_) => {
+                [done, done + ((time.end - moment.time).max(0.0) / moment.dt).ceil() as usize]
+            }
             None => [done, time.steps()],
         }
     }
@@ -232,7 +237,8 @@ impl<'a> Run<'a> {
                 let values = self.problem.profile(k).into_iter();
                 let columns = values.map(|(suffix, v)| (format!("t={now}{suffix}"), v));
                 self.record.profiles.entry(p.name.clone()).or_default().extend(columns);
-                let (points, written) = (self.problem.profile_points(k), &self.record.profiles[&p.name]);
+                let (points, written) =
+                    (self.problem.profile_points(k), &self.record.profiles[&p.name]);
                 self.folder.write_profile(&p.name, &points, written)?;
             }
         }
@@ -279,14 +285,16 @@ impl<'a> Run<'a> {
         let (mut alarms, advice) = (Vec::new(), self.problem.advice());
         if self.record.worst_balance > ENERGY_ALARM {
             alarms.push(format!(
-                "Energy balance: {:.1} % of the energy in play is spurious, so the motion is not to be trusted. {}",
+                "Energy balance: {:.1} % of the energy in play is spurious, so the motion is not \
+                 to be trusted. {}",
                 100.0 * self.record.worst_balance,
                 advice.energy
             ));
         }
         for (name, time) in &self.record.at_wall {
             alarms.push(format!(
-                "The band of `{name}` reached the boundary at t = {time:.4}: its stress is cut off there. Enlarge the mesh or give a smaller thickness."
+                "The band of `{name}` reached the boundary at t = {time:.4}: its stress is cut \
+                 off there. Enlarge the mesh or give a smaller thickness."
             ));
         }
         for (name, change) in &self.record.area_change {

@@ -14,7 +14,10 @@ use crate::mesh::Point;
 ///
 /// # Errors
 /// A degenerate shape, or one for another dimension.
-pub(super) fn shape<const D: usize>(shape: &Shape, domain: (Point<D>, Point<D>)) -> Result<Box<dyn Distance<D>>> {
+pub(super) fn shape<const D: usize>(
+    shape: &Shape,
+    domain: (Point<D>, Point<D>),
+) -> Result<Box<dyn Distance<D>>> {
     let found = match (same(domain), same(domain)) {
         (Some(domain), _) => same(plane(shape, domain)?),
         (_, Some(domain)) => same(solid(shape, domain)?),
@@ -33,8 +36,12 @@ fn other_dimension(shape: &Shape, dimension: usize) -> Error {
 fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
     Ok(match shape {
         Shape::Circle(s) => Box::new(Circle::new(point(&s.centre), s.radius)?),
-        Shape::Ellipse(s) => Box::new(Ellipse::new(point(&s.centre), point(&s.semi_axes), s.angle)?),
-        Shape::RoundedBox(s) => Box::new(RoundedBox::new(point(&s.centre), point(&s.half_size), s.radius, s.angle)?),
+        Shape::Ellipse(s) => {
+            Box::new(Ellipse::new(point(&s.centre), point(&s.semi_axes), s.angle)?)
+        }
+        Shape::RoundedBox(s) => {
+            Box::new(RoundedBox::new(point(&s.centre), point(&s.half_size), s.radius, s.angle)?)
+        }
         Shape::Polygon(s) => Box::new(Polygon::new(s.points.iter().map(|p| point(p)).collect())?),
         Shape::Union(parts) => {
             let parts = parts.iter().map(|p| plane(p, domain)).collect::<Result<_>>()?;
@@ -44,7 +51,9 @@ fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance
             let e = e.clone();
             Box::new(LevelFunction::new(move |x: &Point<2>| e.eval(coordinates(x), 0.0), domain)?)
         }
-        Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Torus(_) => return Err(other_dimension(shape, 2)),
+        Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Torus(_) => {
+            return Err(other_dimension(shape, 2));
+        }
     })
 }
 
@@ -52,11 +61,18 @@ fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance
 fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance<3>>> {
     Ok(match shape {
         Shape::Sphere(s) => Box::new(Circle::<3>::new(point(&s.centre), s.radius)?),
-        Shape::Ellipsoid(s) => Box::new(Ellipsoid::new(point(&s.centre), point(&s.semi_axes), point(&s.rotation))?),
-        Shape::Torus(s) => Box::new(Torus::new(point(&s.centre), point(&s.axis), s.major, s.minor)?),
-        Shape::RoundedBox(s) => {
-            Box::new(RoundedBox::turned(point(&s.centre), point(&s.half_size), s.radius, point(&s.rotation))?)
+        Shape::Ellipsoid(s) => {
+            Box::new(Ellipsoid::new(point(&s.centre), point(&s.semi_axes), point(&s.rotation))?)
         }
+        Shape::Torus(s) => {
+            Box::new(Torus::new(point(&s.centre), point(&s.axis), s.major, s.minor)?)
+        }
+        Shape::RoundedBox(s) => Box::new(RoundedBox::turned(
+            point(&s.centre),
+            point(&s.half_size),
+            s.radius,
+            point(&s.rotation),
+        )?),
         Shape::Union(parts) => {
             let parts = parts.iter().map(|p| solid(p, domain)).collect::<Result<_>>()?;
             Box::new(SolidUnion::new(parts)?)
@@ -65,6 +81,8 @@ fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance
             let e = e.clone();
             Box::new(LevelSolid::new(move |x: &Point<3>| e.eval(coordinates(x), 0.0), domain)?)
         }
-        Shape::Circle(_) | Shape::Ellipse(_) | Shape::Polygon(_) => return Err(other_dimension(shape, 3)),
+        Shape::Circle(_) | Shape::Ellipse(_) | Shape::Polygon(_) => {
+            return Err(other_dimension(shape, 3));
+        }
     })
 }

@@ -71,20 +71,28 @@ impl<'a, const D: usize> Site<'a, D> {
         let (mut low, mut high) = shape.bounds();
         // A shape continues periodically through a periodic side.
         for axis in (0..D).filter(|&axis| self.pairs.iter().any(|p| p.shift[axis] != 0.0)) {
-            (low[axis], high[axis]) = (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
+            (low[axis], high[axis]) =
+                (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
         }
         if !open {
             check_inside((low, high), domain, 0.0).map_err(place)?;
         }
         let shifts = image_shifts(&self.pairs);
-        let nodal = self.with_images(signed_distance(&self.space, shape.as_ref()), shape.as_ref(), &shifts);
-        let nearest = move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));
+        let nodal =
+            self.with_images(signed_distance(&self.space, shape.as_ref()), shape.as_ref(), &shifts);
+        let nearest =
+            move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));
         Ok(Placed { nodal, function: Arc::new(nearest) })
     }
 
     /// The distance to the nearest of the periodic images of a shape, so that the level set is
     /// periodic too.
-    fn with_images(&self, mut distance: Vec<f64>, shape: &dyn Distance<D>, shifts: &[Point<D>]) -> Vec<f64> {
+    fn with_images(
+        &self,
+        mut distance: Vec<f64>,
+        shape: &dyn Distance<D>,
+        shifts: &[Point<D>],
+    ) -> Vec<f64> {
         for (d, x) in distance.iter_mut().zip(self.space.nodes()).filter(|_| shifts.len() > 1) {
             let images = shifts.iter().skip(1).map(|shift| shape.distance(&(x + shift)));
             *d = nearest_image(std::iter::once(*d).chain(images));
@@ -110,7 +118,10 @@ impl<'a, const D: usize> Site<'a, D> {
 }
 
 /// Nodes on the boundary without periodic sides.
-pub(super) fn wall_nodes<const D: usize>(space: &Space<D>, pairs: &[fem::Translation<D>]) -> Vec<u32> {
+pub(super) fn wall_nodes<const D: usize>(
+    space: &Space<D>,
+    pairs: &[fem::Translation<D>],
+) -> Vec<u32> {
     let facets = space.mesh().facets();
     let mut wall = vec![true; facets.len()];
     pairs.iter().for_each(|p| wall[p.facet as usize] = false);
@@ -159,5 +170,7 @@ pub(super) fn vector<const D: usize>(
     v: &[Expression],
 ) -> impl Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync + 'static {
     let v = v.to_vec();
-    move |x, t| SVector::<f64, D>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval(coordinates(x), t)))
+    move |x, t| {
+        SVector::<f64, D>::from_fn(|i, _| v.get(i).map_or(0.0, |e| e.eval(coordinates(x), t)))
+    }
 }

@@ -117,7 +117,10 @@ fn the_book_s_membrane_reads_with_its_defaults() {
     assert_eq!((s.time.steps(), s.time.order), (200, 2));
     let m = membrane(&s, 0);
     assert_eq!((m.name.as_str(), m.stretch, m.mass), ("membrane", 1.2625316, 0.0));
-    assert_eq!(m.shape, Shape::Ellipse(Ellipse { centre: [1.0, 1.0], semi_axes: [0.75, 0.5], angle: 0.0 }));
+    assert_eq!(
+        m.shape,
+        Shape::Ellipse(Ellipse { centre: [1.0, 1.0], semi_axes: [0.75, 0.5], angle: 0.0 })
+    );
     assert_eq!(m.area(), AreaLaw::Linear { modulus: 10.0 });
     assert_eq!(m.chords[0].direction, [1.0, 0.0]);
     assert_eq!((s.numerics.thickness, s.numerics.coupling), (None, Coupling::Implicit));
@@ -137,7 +140,8 @@ fn a_resolved_scene_reads_as_the_same_scene_from_anywhere() {
     for text in [MEMBRANE, FULL] {
         let scene = parse(text).unwrap();
         let written = scene.to_toml();
-        let again = Scene::parse(&written, Path::new("runs/x/scene.toml")).unwrap_or_else(|e| panic!("{e}\n{written}"));
+        let again = Scene::parse(&written, Path::new("runs/x/scene.toml"))
+            .unwrap_or_else(|e| panic!("{e}\n{written}"));
         assert_eq!(again, scene, "{written}");
         assert_eq!(again.to_toml(), written);
     }
@@ -150,7 +154,10 @@ fn a_resolved_scene_names_every_key() {
         let Some((key, _)) = line.split_once(" = ") else { continue };
         let optional = ["file", "R", "U", "slip", "open", "periodic", "no_slip"].contains(&key);
         if !optional && !key.contains('.') {
-            assert!(written.lines().any(|l| l.starts_with(&format!("{key} = "))), "{key} is missing in\n{written}");
+            assert!(
+                written.lines().any(|l| l.starts_with(&format!("{key} = "))),
+                "{key} is missing in\n{written}"
+            );
         }
     }
 }
@@ -185,15 +192,23 @@ fn a_box_makes_vectors_of_three_components() {
 
 #[test]
 fn a_ball_in_a_box_is_read_and_made() {
-    let text = "[mesh]\nball_in_box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [2, 2, 2], centre = [0, 0, 0], \
-                radius = 0.5, band = 0.1, edge = 0.5 }\n[fluid]\nviscosity = 1\n[time]\nend = 1\nstep = 1\n";
+    let text = "[mesh]\nball_in_box = \
+        { min = [-1, -1, -1], max = [1, 1, 1], cells = [2, 2, 2], centre = [0, 0, 0], radius = 0.5, band = 0.1, edge = 0.5 }\n[fluid]\nviscosity = 1\n[time]\nend = 1\nstep = 1\n";
     let s = parse(text).unwrap();
     assert_eq!((s.dimension(), parse(&s.to_toml()).unwrap()), (3, s.clone()));
     let mesh = s.mesh.generated().unwrap().unwrap();
     assert!((49..384).contains(&mesh.cell_count()) && mesh.boundary("front").is_ok());
-    for (key, part) in [("edge = 0.5", ".edge`"), ("radius = 0.5", ".radius`"), ("band = 0.1", ".band`")] {
+    for (key, part) in
+        [("edge = 0.5", ".edge`"), ("radius = 0.5", ".radius`"), ("band = 0.1", ".band`")]
+    {
         let name = key.split(' ').next().unwrap();
-        assert!(parse(&text.replace(key, &format!("{name} = 0"))).unwrap_err().to_string().contains(part), "{key}");
+        assert!(
+            parse(&text.replace(key, &format!("{name} = 0")))
+                .unwrap_err()
+                .to_string()
+                .contains(part),
+            "{key}"
+        );
     }
 }
 
@@ -233,7 +248,10 @@ fn a_wrong_override_is_named() {
     ] {
         let e = with(&[text]).unwrap_err();
         let shown = e.to_string();
-        assert!(shown.contains(part) && shown.contains(&format!("--set {text}")), "{text}: {shown}");
+        assert!(
+            shown.contains(part) && shown.contains(&format!("--set {text}")),
+            "{text}: {shown}"
+        );
         assert_eq!(e.kind(), Kind::Scene);
     }
 }
@@ -266,7 +284,10 @@ fn errors_underline_what_is_wrong() {
         assert_ne!(text, MEMBRANE);
         let e = parse(&text).unwrap_err();
         assert_eq!(underlined(&e), mark, "{e}");
-        assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");
+        assert!(
+            !e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(),
+            "{e}"
+        );
     }
 }
 
@@ -322,7 +343,8 @@ proptest! {
     #[test]
     fn a_scene_reads_back_whatever_its_numbers(v in prop::collection::vec(1e-9..1e9f64, 4), name in "[a-zA-Z\"\\\\ é\n]*") {
         let text = format!(
-            "title = {}\n[mesh]\ndisc = {{ centre = [{:?}, {:?}], radius = {:?}, cells = 3 }}\n[fluid]\nviscosity = {:?}\n\
+            "title = {}\n[mesh]\ndisc = {{ centre = [{:?}, {:?}], radius = {:?}, cells = 3 \
+                }}\n[fluid]\nviscosity = {:?}\n\
              [boundary.{}]\nslip = true\n[time]\nend = 1\nstep = 1\n",
             toml::Value::from(name.as_str()), v[0], v[1], v[2], v[3],
             serde_json::Value::from(name.as_str()),

@@ -91,7 +91,8 @@ impl<'a, const D: usize> View<'a, D> {
     fn put_measures(&self, name: &str, interface: &Interface<'_, D>, row: &mut Row) -> [f64; 2] {
         // For an interface cut by two periodic sides, centre and extent across them are undefined.
         let cut = interface.is_open();
-        let parted = |axis: usize| cut && self.carried.translations().iter().any(|t| t.shift[axis] != 0.0);
+        let parted =
+            |axis: usize| cut && self.carried.translations().iter().any(|t| t.shift[axis] != 0.0);
         let any_parted = (0..D).any(parted);
         let m = interface.measures().unwrap_or_else(InterfaceMeasures::none);
         let along = |axis: usize, v: f64| if parted(axis) { f64::NAN } else { v };
@@ -129,4 +130,5 @@ impl<'a, const D: usize> View<'a, D> {
 }
 
 /// Columns of the strain of an interface in space, if backward characteristics are carried.
-const STRAIN: [&str; 5] = ["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];
+const STRAIN: [&str; 5] =
+    ["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];

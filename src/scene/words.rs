@@ -50,7 +50,11 @@ const SPACE: Words = Words {
     oval: "ellipsoid",
     cut: "surface",
     axes: &[("axis_1", "largest"), ("axis_2", "middle"), ("axis_3", "smallest")],
-    extents: &[("extent_x", "half extent in x"), ("extent_y", "half extent in y"), ("extent_z", "half extent in z")],
+    extents: &[
+        ("extent_x", "half extent in x"),
+        ("extent_y", "half extent in y"),
+        ("extent_z", "half extent in z"),
+    ],
     widths: "Half the extents in x, y and z",
     radius: |volume| (0.75 * volume / PI).cbrt(),
     round_size: |radius| 4.0 * PI * radius * radius,

@@ -73,7 +73,8 @@ impl<const D: usize> Advection<D> {
         let (carried, fields) = Carried::new(&space, links, transport, structures, (None, kept))?;
         let flow = FlowState { u: space.interpolate(|x| velocity(x, 0.0)), p: Vec::new() };
         let state = State { flow, fields, ..State::default() };
-        let (phases, moved, conditions) = (Phases::default(), Fields::default(), conditions.clone());
+        let (phases, moved, conditions) =
+            (Phases::default(), Fields::default(), conditions.clone());
         Ok(Advection { velocity, dt, conditions, carried, state, phases, moved })
     }
 
@@ -170,7 +171,8 @@ impl Advection<2> {
         let links = periodic_pairs(mesh, &self.conditions)?;
         let bring = Bring::new(transfer, self.space(), &to, &links)?;
         let structures = self.carried.structures.iter().map(|s| s.boxed()).collect();
-        let (velocity, kept) = ((self.velocity.clone(), self.dt), bring.fields(&self.state.fields)?);
+        let (velocity, kept) =
+            ((self.velocity.clone(), self.dt), bring.fields(&self.state.fields)?);
         let transport = (self.carried.transport, &kept);
         let mut moved = Advection::build(velocity, (to, &self.conditions), transport, structures)?;
         moved.carried.redistancing = self.carried.redistancing;

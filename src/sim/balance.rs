@@ -47,7 +47,8 @@ impl EnergyBalance {
     /// Adds a step of length `dt` from `old` to `new`. Rates are taken at the new time (`order` 1,
     /// as in backward Euler) or as the mean (order 2).
     pub fn advance(&mut self, old: &Energies, new: &Energies, dt: f64, order: usize) {
-        let mean = |f: fn(&Energies) -> f64| if order == 1 { f(new) } else { 0.5 * (f(old) + f(new)) };
+        let mean =
+            |f: fn(&Energies) -> f64| if order == 1 { f(new) } else { 0.5 * (f(old) + f(new)) };
         self.dissipated += dt * mean(|e| e.dissipation + e.grad_div);
         self.work += dt * mean(|e| e.power);
         self.exchanged += dt * mean(|e| e.power.abs());
@@ -69,7 +70,11 @@ mod tests {
     /// if energy is added.
     #[test]
     fn the_residual_measures_spurious_energy() {
-        let at = |t: f64| Energies { kinetic: (-t).exp(), dissipation: (-t).exp(), ..Energies::default() };
+        let at = |t: f64| Energies {
+            kinetic: (-t).exp(),
+            dissipation: (-t).exp(),
+            ..Energies::default()
+        };
         let mut balance = EnergyBalance::new(&at(0.0));
         let dt = 1e-3;
         for k in 1..=1000 {
@@ -80,7 +85,8 @@ mod tests {
         assert!((balance.residual(&fed) - 0.1).abs() < 1e-7);
     }
 
-    /// Rates that change linearly in time are integrated exactly by their mean, and by the new ones to first order.
+    /// Rates that change linearly in time are integrated exactly by their mean, and by the new ones
+    /// to first order.
     #[test]
     fn rates_are_the_mean_or_the_new_ones() {
         let old = Energies { dissipation: 1.0, grad_div: 2.0, power: -4.0, ..Energies::default() };
@@ -98,7 +104,13 @@ mod tests {
     #[test]
     fn the_residual_is_relative_to_the_energy_in_play() {
         let now = Energies { kinetic: 1.0, elastic: 4.0, ..Energies::default() };
-        let budget = EnergyBalance { initial: 3.0, dissipated: 1.0, work: 2.0, exchanged: 5.0, transferred: 0.0 };
+        let budget = EnergyBalance {
+            initial: 3.0,
+            dissipated: 1.0,
+            work: 2.0,
+            exchanged: 5.0,
+            transferred: 0.0,
+        };
         assert_eq!(budget.residual(&now), 0.125);
         assert_eq!(EnergyBalance::default().residual(&now), 0.0);
     }

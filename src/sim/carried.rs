@@ -5,7 +5,8 @@ use crate::fem::{Basis, Projector, Rule, Space, Translation};
 use crate::levelset::{Interface, Redistancing, Sample};
 use crate::mesh::{Mesh, Point};
 use crate::structure::{
-    Carrier, DISPLACEMENT, Declaration, Fields, Host, LevelSet, Moved, Rule as FieldRule, Structure, Velocity,
+    Carrier, DISPLACEMENT, Declaration, Fields, Host, LevelSet, Moved, Rule as FieldRule,
+    Structure, Velocity,
 };
 use crate::transport::{Method, Tracer};
 use nalgebra::SVector;
@@ -77,7 +78,8 @@ impl<const D: usize> Carried<D> {
         carrier.remap = transport.remap.unwrap_or(carrier.remap);
         let space = Arc::clone(space);
         let redistancing = None;
-        let carried = Carried { space, translations, carrier, transport, rules, structures, redistancing };
+        let carried =
+            Carried { space, translations, carrier, transport, rules, structures, redistancing };
         Ok((carried, fields))
     }
 
@@ -189,17 +191,20 @@ impl<const D: usize> Carried<D> {
         if speed.is_finite() && speed * dt < size {
             return Ok(());
         }
-        Err(Error::computation("the computation blew up: a particle would cross the whole domain in one step")
-            .at(format!("time {time:.6}"))
-            .value(format!("largest velocity {speed:.3e}"))
-            .remedy("take a shorter step, implicit coupling, or a larger grad-div weight")
-            .because(Cause::BlowUp))
+        Err(Error::computation(
+            "the computation blew up: a particle would cross the whole domain in one step",
+        )
+        .at(format!("time {time:.6}"))
+        .value(format!("largest velocity {speed:.3e}"))
+        .remedy("take a shorter step, implicit coupling, or a larger grad-div weight")
+        .because(Cause::BlowUp))
     }
     /// L2 norm of the divergence of a velocity, by a rule that is exact for P2.
     pub fn divergence(&self, u: &[SVector<f64, D>]) -> f64 {
         let basis = Basis::new(&self.space, &Arc::new(Rule::simplex(D, 2)));
-        let [square] =
-            crate::fem::integrate(&basis, crate::fem::Cells::All, |at| [basis.jacobian(at, u).trace().powi(2)]);
+        let [square] = crate::fem::integrate(&basis, crate::fem::Cells::All, |at| {
+            [basis.jacobian(at, u).trace().powi(2)]
+        });
         square.sqrt()
     }
     /// Bytes of fields and mesh, with `vectors` nodal vector fields.
@@ -207,7 +212,8 @@ impl<const D: usize> Carried<D> {
         let word = size_of::<f64>();
         let (cells, nodes) = (self.space.mesh().cell_count(), self.space.len());
         let local = self.space.local_count();
-        let fields = word * nodes * (vectors * D + 3 * self.structures.len()) + word * cells * local * D;
+        let fields =
+            word * nodes * (vectors * D + 3 * self.structures.len()) + word * cells * local * D;
         fields + cells * (2 * word + word * (D * D + D + 1) + 4 * local)
     }
     /// Bytes of factors that the transport and the structures hold.
@@ -222,7 +228,8 @@ impl<const D: usize> Carried<D> {
     /// # Errors
     /// A value that is not finite.
     pub fn interface<'a>(&'a self, fields: &'a Fields<D>, k: usize) -> Result<Interface<'a, D>> {
-        let id = self.structures.get(k).and_then(|s| s.level_set()).map_or(usize::MAX, |id| id.index());
+        let id =
+            self.structures.get(k).and_then(|s| s.level_set()).map_or(usize::MAX, |id| id.index());
         let initial = self.carrier.initial_depth_and_slope(id);
         let halved = fields.map.as_ref().zip(initial).and_then(|(map, [depth, slope])| {
             Interface::of_function(&self.space, depth, |at| {

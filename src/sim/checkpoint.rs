@@ -59,7 +59,11 @@ impl<const D: usize> State<D> {
         let (name, version) = MAGIC.split_at(MAGIC.len() - 1);
         if content.starts_with(name) && !content[name.len()..].starts_with(version) {
             return Err(Error::input("the checkpoint was written by another version of immersa")
-                .value(format!("format {}, this program writes {}", content[name.len()], version[0]))
+                .value(format!(
+                    "format {}, this program writes {}",
+                    content[name.len()],
+                    version[0]
+                ))
                 .remedy("continue with the version that began the run, or start a new run")
                 .because(Cause::Checkpoint));
         }
@@ -69,7 +73,10 @@ impl<const D: usize> State<D> {
         let mut reader = Reader(&content[MAGIC.len()..]);
         if reader.integer().ok_or_else(damaged)? != tag {
             return Err(Error::input("the checkpoint belongs to another scene")
-                .remedy("resume with the scene and the settings that the run was started with, or start a new run")
+                .remedy(
+                    "resume with the scene and the settings that the run was started with, or \
+                     start a new run",
+                )
                 .because(Cause::Checkpoint));
         }
         State::read(&mut reader).filter(|_| reader.0.is_empty()).ok_or_else(damaged)
@@ -94,13 +101,16 @@ impl<const D: usize> State<D> {
             0 => None,
             _ => {
                 let fields = Fields::read(from)?;
-                let [weight, dt, solves, spent, last, hold, failures] = from.numbers()?.try_into().ok()?;
+                let [weight, dt, solves, spent, last, hold, failures] =
+                    from.numbers()?.try_into().ok()?;
                 let solve_cost = SolveCost { solves, spent, last, hold, failures };
                 Some(Factored { fields, weight, dt, solve_cost })
             }
         };
-        let [kinetic, elastic, dissipation, grad_div, power, divergence] = from.numbers()?.try_into().ok()?;
-        let [initial, dissipated, work, exchanged, transferred] = from.numbers()?.try_into().ok()?;
+        let [kinetic, elastic, dissipation, grad_div, power, divergence] =
+            from.numbers()?.try_into().ok()?;
+        let [initial, dissipated, work, exchanged, transferred] =
+            from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
         let balance = EnergyBalance { initial, dissipated, work, exchanged, transferred };
         let flow = FlowState { u, p };
@@ -132,7 +142,10 @@ mod tests {
                 clock: Clock { part: 1, parts: 4, last: 0.1, ..Clock::default() },
                 earliest_u: vec![SVector::<f64, 2>::new(0.1, 0.2)],
             }),
-            flow: FlowState { u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3], p: vec![f64::MIN_POSITIVE, 0.1] },
+            flow: FlowState {
+                u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3],
+                p: vec![f64::MIN_POSITIVE, 0.1],
+            },
             earlier_u: vec![SVector::<f64, 2>::new(0.3, 2.0); 3],
             fields: fields(1.0),
             factored: Some(Factored {
@@ -150,7 +163,9 @@ mod tests {
     fn a_state_comes_back_bit_by_bit_and_damage_is_noticed() {
         let bytes = state().to_bytes(42);
         assert_eq!(State::<2>::from_bytes(&bytes, 42).unwrap(), state());
-        assert!(State::<2>::from_bytes(&bytes, 43).unwrap_err().to_string().contains("another scene"));
+        assert!(
+            State::<2>::from_bytes(&bytes, 43).unwrap_err().to_string().contains("another scene")
+        );
         for cut in 0..bytes.len() {
             assert!(State::<2>::from_bytes(&bytes[..cut], 42).is_err());
         }

@@ -76,11 +76,16 @@ impl Clock {
         let growth = if self.last > 0.0 { GROWTH * self.last } else { f64::INFINITY };
         let most = self.wanted.min(limit).min(pacing.most).min(growth) * ROUNDING;
         if most < pacing.least || most.is_nan() {
-            return Err(Error::computation("the step that the error allows is shorter than the shortest one")
-                .at(format!("time {:.6}", self.time(pacing)))
-                .value(format!("step {most:.3e}, shortest step {:.3e}", pacing.least))
-                .remedy("allow a larger error or a shorter step; an abrupt force or boundary value has no short enough step")
-                .because(Cause::ShortestStep));
+            return Err(Error::computation(
+                "the step that the error allows is shorter than the shortest one",
+            )
+            .at(format!("time {:.6}", self.time(pacing)))
+            .value(format!("step {most:.3e}, shortest step {:.3e}", pacing.least))
+            .remedy(
+                "allow a larger error or a shorter step; an abrupt force or boundary value has no \
+                 short enough step",
+            )
+            .because(Cause::ShortestStep));
         }
         if self.part == 0 {
             self.parts = 1;
@@ -107,7 +112,11 @@ impl Clock {
     /// The time; exactly an instant at its end.
     pub fn time(&self, pacing: &Pacing) -> f64 {
         if self.part == 0 {
-            return if self.interval == 0 { 0.0 } else { pacing.instants[self.interval as usize - 1] };
+            return if self.interval == 0 {
+                0.0
+            } else {
+                pacing.instants[self.interval as usize - 1]
+            };
         }
         let [from, to] = self.bounds(pacing);
         from + (to - from) * (self.part as f64 / self.parts as f64)
@@ -123,7 +132,11 @@ impl Clock {
     /// Computes the next step from a step `dt` with the error `error`, relative to the tolerance
     /// and of order `dt^2`. Returns true if the step is accepted.
     pub fn judge(&mut self, dt: f64, error: f64) -> bool {
-        let ideal = if error.is_finite() { dt * (SAFETY / error.sqrt()).clamp(0.2, 10.0) } else { 0.5 * dt };
+        let ideal = if error.is_finite() {
+            dt * (SAFETY / error.sqrt()).clamp(0.2, 10.0)
+        } else {
+            0.5 * dt
+        };
         let accepted = error <= 1.0;
         self.wanted = match accepted {
             true if ideal >= WORTHWHILE * dt => ideal,
@@ -146,7 +159,15 @@ mod tests {
 
     fn pacing() -> Pacing {
         let instants = vec![0.1, 0.2, 0.25, 1.0];
-        Pacing { tolerance: 1e-3, first: 0.004, least: 1e-6, most: 0.3, instants, speed: 1.0, length: 1.0 }
+        Pacing {
+            tolerance: 1e-3,
+            first: 0.004,
+            least: 1e-6,
+            most: 0.3,
+            instants,
+            speed: 1.0,
+            length: 1.0,
+        }
     }
 
     /// Steps of all sizes that are wanted in turn: each instant is a time of the clock to the last
@@ -161,7 +182,8 @@ mod tests {
             clock.wanted = [0.004, 0.05, 0.0013, 0.7, 0.02][k / 3 % 5];
             let dt = clock.propose(&p, 0.06, 1).unwrap();
             assert!(
-                dt <= clock.wanted.min(0.06) * ROUNDING && (clock.last == 0.0 || dt <= 2.0 * clock.last * ROUNDING)
+                dt <= clock.wanted.min(0.06) * ROUNDING
+                    && (clock.last == 0.0 || dt <= 2.0 * clock.last * ROUNDING)
             );
             clock.advance(dt);
             sum += dt;
@@ -186,7 +208,10 @@ mod tests {
         assert!(clock.judge(dt, 0.01) && clock.wanted > 5.0 * dt);
         clock.wanted = 1e-7;
         let e = clock.propose(&p, f64::INFINITY, 1).unwrap_err();
-        assert!(e.cause() == Some(Cause::ShortestStep) && e.to_string().contains("shortest step"), "{e}");
+        assert!(
+            e.cause() == Some(Cause::ShortestStep) && e.to_string().contains("shortest step"),
+            "{e}"
+        );
     }
 
     /// The step that an error suggests, over the one that made it.
@@ -209,11 +234,14 @@ mod tests {
         }
     }
 
-    /// An interval is cut into 1, 2, 3, 4, 6, 8 .. parts; at an even one of an even number two become one.
+    /// An interval is cut into 1, 2, 3, 4, 6, 8 .. parts; at an even one of an even number two
+    /// become one.
     #[test]
     fn parts_of_an_interval_are_two_or_three_times_a_power_of_two() {
         let p = pacing();
-        for (wanted, parts) in [(0.2, 1), (0.09, 2), (0.04, 3), (0.03, 4), (0.02, 6), (0.015, 8), (0.011, 12)] {
+        for (wanted, parts) in
+            [(0.2, 1), (0.09, 2), (0.04, 3), (0.03, 4), (0.02, 6), (0.015, 8), (0.011, 12)]
+        {
             let mut clock = Clock { wanted, ..Clock::new(&p) };
             let dt = clock.propose(&p, f64::INFINITY, 1).unwrap();
             assert_eq!(clock.parts, parts, "{wanted}");
@@ -226,8 +254,12 @@ mod tests {
             clock.advance(dt);
             (clock.interval, clock.part, clock.parts)
         };
-        // A longer step has to wait for an even part; a shorter one does not; the end of the interval is the start of the next.
-        assert_eq!([0.03, 0.09, 0.09, 0.01].map(&mut walk), [(0, 1, 4), (0, 2, 4), (1, 0, 1), (1, 1, 12)]);
+        // A longer step has to wait for an even part; a shorter one does not; the end of the
+        // interval is the start of the next.
+        assert_eq!(
+            [0.03, 0.09, 0.09, 0.01].map(&mut walk),
+            [(0, 1, 4), (0, 2, 4), (1, 0, 1), (1, 1, 12)]
+        );
     }
 
     /// Two steps before the next instant, as the start needs.

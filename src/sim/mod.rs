@@ -14,7 +14,9 @@ mod transfer;
 
 pub use crate::flow::Fluid;
 pub use crate::linalg::{SolverKind, SolverOptions};
-pub use crate::structure::{Coupling, InitialFunction, LevelSet, REMAP, polygon_area, polygon_length};
+pub use crate::structure::{
+    Coupling, InitialFunction, LevelSet, REMAP, polygon_area, polygon_length,
+};
 pub use advection::Advection;
 pub use balance::{Energies, EnergyBalance};
 pub use carried::{Carried, Transport};

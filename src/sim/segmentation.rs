@@ -38,7 +38,8 @@ impl<const D: usize> Segmenting<D> {
     ) -> Result<Segmenting<D>> {
         let none = Fields::default();
         let (transport, structures) = (Transport::default(), vec![Box::new(contour) as _]);
-        let (mut carried, fields) = Carried::new(space, Vec::new(), transport, structures, (None, &none))?;
+        let (mut carried, fields) =
+            Carried::new(space, Vec::new(), transport, structures, (None, &none))?;
         carried.redistance_every(rebuild, method);
         let mut state = State { fields, ..State::default() };
         state.flow.u = vec![nalgebra::SVector::zeros(); space.len()];

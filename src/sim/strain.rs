@@ -15,7 +15,11 @@ const DEGREE: usize = 6;
 impl<const D: usize> Carried<D> {
     /// The displacement `Y(x) - x` at the nodes to the position at rest of the material of
     /// structure number `k`; a passive interface is at rest at time 0.
-    pub fn rest_displacement<'a>(&self, fields: &'a Fields<D>, k: usize) -> Cow<'a, [SVector<f64, D>]> {
+    pub fn rest_displacement<'a>(
+        &self,
+        fields: &'a Fields<D>,
+        k: usize,
+    ) -> Cow<'a, [SVector<f64, D>]> {
         let displacement = fields.displacement();
         match self.structures.get(k).and_then(|s| s.rest_map()) {
             Some(map) => Cow::Owned(rest_displacement(map, self.space.nodes(), displacement)),
@@ -27,7 +31,8 @@ impl<const D: usize> Carried<D> {
     pub fn determinant_error(&self, fields: &Fields<D>) -> f64 {
         let basis = Basis::new(&self.space, &Arc::new(Rule::simplex(D, DEGREE)));
         let displacement = fields.displacement();
-        let [sum] = integrate(&basis, Cells::All, |at| [excess(&basis.jacobian(at, displacement)).powi(2)]);
+        let [sum] =
+            integrate(&basis, Cells::All, |at| [excess(&basis.jacobian(at, displacement)).powi(2)]);
         (sum / self.space.mesh().volume()).sqrt()
     }
     /// The same over an interface, given by its quadrature points.
@@ -42,7 +47,12 @@ impl<const D: usize> Carried<D> {
     }
     /// Strain of the interface of structure number `k` at points on it, relative to its state at
     /// rest; for a passive interface relative to time 0.
-    pub fn surface_strain(&self, fields: &Fields<D>, k: usize, points: &[SurfacePoint<D>]) -> Vec<SurfaceStrain<D>> {
+    pub fn surface_strain(
+        &self,
+        fields: &Fields<D>,
+        k: usize,
+        points: &[SurfacePoint<D>],
+    ) -> Vec<SurfaceStrain<D>> {
         let (phi, rest) = (self.level_set(fields, k), self.rest_displacement(fields, k));
         let at = |p: &SurfacePoint<D>| self.strain_at(k, &phi, &rest, p.at.cell, &p.at.barycentric);
         points.iter().map(at).collect()
@@ -66,7 +76,8 @@ impl<const D: usize> Carried<D> {
                 }
             }
         }
-        let mean = |k: usize| sums.iter().map(|s| if s[2] > 0.0 { s[k] / s[2] } else { 1.0 }).collect();
+        let mean =
+            |k: usize| sums.iter().map(|s| if s[2] > 0.0 { s[k] / s[2] } else { 1.0 }).collect();
         [mean(0), mean(1)]
     }
     /// Strain of the level set `phi` of structure number `k` at a location in the mesh.

@@ -29,8 +29,12 @@ impl<'a> Bring<'a> {
         translations: &[Translation<2>],
     ) -> Result<Bring<'a>> {
         Ok(match transfer {
-            Transfer::Interpolation => Bring::Interpolation(from, Interpolation::new(from.mesh(), to)?),
-            Transfer::Projection => Bring::Projection(from, Box::new(Projection::new(from.mesh(), to, translations)?)),
+            Transfer::Interpolation => {
+                Bring::Interpolation(from, Interpolation::new(from.mesh(), to)?)
+            }
+            Transfer::Projection => {
+                Bring::Projection(from, Box::new(Projection::new(from.mesh(), to, translations)?))
+            }
         })
     }
     /// A field with one number per node; an empty one stays empty.

@@ -5,8 +5,8 @@ use crate::base::{Result, parallel};
 use crate::fem::{Projector, Space};
 use crate::mesh::Location;
 use crate::transport::{
-    AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_displacement_nodal, carry_displacement_projected,
-    carry_nodal, carry_projected,
+    AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_displacement_nodal,
+    carry_displacement_projected, carry_nodal, carry_projected,
 };
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -53,7 +53,8 @@ impl<const D: usize> Carrier<D> {
     /// map. Fields without effect on the flow are evaluated on demand, and lose their nodal values.
     pub fn compose(&mut self, fields: &mut Fields<D>, rules: &[Rule<D>]) {
         let initial = |(field, rule): (&mut super::Field<D>, &Rule<D>)| {
-            let (Data::Scalar(nodal), Carry::Convected(function)) = (&mut field.data, &rule.carry) else {
+            let (Data::Scalar(nodal), Carry::Convected(function)) = (&mut field.data, &rule.carry)
+            else {
                 return None;
             };
             let kept = if rule.acts { nodal.clone() } else { std::mem::take(nodal) };
@@ -99,7 +100,9 @@ impl<const D: usize> Carrier<D> {
             match (&mut field.data, before, &rule.carry) {
                 (Data::Scalar(out), Some(Data::Scalar(f)), Carry::Convected(_)) => {
                     match (&map, self.initial.get(k).and_then(Option::as_ref)) {
-                        (Some(map), Some(initial)) if rule.acts => self.compose_into(map, initial, out),
+                        (Some(map), Some(initial)) if rule.acts => {
+                            self.compose_into(map, initial, out)
+                        }
                         (Some(_), Some(_)) => {}
                         _ => self.carry_scalar(f, out)?,
                     }
@@ -138,7 +141,11 @@ impl<const D: usize> Carrier<D> {
     }
     /// Carries the displacement `Y(x) - x`: `Y` at the foot, minus the node. It is continuous
     /// through periodic sides.
-    fn carry_displacement(&mut self, d: &[SVector<f64, D>], out: &mut [SVector<f64, D>]) -> Result<()> {
+    fn carry_displacement(
+        &mut self,
+        d: &[SVector<f64, D>],
+        out: &mut [SVector<f64, D>],
+    ) -> Result<()> {
         match &mut self.projector {
             Some(p) => carry_displacement_projected(&self.tracer, p, d, &self.feet, out),
             None => {
@@ -186,7 +193,13 @@ impl<const D: usize> Carrier<D> {
     }
     /// Value of field number `k` at any location by the backward map, and a bound of its slope if
     /// that of the initial field is `slope`.
-    pub fn sample(&self, map: &CharacteristicMap<D>, k: usize, slope: f64, at: &Location) -> (f64, f64) {
+    pub fn sample(
+        &self,
+        map: &CharacteristicMap<D>,
+        k: usize,
+        slope: f64,
+        at: &Location,
+    ) -> (f64, f64) {
         let (foot, gradient) = map.foot_and_gradient(&self.tracer, *at);
         let initial = self.initial.get(k).and_then(Option::as_ref);
         let value = initial.map_or(f64::NAN, |f| f.value(self.tracer.space(), &foot));
@@ -199,7 +212,8 @@ impl<const D: usize> Carrier<D> {
         let space = self.tracer.space();
         let mut centre = [0.0; 4];
         centre[..=D].fill(1.0 / (D + 1) as f64);
-        let slopes = (0..space.mesh().cell_count()).map(|c| space.gradient(nodal, c, &centre).norm());
+        let slopes =
+            (0..space.mesh().cell_count()).map(|c| space.gradient(nodal, c, &centre).norm());
         let depth = -nodal.iter().copied().fold(0.0, f64::min);
         Some([depth, slopes.fold(0.0, f64::max)])
     }

@@ -31,10 +31,12 @@ impl Coupling {
     /// whose predictor divides by the density, at order 2 or without inertia.
     pub fn check(self, order: usize, lightest: f64) -> Result<()> {
         if self == Coupling::FullyExplicit && order != 1 {
-            return Err(Error::scene("the fully explicit scheme of remark 1.12 is of order 1 in time")
-                .value(format!("order {order}"))
-                .remedy("take steps of order 1, or explicit coupling")
-                .because(Cause::FirstOrder));
+            return Err(Error::scene(
+                "the fully explicit scheme of remark 1.12 is of order 1 in time",
+            )
+            .value(format!("order {order}"))
+            .remedy("take steps of order 1, or explicit coupling")
+            .because(Cause::FirstOrder));
         }
         let (what, value, remedy, cause) = if self != Coupling::SemiImplicit {
             return Ok(());
@@ -47,8 +49,8 @@ impl Coupling {
             )
         } else if lightest <= 0.0 {
             (
-                "the semi-implicit scheme (3.62)-(3.64) needs inertia: it predicts the velocity that \
-                 the force gives to the fluid",
+                "the semi-implicit scheme (3.62)-(3.64) needs inertia: it predicts the velocity \
+                 that the force gives to the fluid",
                 format!("density {lightest}"),
                 "densities above 0",
                 Cause::Massless,
@@ -59,7 +61,8 @@ impl Coupling {
         let remedy = format!("take {remedy}, or implicit coupling");
         Err(Error::scene(what).value(value).remedy(remedy).because(cause))
     }
-    /// Refuses the semi-implicit scheme for a force that it is not made for: `what`, and its `cause`.
+    /// Refuses the semi-implicit scheme for a force that it is not made for: `what`, and its
+    /// `cause`.
     pub fn refuse_semi_implicit(self, what: &str, cause: Cause) -> Result<()> {
         if self != Coupling::SemiImplicit {
             return Ok(());

@@ -217,7 +217,9 @@ impl<const D: usize> Fields<D> {
             (&a.name, a.data.kind(), a.data.len()) == (&b.name, b.data.kind(), b.data.len())
         };
         let maps = |f: &Fields<D>| f.map.as_ref().and_then(|m| m.submaps().next().map(<[_]>::len));
-        self.len() == other.len() && self.iter().zip(other.iter()).all(same) && maps(self) == maps(other)
+        self.len() == other.len()
+            && self.iter().zip(other.iter()).all(same)
+            && maps(self) == maps(other)
     }
     /// Names and sizes, for error messages.
     pub fn sizes(&self) -> Vec<(String, usize)> {
@@ -235,7 +237,8 @@ impl<const D: usize> Fields<D> {
     }
     /// Reads the bytes of [`write`](Self::write); `None` if they are damaged.
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Fields<D>> {
-        let field = |from: &mut Reader<'_>| Some(Field { name: from.text()?, data: Data::read(from)? });
+        let field =
+            |from: &mut Reader<'_>| Some(Field { name: from.text()?, data: Data::read(from)? });
         let list = from.list(field)?;
         let map = CharacteristicMap::from_submaps(from.list(Reader::vectors)?);
         Some(Fields { list, map })

@@ -83,7 +83,8 @@ impl<const D: usize> ImmersedInterface<D> {
             (_, f) => Carry::Convected(f.clone()),
         };
         let rule = Rule { carry, acts: true };
-        self.field = fields.add(&self.field_name("level_set"), rule, || Data::Scalar(self.phi.clone()));
+        self.field =
+            fields.add(&self.field_name("level_set"), rule, || Data::Scalar(self.phi.clone()));
     }
 }
 
@@ -112,14 +113,24 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     ///
     /// # Errors
     /// A level set that is not finite.
-    fn advance(&mut self, _of: &ImmersedInterface<D>, _by: &mut Moved<'_, D>, _fields: &mut Fields<D>) -> Result<()> {
+    fn advance(
+        &mut self,
+        _of: &ImmersedInterface<D>,
+        _by: &mut Moved<'_, D>,
+        _fields: &mut Fields<D>,
+    ) -> Result<()> {
         Ok(())
     }
     /// Elastic energy.
     ///
     /// # Errors
     /// A level set that is not finite.
-    fn energy(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>, rule: &Basis<D>) -> Result<f64>;
+    fn energy(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        rule: &Basis<D>,
+    ) -> Result<f64>;
     /// Dissipation rate of the model itself.
     fn dissipation(&self) -> f64 {
         0.0
@@ -142,7 +153,11 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
         None
     }
     /// Strain, if it does not follow from the position at rest alone.
-    fn strain(&self, _slope: &SVector<f64, D>, _gradient: &SMatrix<f64, D, D>) -> Option<SurfaceStrain<D>> {
+    fn strain(
+        &self,
+        _slope: &SVector<f64, D>,
+        _gradient: &SMatrix<f64, D, D>,
+    ) -> Option<SurfaceStrain<D>> {
         None
     }
     /// True if the force needs the backward characteristics.
@@ -226,9 +241,9 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
         self.force.rest_map()
     }
     fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
-        self.force
-            .strain(slope, gradient)
-            .unwrap_or_else(|| SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope()))
+        self.force.strain(slope, gradient).unwrap_or_else(|| {
+            SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
+        })
     }
     fn resists_shear(&self) -> bool {
         self.force.resists_shear()

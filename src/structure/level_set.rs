@@ -26,7 +26,13 @@ pub struct LevelSet<const D: usize> {
 impl<const D: usize> LevelSet<D> {
     /// A level set of these nodal values.
     pub fn new(name: impl Into<String>, phi: Vec<f64>) -> LevelSet<D> {
-        LevelSet { name: name.into(), phi, function: None, markers: Vec::new(), field: FieldId::default() }
+        LevelSet {
+            name: name.into(),
+            phi,
+            function: None,
+            markers: Vec::new(),
+            field: FieldId::default(),
+        }
     }
     /// Sets the function with these nodal values.
     pub fn with_function(self, function: Arc<InitialFunction<D>>) -> LevelSet<D> {
@@ -64,7 +70,9 @@ impl<const D: usize> Structure<D> for LevelSet<D> {
         false
     }
     fn advance(&mut self, by: &mut Moved<'_, D>, fields: &mut Fields<D>) -> Result<()> {
-        let Some(id) = fields.find(&LevelSet::<D>::markers_field(&self.name)) else { return Ok(()) };
+        let Some(id) = fields.find(&LevelSet::<D>::markers_field(&self.name)) else {
+            return Ok(());
+        };
         let (list, dt) = (fields.vector_mut(id), by.dt);
         match by.velocity {
             Velocity::Computed { ends, mean } => {

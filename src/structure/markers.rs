@@ -33,7 +33,8 @@ pub(super) fn follow<const D: usize>(
                 // The velocity at a displacement from the start, at a fraction of the step.
                 let slope = |step: SVector<f64, D>, s: f64| {
                     let at = tracer.displaced(start, step);
-                    let value = |u: &[SVector<f64, D>]| space.value(u, at.cell as usize, &at.barycentric);
+                    let value =
+                        |u: &[SVector<f64, D>]| space.value(u, at.cell as usize, &at.barycentric);
                     value(old) * (1.0 - s) + value(new) * s
                 };
                 let s = |half: f64| (k as f64 + half) / steps as f64;
@@ -41,7 +42,9 @@ pub(super) fn follow<const D: usize>(
                 let b = slope(a * (0.5 * tau), s(0.5));
                 let c = slope(b * (0.5 * tau), s(0.5));
                 let d = slope(c * tau, s(1.0));
-                *x = space.mesh().point_at(&tracer.displaced(start, (a + b * 2.0 + c * 2.0 + d) * (tau / 6.0)));
+                *x = space
+                    .mesh()
+                    .point_at(&tracer.displaced(start, (a + b * 2.0 + c * 2.0 + d) * (tau / 6.0)));
             }
         }
     });

@@ -15,7 +15,9 @@ mod surface_strain;
 
 pub use carrier::{Carrier, REMAP};
 pub use coupling::Coupling;
-pub use fields::{Carry, DISPLACEMENT, Data, Declaration, Field, FieldId, Fields, InitialFunction, Rule};
+pub use fields::{
+    Carry, DISPLACEMENT, Data, Declaration, Field, FieldId, Fields, InitialFunction, Rule,
+};
 pub use interface::{Immersed, ImmersedInterface, InterfaceForce};
 pub use level_set::LevelSet;
 pub use markers::{polygon_area, polygon_length};

@@ -28,7 +28,8 @@ pub struct SurfaceStrain<const D: usize> {
 }
 
 impl<const D: usize> SurfaceStrain<D> {
-    const ZERO: SVector<f64, D> = SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
+    const ZERO: SVector<f64, D> =
+        SVector::<f64, D>::from_array_storage(ArrayStorage([[0.0; D]; 1]));
     /// The zero of all components, outside a surface.
     pub(crate) const NOTHING: SurfaceStrain<D> = SurfaceStrain {
         normal: Self::ZERO,
@@ -43,7 +44,9 @@ impl<const D: usize> SurfaceStrain<D> {
         let tangents = tangent_basis(n);
         let rest = tangents.map(|t| grad_y * t);
         let out = if D == 2 { 1.0 } else { rest[1].norm_squared() };
-        let metric = Matrix2::new(rest[0].norm_squared(), rest[0].dot(&rest[1]), rest[0].dot(&rest[1]), out) / stretch;
+        let metric =
+            Matrix2::new(rest[0].norm_squared(), rest[0].dot(&rest[1]), rest[0].dot(&rest[1]), out)
+                / stretch;
         let determinant = metric.determinant();
         let z1 = 1.0 / determinant.sqrt();
         let a = Matrix2::new(metric.m22, -metric.m12, -metric.m12, metric.m11) / determinant;
@@ -131,7 +134,10 @@ mod tests {
     use nalgebra::Matrix3;
     use proptest::prelude::*;
 
-    fn strain(n: [f64; 3], f: [f64; 9]) -> Option<(SVector<f64, 3>, Matrix3<f64>, SurfaceStrain<3>)> {
+    fn strain(
+        n: [f64; 3],
+        f: [f64; 9],
+    ) -> Option<(SVector<f64, 3>, Matrix3<f64>, SurfaceStrain<3>)> {
         let n = SVector::<f64, 3>::from(n);
         let grad_y = Matrix3::identity() + Matrix3::from_row_slice(&f) * 0.4;
         if n.norm() < 0.1 || grad_y.determinant().abs() < 0.2 {
@@ -213,16 +219,23 @@ mod tests {
             Matrix2::new(a[0].norm_squared(), a[0].dot(&a[1]), a[0].dot(&a[1]), a[1].norm_squared())
         };
         let moved = Matrix3::new(1.0, 0.0, 0.0, t, 1.0, 0.0, 0.0, 0.0, 1.0);
-        let of = |a: [SVector<f64, 3>; 2]| LagrangianInvariants::new(&metric(a.map(|a| moved * a)), &metric(a));
+        let of = |a: [SVector<f64, 3>; 2]| {
+            LagrangianInvariants::new(&metric(a.map(|a| moved * a)), &metric(a))
+        };
         for beta in [0.4f64, 1.0, 2.2] {
-            let skew = of([SVector::<f64, 3>::x(), SVector::<f64, 3>::new(beta.cos(), beta.sin(), 0.0)]);
-            let printed = 0.5 * (1.0 + t * t + beta.cos().powi(2) + (t * beta.cos() + beta.sin()).powi(2));
+            let skew =
+                of([SVector::<f64, 3>::x(), SVector::<f64, 3>::new(beta.cos(), beta.sin(), 0.0)]);
+            let printed =
+                0.5 * (1.0 + t * t + beta.cos().powi(2) + (t * beta.cos() + beta.sin()).powi(2));
             assert!((skew.shear - printed).abs() < 1e-13 && (skew.area - 1.0).abs() < 1e-13);
             assert!((skew.corrected_shear - (1.0 + 0.5 * t * t)).abs() < 1e-13);
         }
         let sphere = |polar: f64, azimuth: f64| {
             let ((s, c), (sin, cos)) = (polar.sin_cos(), azimuth.sin_cos());
-            of([SVector::<f64, 3>::new(c * cos, c * sin, -s), SVector::<f64, 3>::new(-s * sin, s * cos, 0.0)])
+            of([
+                SVector::<f64, 3>::new(c * cos, c * sin, -s),
+                SVector::<f64, 3>::new(-s * sin, s * cos, 0.0),
+            ])
         };
         let (polar, mut naive) = (1e-4, Vec::new());
         for azimuth in [0.0f64, 0.7, 1.5] {
@@ -238,12 +251,18 @@ mod tests {
         assert!((naive[0] - naive[1]).abs() > 0.1, "the pole has one value: {naive:?}");
         // Elsewhere the corrected one is (7.5) at the place where the particle is now.
         let (polar, azimuth) = (1.1f64, 0.7f64);
-        let (x, y, z) =
-            (polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin() + t * polar.sin() * azimuth.cos(), polar.cos());
+        let (x, y, z) = (
+            polar.sin() * azimuth.cos(),
+            polar.sin() * azimuth.sin() + t * polar.sin() * azimuth.cos(),
+            polar.cos(),
+        );
         let n = SVector::<f64, 3>::new(x - t * (y - t * x), y - t * x, z).normalize();
         let grad_y = Matrix3::new(1.0, 0.0, 0.0, -t, 1.0, 0.0, 0.0, 0.0, 1.0);
         let euler = SurfaceStrain::new(&n, &grad_y, 1.0);
         let lagrange = sphere(polar, azimuth);
-        assert!((lagrange.corrected_shear - euler.z2).abs() < 1e-13 && (lagrange.area - euler.z1).abs() < 1e-13);
+        assert!(
+            (lagrange.corrected_shear - euler.z2).abs() < 1e-13
+                && (lagrange.area - euler.z1).abs() < 1e-13
+        );
     }
 }

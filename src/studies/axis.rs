@@ -38,19 +38,20 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Reads `KEY=V1,V2,...`; `option` is the option of the command line that it was given with. Commas in brackets and
-    /// quotes belong to a value.
+    /// Reads `KEY=V1,V2,...`; `option` is the option of the command line that it was given with.
+    /// Commas in brackets and quotes belong to a value.
     ///
     /// # Errors
-    /// No key, no values or an empty one. Whether the scene knows the key shows when a scene is made of it.
+    /// No key, no values or an empty one. Whether the scene knows the key shows when a scene is
+    /// made of it.
     pub fn parse(text: &str, option: &str) -> Result<Axis> {
         let wrong = |what: &str| {
-            Error::scene(what)
-                .at(option)
-                .value(text)
-                .remedy(format!("write {option} KEY=V1,V2, for example {option} membrane.0.area.linear.modulus=1,10"))
+            Error::scene(what).at(option).value(text).remedy(format!(
+                "write {option} KEY=V1,V2, for example {option} membrane.0.area.linear.modulus=1,10"
+            ))
         };
-        let (key, values) = text.split_once('=').ok_or_else(|| wrong("a key and its values are wanted"))?;
+        let (key, values) =
+            text.split_once('=').ok_or_else(|| wrong("a key and its values are wanted"))?;
         let (key, values) = (key.trim(), split(values));
         if key.is_empty() {
             return Err(wrong("the key is empty"));
@@ -73,36 +74,49 @@ impl Axis {
     }
     /// The order in time.
     pub fn order(values: &[String]) -> Axis {
-        let choice =
-            |v: &String| Choice { label: format!("order {v}"), ..Choice::new("order", v, format!("time.order={v}")) };
+        let choice = |v: &String| Choice {
+            label: format!("order {v}"),
+            ..Choice::new("order", v, format!("time.order={v}"))
+        };
         Axis { name: "order".into(), choices: values.iter().map(choice).collect() }
     }
-    /// The cells of a generated mesh along its first side (a disc: along a radius); those along the others in proportion.
+    /// The cells of a generated mesh along its first side (a disc: along a radius); those along the
+    /// others in proportion.
     ///
     /// # Errors
     /// The mesh comes from a file.
     pub fn cells(scene: &Scene, values: &[usize]) -> Result<Axis> {
         let scaled = |of: &[usize], n: usize| {
             let first = of.first().copied().unwrap_or(1).max(1) as f64;
-            let cells = of.iter().map(|&c| ((c as f64 * n as f64 / first).round() as usize).max(1).to_string());
+            let cells = of
+                .iter()
+                .map(|&c| ((c as f64 * n as f64 / first).round() as usize).max(1).to_string());
             format!("[{}]", cells.collect::<Vec<_>>().join(", "))
         };
         let set = |n: usize| match &scene.mesh {
             MeshSource::Rectangle(r) => Ok(format!("mesh.rectangle.cells={}", scaled(&r.cells, n))),
             MeshSource::Box(b) => Ok(format!("mesh.box.cells={}", scaled(&b.cells, n))),
-            MeshSource::BallInBox(b) => Ok(format!("mesh.ball_in_box.cells={}", scaled(&b.cells, n))),
+            MeshSource::BallInBox(b) => {
+                Ok(format!("mesh.ball_in_box.cells={}", scaled(&b.cells, n)))
+            }
             MeshSource::Disc(_) => Ok(format!("mesh.disc.cells={n}")),
-            MeshSource::File { path, .. } => Err(Error::scene("a mesh from a file has no number of cells to be set")
-                .at("--cells")
-                .value(path.display())
-                .remedy("refine it with --vary mesh.refine=0,1,2 or give files: --vary mesh.file=coarse.msh,fine.msh")),
+            MeshSource::File { path, .. } => {
+                Err(Error::scene("a mesh from a file has no number of cells to be set")
+                    .at("--cells")
+                    .value(path.display())
+                    .remedy(
+                        "refine it with --vary mesh.refine=0,1,2 or give files: --vary \
+                         mesh.file=coarse.msh,fine.msh",
+                    ))
+            }
         };
         let choices = values.iter().map(|&n| Ok(Choice::new("n", &n.to_string(), set(n)?)));
         Ok(Axis { name: "n".into(), choices: choices.collect::<Result<_>>()? })
     }
 }
 
-/// Refuses settings, each `key=value`, of which two set the same key: one of them would be named in the results and not hold.
+/// Refuses settings, each `key=value`, of which two set the same key: one of them would be named in
+/// the results and not hold.
 ///
 /// # Errors
 /// The key that is set twice.
@@ -114,7 +128,9 @@ pub fn check_distinct<'a>(settings: impl IntoIterator<Item = &'a str>) -> Result
         None => Ok(()),
         Some(twice) => Err(Error::scene("a value of the scene is set twice in the same run")
             .value(twice[0])
-            .remedy("set it in one way: by a method, by --vary or --scan, or by an option of its own")),
+            .remedy(
+                "set it in one way: by a method, by --vary or --scan, or by an option of its own",
+            )),
     }
 }
 
@@ -122,7 +138,9 @@ pub fn check_distinct<'a>(settings: impl IntoIterator<Item = &'a str>) -> Result
 pub fn combinations(axes: &[Axis]) -> Vec<Vec<Choice>> {
     axes.iter().fold(vec![Vec::new()], |all, axis| {
         all.iter()
-            .flat_map(|start| axis.choices.iter().map(move |c| [start, std::slice::from_ref(c)].concat()))
+            .flat_map(|start| {
+                axis.choices.iter().map(move |c| [start, std::slice::from_ref(c)].concat())
+            })
             .collect()
     })
 }
@@ -175,12 +193,20 @@ mod tests {
     #[test]
     fn axes_are_read_and_combined() {
         let axis = Axis::parse("numerics.thickness=0.1, 0.2", "--scan").unwrap();
-        assert_eq!((axis.name.as_str(), axis.choices[1].set.as_str()), ("thickness", "numerics.thickness=0.2"));
+        assert_eq!(
+            (axis.name.as_str(), axis.choices[1].set.as_str()),
+            ("thickness", "numerics.thickness=0.2")
+        );
         assert_eq!(axis.choices[1].number(), Some(0.2));
-        let pairs = Axis::parse("fluid.viscosity={ inside = 1, outside = 2 },\"a,b\",[1, 2]", "--vary").unwrap();
+        let pairs =
+            Axis::parse("fluid.viscosity={ inside = 1, outside = 2 },\"a,b\",[1, 2]", "--vary")
+                .unwrap();
         let values: Vec<&str> = pairs.choices.iter().map(|c| c.value.as_str()).collect();
         assert_eq!(values, ["{ inside = 1, outside = 2 }", "\"a,b\"", "[1, 2]"]);
-        assert_eq!(Axis::parse("fluid.viscosity.inside=1", "--vary").unwrap().name, "viscosity.inside");
+        assert_eq!(
+            Axis::parse("fluid.viscosity.inside=1", "--vary").unwrap().name,
+            "viscosity.inside"
+        );
         let all = combinations(&[Axis::coupling(&["explicit".into()]), axis]);
         assert_eq!(
             all.iter().map(|c| in_words(c)).collect::<Vec<_>>(),

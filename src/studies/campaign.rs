@@ -24,8 +24,8 @@ pub trait Listener {
 
 /// The runs of a study, in the folder of the study.
 ///
-/// `folder/runs/` holds a run folder a trial, named after the trial and its scene. A trial that ended is not run again; one
-/// that was interrupted goes on.
+/// `folder/runs/` holds a run folder a trial, named after the trial and its scene. A trial that
+/// ended is not run again; one that was interrupted goes on.
 pub struct Campaign<'a> {
     scene: &'a Scene,
     folder: PathBuf,
@@ -35,7 +35,12 @@ pub struct Campaign<'a> {
 
 impl<'a> Campaign<'a> {
     /// A campaign with `scene`; `stop` is set to stop after the current step.
-    pub fn new(scene: &'a Scene, folder: &Path, stop: &'a AtomicBool, listener: &'a mut dyn Listener) -> Campaign<'a> {
+    pub fn new(
+        scene: &'a Scene,
+        folder: &Path,
+        stop: &'a AtomicBool,
+        listener: &'a mut dyn Listener,
+    ) -> Campaign<'a> {
         Campaign { scene, folder: folder.to_path_buf(), stop, listener }
     }
     /// The scene that the trials change.
@@ -54,12 +59,14 @@ impl<'a> Campaign<'a> {
     pub fn listener(&mut self) -> &mut dyn Listener {
         self.listener
     }
-    /// The scene of a trial, with the pictures and field files that its values do not ask for left out.
+    /// The scene of a trial, with the pictures and field files that its values do not ask for left
+    /// out.
     ///
     /// # Errors
     /// A value that the scene does not take.
     pub fn scene_of(&self, trial: &Trial) -> Result<Scene> {
-        let set: Vec<String> = LEAN.iter().map(ToString::to_string).chain(trial.set.iter().cloned()).collect();
+        let set: Vec<String> =
+            LEAN.iter().map(ToString::to_string).chain(trial.set.iter().cloned()).collect();
         self.scene.with(&set)
     }
     /// The run folder of a trial.
@@ -81,8 +88,8 @@ impl<'a> Campaign<'a> {
     /// A computation that fails, and a scene that cannot be run with these values, are outcomes.
     ///
     /// # Errors
-    /// A value that the scene does not know; a mesh file that is wrong; a folder that cannot be written;
-    /// [`Kind::Interrupted`] when `stop` was set.
+    /// A value that the scene does not know; a mesh file that is wrong; a folder that cannot be
+    /// written; [`Kind::Interrupted`] when `stop` was set.
     pub fn run(&mut self, trial: &Trial, k: usize, of: usize) -> Result<Outcome> {
         let scene = self.scene_of(trial)?;
         let folder = self.folder.join("runs").join(trial.key(&scene));
@@ -100,13 +107,15 @@ impl<'a> Campaign<'a> {
         match run::run(scene, &options, &mut Quiet(self.listener)) {
             Ok(_) => Outcome::read(trial, &options.folder),
             Err(e) => match e.kind() {
-                // Refused before the first step nothing is left behind; failed on the way there is a summary.
+                // Refused before the first step nothing is left behind; failed on the way there is
+                // a summary.
                 Kind::Computation if options.folder.join("summary.json").exists() => {
                     Outcome::read(trial, &options.folder)
                 }
                 Kind::Computation | Kind::Scene => Ok(Outcome::refused(trial, e.to_string())),
                 Kind::Interrupted => {
-                    let what = Error::interrupted("the study was interrupted; its runs are kept").at(e.place());
+                    let what = Error::interrupted("the study was interrupted; its runs are kept")
+                        .at(e.place());
                     Err(what.remedy("start the same command again: it goes on from here"))
                 }
                 _ => Err(e),

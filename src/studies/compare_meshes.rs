@@ -8,13 +8,19 @@ use super::twin::Twin;
 use crate::base::Result;
 use crate::output::{Cell, Chart, Curve, Figure, KeyNumber, Page, Stroke, Table, rounded};
 
-/// [`compare`](super::compare) on generated meshes with these `cells` along the first side, each in a folder of its own with all its
-/// tables, and the costs of all in one table.
+/// [`compare`](super::compare) on generated meshes with these `cells` along the first side, each in
+/// a folder of its own with all its tables, and the costs of all in one table.
 ///
 /// # Errors
 /// As [`compare`](super::compare) and [`Axis::cells`].
-pub fn compare_meshes(campaign: &mut Campaign<'_>, twin: &Twin, options: &Comparison, cells: &[usize]) -> Result<Page> {
-    let (scene, stop, folder) = (campaign.scene(), campaign.stop(), campaign.folder().to_path_buf());
+pub fn compare_meshes(
+    campaign: &mut Campaign<'_>,
+    twin: &Twin,
+    options: &Comparison,
+    cells: &[usize],
+) -> Result<Page> {
+    let (scene, stop, folder) =
+        (campaign.scene(), campaign.stop(), campaign.folder().to_path_buf());
     let mut all: Vec<(Choice, Page, Costs)> = Vec::new();
     for choice in Axis::cells(scene, cells)?.choices {
         let scene = scene.with(std::slice::from_ref(&choice.set))?;
@@ -27,11 +33,16 @@ pub fn compare_meshes(campaign: &mut Campaign<'_>, twin: &Twin, options: &Compar
     }
     let mut found = Page {
         title: format!("{}: what a step costs", scene.title),
-        subtitle: format!("immersa and FreeFEM, dt = {:?}, to t = {:?}", scene.time.step, scene.time.end),
+        subtitle: format!(
+            "immersa and FreeFEM, dt = {:?}, to t = {:?}",
+            scene.time.step, scene.time.end
+        ),
         ..Page::default()
     };
     for (choice, one, _) in &all {
-        let said = |texts: &[String]| texts.iter().map(|t| format!("{}: {t}", choice.label)).collect::<Vec<_>>();
+        let said = |texts: &[String]| {
+            texts.iter().map(|t| format!("{}: {t}", choice.label)).collect::<Vec<_>>()
+        };
         found.alarms.extend(said(&one.alarms));
         found.statements.extend(said(&one.statements));
     }
@@ -66,8 +77,9 @@ fn table(all: &[(Choice, Page, Costs)]) -> Table {
         }
         table.rows.push(row);
     }
-    table.caption = "Both programs ran in turn on the same mesh with the same step; the least of the repetitions. Ours counts its energy \
-                    balance in every step; FreeFEM's rows are not counted."
+    table.caption = "Both programs ran in turn on the same mesh with the same step; the least of \
+        the repetitions. Ours counts its energy balance in every step; FreeFEM's rows are not \
+        counted."
         .into();
     table
 }
@@ -80,7 +92,13 @@ fn chart(all: &[(Choice, Page, Costs)]) -> Option<Figure> {
         .map(|k| all.iter().map(|(.., c)| c.of.get(k).map_or(f64::NAN, |c| c.per_step)).collect())
         .collect();
     let names = all[0].2.of.iter().map(|c| c.who.as_str());
-    let curves = names.zip(&columns).map(|(name, y)| Curve { name, x: &x, y, stroke: Stroke::Marked, colour: None });
+    let curves = names.zip(&columns).map(|(name, y)| Curve {
+        name,
+        x: &x,
+        y,
+        stroke: Stroke::Marked,
+        colour: None,
+    });
     let chart = Chart {
         x_label: "unknowns",
         y_label: "CPU seconds a step",
@@ -97,7 +115,8 @@ fn chart(all: &[(Choice, Page, Costs)]) -> Option<Figure> {
 fn headline(all: &[(Choice, Page, Costs)]) -> Vec<KeyNumber> {
     let Some((.., first)) = all.first().filter(|(.., c)| !c.recorded) else { return Vec::new() };
     let factor = |k: usize| {
-        let ratios = all.iter().filter_map(|(.., c)| Some(c.of.get(k)?.per_step / c.of.first()?.per_step));
+        let ratios =
+            all.iter().filter_map(|(.., c)| Some(c.of.get(k)?.per_step / c.of.first()?.per_step));
         ratios.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), r| (l.min(r), h.max(r)))
     };
     let loops = first.of.iter().enumerate().skip(1);

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 /// Content of `study.json`: title, statements, notes, alarms, and the tables by name; `command`
 /// makes the study again.
 pub fn json(page: &Page, command: &str) -> Value {
-    let tables: serde_json::Map<String, Value> = page.all_tables().map(|t| (t.name.clone(), t.json())).collect();
+    let tables: serde_json::Map<String, Value> =
+        page.all_tables().map(|t| (t.name.clone(), t.json())).collect();
     json!({
         "title": page.title,
         "version": env!("CARGO_PKG_VERSION"),
@@ -55,8 +56,8 @@ fn with_origin(page: &Page, command: &str) -> Page {
     let mut page = page.clone();
     page.texts.push(("The command".into(), command.into()));
     page.footer = format!(
-        "Made by immersa {}. The tables are beside this page as CSV, all of it in study.json, every run in runs/ with a \
-         report of its own to be had by `immersa render`.",
+        "Made by immersa {}. The tables are beside this page as CSV, all of it in study.json, \
+         every run in runs/ with a report of its own to be had by `immersa render`.",
         env!("CARGO_PKG_VERSION")
     );
     page

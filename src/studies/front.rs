@@ -15,7 +15,8 @@ impl Offer {
     }
 }
 
-/// Numbers of the offers that no other one beats: each that costs less has a larger error. From cheap to dear.
+/// Numbers of the offers that no other one beats: each that costs less has a larger error. From
+/// cheap to dear.
 pub fn front(offers: &[Offer]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..offers.len()).filter(|&i| offers[i].counts()).collect();
     order.sort_by(|&i, &j| {
@@ -49,8 +50,15 @@ mod tests {
 
     #[test]
     fn what_costs_more_and_errs_more_is_not_on_the_front() {
-        let all =
-            offers(&[(3.0, 0.1), (1.0, 0.5), (2.0, 0.6), (4.0, 0.1), (f64::NAN, 0.0), (0.5, f64::NAN), (1.0, 0.4)]);
+        let all = offers(&[
+            (3.0, 0.1),
+            (1.0, 0.5),
+            (2.0, 0.6),
+            (4.0, 0.1),
+            (f64::NAN, 0.0),
+            (0.5, f64::NAN),
+            (1.0, 0.4),
+        ]);
         assert_eq!(front(&all), [6, 0]);
         assert_eq!(cheapest(&all, 0.45), Some(Ok(6)));
         assert_eq!(cheapest(&all, 0.1), Some(Ok(0)));

@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 /// Settings with a name: `BDF2 implicit: time.order=2 numerics.coupling=implicit`.
 ///
-/// Beside keys of the scene, `cells=30,60` and `steps=0.02,0.01` give it meshes and steps of its own.
+/// Beside keys of the scene, `cells=30,60` and `steps=0.02,0.01` give it meshes and steps of its
+/// own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Method {
     /// The name; may be empty.
@@ -37,7 +38,11 @@ impl Method {
                 Some(("cells", list)) => method.cells = Some(numbers(list)?),
                 Some(("step" | "steps", list)) => method.steps = Some(numbers(list)?),
                 Some((key, value)) if !key.is_empty() && !value.is_empty() => method.set.push(word),
-                _ => return Err(format!("`{word}` is no key=value; write for example time.order=2")),
+                _ => {
+                    return Err(format!(
+                        "`{word}` is no key=value; write for example time.order=2"
+                    ));
+                }
             }
         }
         Ok(method)
@@ -47,8 +52,9 @@ impl Method {
 impl FromStr for Method {
     type Err = String;
     fn from_str(text: &str) -> std::result::Result<Method, String> {
-        let (name, settings) =
-            text.split_once(':').ok_or("write a name, a colon and settings: \"BDF2: time.order=2\"")?;
+        let (name, settings) = text
+            .split_once(':')
+            .ok_or("write a name, a colon and settings: \"BDF2: time.order=2\"")?;
         if name.trim().is_empty() {
             return Err("a method needs a name before the colon: \"BDF2: time.order=2\"".into());
         }
@@ -69,11 +75,16 @@ impl FromStr for Measurement {
     type Err = String;
     fn from_str(text: &str) -> std::result::Result<Measurement, String> {
         let (column, time) = match text.split_once('@') {
-            Some((column, time)) => (column, Some(time.trim().parse().map_err(|_| format!("`{time}` is no time"))?)),
+            Some((column, time)) => {
+                (column, Some(time.trim().parse().map_err(|_| format!("`{time}` is no time"))?))
+            }
             None => (text, None),
         };
         if column.trim().is_empty() {
-            return Err("write a column of series.csv, and a time if it is not the end: membrane.area@0.4".into());
+            return Err(
+                "write a column of series.csv, and a time if it is not the end: membrane.area@0.4"
+                    .into(),
+            );
         }
         Ok(Measurement { column: column.trim().into(), time })
     }
@@ -82,7 +93,9 @@ impl FromStr for Measurement {
 /// Positive numbers, separated by commas.
 fn numbers<T: FromStr + PartialOrd + Default>(list: &str) -> std::result::Result<Vec<T>, String> {
     let number = |v: &str| v.trim().parse::<T>().ok().filter(|v| *v > T::default());
-    list.split(',').map(|v| number(v).ok_or_else(|| format!("`{v}` is not a positive number"))).collect()
+    list.split(',')
+        .map(|v| number(v).ok_or_else(|| format!("`{v}` is not a positive number")))
+        .collect()
 }
 
 /// True if all brackets of a word are closed.
@@ -98,7 +111,9 @@ mod tests {
     #[test]
     fn methods_and_quantities_are_read() {
         let m: Method =
-            "BDF2 implicit: time.order=2 mesh.rectangle.cells=[3, 4] steps=0.02,1e-2 cells=30".parse().unwrap();
+            "BDF2 implicit: time.order=2 mesh.rectangle.cells=[3, 4] steps=0.02,1e-2 cells=30"
+                .parse()
+                .unwrap();
         assert_eq!(
             (m.name.as_str(), m.set.join(" ")),
             ("BDF2 implicit", "time.order=2 mesh.rectangle.cells=[3,4]".into())
@@ -113,6 +128,8 @@ mod tests {
         for text in ["time.order=2", ": time.order=2", "a: order", "a: steps=0", "a: cells=x"] {
             assert!(!text.parse::<Method>().unwrap_err().is_empty(), "{text}");
         }
-        assert!("@1".parse::<Measurement>().is_err() && "area@soon".parse::<Measurement>().is_err());
+        assert!(
+            "@1".parse::<Measurement>().is_err() && "area@soon".parse::<Measurement>().is_err()
+        );
     }
 }

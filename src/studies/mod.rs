@@ -2,8 +2,8 @@
 //!
 //! A study makes [`Trial`]s, each the scene with some values set; a [`Campaign`] runs them into
 //! folders of their own, once: the same study started again continues. A trial that blows up is a
-//! result, not the end of the study. The result is a [`Page`](crate::output::Page) of tables, charts
-//! and sentences, which [`files`] writes for readers and for other programs.
+//! result, not the end of the study. The result is a [`Page`](crate::output::Page) of tables,
+//! charts and sentences, which [`files`] writes for readers and for other programs.
 
 mod axis;
 mod campaign;

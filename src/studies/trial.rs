@@ -22,12 +22,13 @@ impl Trial {
     pub fn new(label: impl Into<String>, set: Vec<String>) -> Trial {
         Trial { label: label.into(), set, repetition: 0 }
     }
-    /// The name of its folder: the label as far as file systems take it, and a hash of the scene as resolved, so that trials of
-    /// different scenes never share a folder.
+    /// The name of its folder: the label as far as file systems take it, and a hash of the scene as
+    /// resolved, so that trials of different scenes never share a folder.
     pub(super) fn key(&self, scene: &Scene) -> String {
         let letter = |c: char| if c.is_ascii_alphanumeric() || ".-".contains(c) { c } else { '_' };
         let slug: String = self.label.replace(" = ", "").chars().map(letter).take(60).collect();
-        let again = if self.repetition > 0 { format!("-{}", self.repetition + 1) } else { String::new() };
+        let again =
+            if self.repetition > 0 { format!("-{}", self.repetition + 1) } else { String::new() };
         format!("{slug}-{:08x}{again}", fnv1a(scene.to_toml().as_bytes()) as u32)
     }
 }
@@ -56,7 +57,9 @@ impl End {
     pub fn in_words(&self) -> String {
         match self {
             End::Finished => "finished".into(),
-            End::Failed { time, reason } if reason.contains("blew up") => format!("blew up at t = {time:.4}"),
+            End::Failed { time, reason } if reason.contains("blew up") => {
+                format!("blew up at t = {time:.4}")
+            }
             End::Failed { time, .. } => format!("failed at t = {time:.4}"),
             End::Refused { .. } => "refused".into(),
         }
@@ -90,20 +93,28 @@ impl Outcome {
         let series = Series::read(&folder.join("series.csv"))?;
         let end = match &summary.error {
             None => End::Finished,
-            Some(reason) => End::Failed { time: summary.end_time.unwrap_or(f64::NAN), reason: reason.clone() },
+            Some(reason) => {
+                End::Failed { time: summary.end_time.unwrap_or(f64::NAN), reason: reason.clone() }
+            }
         };
         Ok(Outcome { trial: trial.clone(), end, series, summary })
     }
     /// A trial that could not be run.
     pub(super) fn refused(trial: &Trial, reason: String) -> Outcome {
         let end = End::Refused { reason };
-        Outcome { trial: trial.clone(), end, series: Series::default(), summary: Summary::default() }
+        Outcome {
+            trial: trial.clone(),
+            end,
+            series: Series::default(),
+            summary: Summary::default(),
+        }
     }
     /// True if it reached its last time.
     pub fn finished(&self) -> bool {
         self.end == End::Finished
     }
-    /// The value of a column of the series at a time; NaN if the run did not come there or has no row at it.
+    /// The value of a column of the series at a time; NaN if the run did not come there or has no
+    /// row at it.
     ///
     /// # Errors
     /// A run that was not refused has no such column.
@@ -114,7 +125,8 @@ impl Outcome {
         let values = self.series.column(column)?;
         Ok(self.series.row_at(time)?.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN))
     }
-    /// Seconds of all processors in the time steps, with those that made the mesh anew between them: no set-up, no output.
+    /// Seconds of all processors in the time steps, with those that made the mesh anew between
+    /// them: no set-up, no output.
     pub fn cpu_seconds(&self) -> f64 {
         let spent = |phase: &str| self.summary.cpu_seconds.get(phase).copied().flatten();
         spent("steps").unwrap_or(f64::NAN) + spent("adaptation").unwrap_or(0.0)
@@ -129,7 +141,8 @@ impl Outcome {
     }
     /// Seconds of all processors a step after the first.
     pub fn cpu_per_later_step(&self) -> f64 {
-        (self.cpu_seconds() - self.cpu_first_step()) / (self.summary.steps.unwrap_or(0) as f64 - 1.0)
+        (self.cpu_seconds() - self.cpu_first_step())
+            / (self.summary.steps.unwrap_or(0) as f64 - 1.0)
     }
     /// Unknowns of all fields.
     pub fn unknowns(&self) -> u64 {

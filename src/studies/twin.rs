@@ -9,14 +9,14 @@
 //! ```
 //!
 //! The first line names the value of the scene that a switch takes, the second a value with which
-//! the scene has the scheme of the twin, the third a variant of its time loop, `-loop expert`, with a
-//! description.
+//! the scene has the scheme of the twin, the third a variant of its time loop, `-loop expert`, with
+//! a description.
 //!
 //! Every twin takes `-mesh` (a mesh file, see [`mesh::freefem`](crate::mesh::freefem)), `-dt`,
 //! `-tmax`, `-every` (time between two rows) and `-out`, the name of the CSV file that it writes: a
 //! column `time`, and others named as in `series.csv`. On standard output it prints its cost, in
-//! lines of a name and a number: `steps`, `unknowns`, `first_step` and `per_step`, the CPU seconds of
-//! the first and of a later step; and `freefem`, the version.
+//! lines of a name and a number: `steps`, `unknowns`, `first_step` and `per_step`, the CPU seconds
+//! of the first and of a later step; and `freefem`, the version.
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
@@ -63,11 +63,13 @@ impl Twin {
                 .at(path.display().to_string())
                 .value(path.display())
                 .remedy(
-                    "name a FreeFEM script with --twin FILE.edp; examples/listing/twin.edp shows what it must do",
+                    "name a FreeFEM script with --twin FILE.edp; examples/listing/twin.edp shows \
+                     what it must do",
                 ));
         }
         let text = expanded(&path, DEEPEST)?;
-        let mut twin = Twin { path, text: String::new(), settings: vec![], switches: vec![], loops: vec![] };
+        let mut twin =
+            Twin { path, text: String::new(), settings: vec![], switches: vec![], loops: vec![] };
         for line in text.lines().filter_map(|l| l.trim().strip_prefix("//@")) {
             twin.declare(line.trim())?;
         }
@@ -86,13 +88,16 @@ impl Twin {
                 let (name, words) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
                 self.loops.push(Loop { name: name.into(), words: words.trim().into() });
             }
-            _ if word.starts_with('-') && !rest.is_empty() => self.switches.push((word.into(), rest.into())),
+            _ if word.starts_with('-') && !rest.is_empty() => {
+                self.switches.push((word.into(), rest.into()))
+            }
             _ => {
                 return Err(Error::input("a declaration of the twin is not understood")
                     .at(self.path.display().to_string())
                     .value(format!("//@ {line}"))
                     .remedy(
-                        "write `//@ -switch key.of.the.scene`, `//@ set key=value` or `//@ loop NAME what it does`",
+                        "write `//@ -switch key.of.the.scene`, `//@ set key=value` or `//@ loop \
+                         NAME what it does`",
                     ));
             }
         }
@@ -120,21 +125,31 @@ impl Twin {
     ///
     /// # Errors
     /// A switch that stands for a value which the scene does not have, or has as a table or a list.
-    pub(super) fn arguments(&self, scene: &Scene, problem: &dyn Problem) -> Result<Vec<(String, String)>> {
+    pub(super) fn arguments(
+        &self,
+        scene: &Scene,
+        problem: &dyn Problem,
+    ) -> Result<Vec<(String, String)>> {
         let scene_values = resolved(scene, problem)?;
         let declared = self.switches.iter().map(|(switch, key)| {
             let value = key.split('.').try_fold(&scene_values, child).and_then(plain);
             let value = value.ok_or_else(|| {
-                Error::scene(format!("the twin takes `{key}` for its switch {switch}, and the scene has no such value"))
-                    .at(self.path.display().to_string())
-                    .value(key)
-                    .remedy(
-                        "compare a scene of the kind that the twin is written for, or name another twin with --twin",
-                    )
+                Error::scene(format!(
+                    "the twin takes `{key}` for its switch {switch}, and the scene has no such \
+                     value"
+                ))
+                .at(self.path.display().to_string())
+                .value(key)
+                .remedy(
+                    "compare a scene of the kind that the twin is written for, or name another \
+                     twin with --twin",
+                )
             })?;
             Ok((switch.clone(), value))
         });
-        std::iter::once(Ok(("-dt".to_string(), format!("{:?}", scene.time.step)))).chain(declared).collect()
+        std::iter::once(Ok(("-dt".to_string(), format!("{:?}", scene.time.step))))
+            .chain(declared)
+            .collect()
     }
 }
 
@@ -172,7 +187,8 @@ fn expanded(path: &Path, depth: usize) -> Result<String> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut out = String::new();
     for line in read_text(path)?.lines() {
-        let included = line.trim().strip_prefix("include").and_then(|rest| rest.trim().strip_prefix('"'));
+        let included =
+            line.trim().strip_prefix("include").and_then(|rest| rest.trim().strip_prefix('"'));
         match included.and_then(|rest| rest.split_once('"')) {
             // FreeFEM looks in its own folders too; what is not beside the script is left to it.
             Some((name, _)) if depth > 0 && folder.join(name).exists() => {
@@ -199,15 +215,25 @@ mod tests {
         let twin = Twin::read(&Twin::beside(&listing())).unwrap();
         let names: Vec<&str> = twin.loops().iter().map(|l| l.name.as_str()).collect();
         assert_eq!(names, ["expert", "listing"]);
-        assert!(twin.settings().iter().any(|s| s == "numerics.coupling=explicit"), "from the included file");
+        assert!(
+            twin.settings().iter().any(|s| s == "numerics.coupling=explicit"),
+            "from the included file"
+        );
         let scene = Scene::load(&listing(), twin.settings()).unwrap();
         let arguments = twin.arguments(&scene, &*problem(&scene).unwrap()).unwrap();
         let value = |switch: &str| arguments.iter().find(|a| a.0 == switch).unwrap().1.as_str();
-        assert_eq!((value("-dt"), value("-lambda"), value("-b"), value("-gd")), ("0.005", "1.0", "0.5", "1.0"));
+        assert_eq!(
+            (value("-dt"), value("-lambda"), value("-b"), value("-gd")),
+            ("0.005", "1.0", "0.5", "1.0")
+        );
         // What the scene leaves open is what the plan decides.
-        let scene = scene.with(&["numerics.thickness=auto".into(), "numerics.grad_div=auto".into()]).unwrap();
+        let scene = scene
+            .with(&["numerics.thickness=auto".into(), "numerics.grad_div=auto".into()])
+            .unwrap();
         let arguments = twin.arguments(&scene, &*problem(&scene).unwrap()).unwrap();
-        let value = |switch: &str| arguments.iter().find(|a| a.0 == switch).unwrap().1.parse::<f64>().unwrap();
+        let value = |switch: &str| {
+            arguments.iter().find(|a| a.0 == switch).unwrap().1.parse::<f64>().unwrap()
+        };
         assert!(value("-eps") > 0.1 && value("-gd") > 1.0);
     }
 
@@ -223,6 +249,9 @@ mod tests {
         assert_eq!(twin.loops(), [Loop::default()]);
         let scene = Scene::load(&listing(), &[]).unwrap();
         let error = twin.arguments(&scene, &*problem(&scene).unwrap()).unwrap_err();
-        assert!(error.what().contains("-k") && error.wrong_value() == "membrane.1.stretch", "{error}");
+        assert!(
+            error.what().contains("-k") && error.wrong_value() == "membrane.1.stretch",
+            "{error}"
+        );
     }
 }

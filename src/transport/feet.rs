@@ -83,14 +83,16 @@ impl<const D: usize> Tracer<D> {
         for c in 0..mesh.cell_count() {
             for (a, &n) in space.cell_nodes(c).iter().enumerate() {
                 if node_locations[n as usize].cell == NONE {
-                    node_locations[n as usize] = Location { cell: c as u32, barycentric: space.element().node(a, D) };
+                    node_locations[n as usize] =
+                        Location { cell: c as u32, barycentric: space.element().node(a, D) };
                 }
             }
         }
         let mut periodic_links: Vec<_> = translations
             .iter()
             .map(|t| {
-                let (mine, theirs) = (mesh.facets()[t.facet as usize], mesh.facets()[t.partner as usize]);
+                let (mine, theirs) =
+                    (mesh.facets()[t.facet as usize], mesh.facets()[t.partner as usize]);
                 (mine.cell * (D as u32 + 1) + mine.opposite, theirs.cell, t.shift)
             })
             .collect();
@@ -103,7 +105,14 @@ impl<const D: usize> Tracer<D> {
             }
         }
         let finest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min);
-        Tracer { space: Arc::clone(space), node_locations, periodic_links, shifts, finest, locator: OnceLock::new() }
+        Tracer {
+            space: Arc::clone(space),
+            node_locations,
+            periodic_links,
+            shifts,
+            finest,
+            locator: OnceLock::new(),
+        }
     }
     /// The space of the velocities.
     pub fn space(&self) -> &Arc<Space<D>> {
@@ -123,13 +132,20 @@ impl<const D: usize> Tracer<D> {
         (0..mesh.cell_count())
             .map(|c| {
                 let nodes = self.space.cell_nodes(c).iter();
-                nodes.map(|&n| u[n as usize].norm_squared()).fold(0.0, f64::max).sqrt() * dt / mesh.diameter(c)
+                nodes.map(|&n| u[n as usize].norm_squared()).fold(0.0, f64::max).sqrt() * dt
+                    / mesh.diameter(c)
             })
             .fold(0.0, f64::max)
     }
     /// Feet at `t - dt` of the characteristics through the quadrature points of `basis` at `t`:
     /// point `q` of cell `c` has number `c * points + q`.
-    pub fn from_quadrature(&self, u: &[SVector<f64, D>], dt: f64, basis: &Basis<D>, feet: &mut Feet) {
+    pub fn from_quadrature(
+        &self,
+        u: &[SVector<f64, D>],
+        dt: f64,
+        basis: &Basis<D>,
+        feet: &mut Feet,
+    ) {
         self.feet_of_quadrature(&AdvectingVelocity::Nodal(u), dt, basis, feet);
     }
     /// Feet at `t - dt` of the characteristics through the nodes of the space at `t`.
@@ -137,7 +153,13 @@ impl<const D: usize> Tracer<D> {
         self.feet_of_nodes(&AdvectingVelocity::Nodal(u), dt, feet);
     }
     /// [`from_quadrature`](Self::from_quadrature) with any velocity.
-    pub fn feet_of_quadrature(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, basis: &Basis<D>, feet: &mut Feet) {
+    pub fn feet_of_quadrature(
+        &self,
+        advecting: &AdvectingVelocity<'_, D>,
+        dt: f64,
+        basis: &Basis<D>,
+        feet: &mut Feet,
+    ) {
         let points = basis.rule().len();
         let count = self.space.mesh().cell_count() * points;
         feet.0.resize(count, Location { cell: NONE, barycentric: [0.0; 4] });
@@ -145,12 +167,19 @@ impl<const D: usize> Tracer<D> {
         parallel::fill(&mut feet.0, points, |first, part| {
             for (i, feet) in part.chunks_exact_mut(points).enumerate() {
                 let c = first + i;
-                let start = |q: usize| Location { cell: c as u32, barycentric: basis.rule().points[q] };
+                let start =
+                    |q: usize| Location { cell: c as u32, barycentric: basis.rule().points[q] };
                 match advecting {
                     AdvectingVelocity::Nodal(u) if steps == 1 => {
                         let own = self.space.on_cell(u, c);
                         for (q, foot) in feet.iter_mut().enumerate() {
-                            *foot = self.foot_of_short_step(u, dt, &own, own.combined(basis.values(q)), start(q));
+                            *foot = self.foot_of_short_step(
+                                u,
+                                dt,
+                                &own,
+                                own.combined(basis.values(q)),
+                                start(q),
+                            );
                         }
                     }
                     _ => feet
@@ -192,7 +221,13 @@ impl<const D: usize> Tracer<D> {
         };
         (courant.ceil() as usize).clamp(1, 100)
     }
-    fn foot(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, steps: usize, start: Location) -> Location {
+    fn foot(
+        &self,
+        advecting: &AdvectingVelocity<'_, D>,
+        dt: f64,
+        steps: usize,
+        start: Location,
+    ) -> Location {
         match advecting {
             AdvectingVelocity::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
             AdvectingVelocity::Given { velocity, arrival, .. } => {
@@ -223,7 +258,13 @@ impl<const D: usize> Tracer<D> {
             None => self.travel(start, -w * dt).0,
         }
     }
-    fn foot_of_nodal(&self, u: &[SVector<f64, D>], dt: f64, steps: usize, start: Location) -> Location {
+    fn foot_of_nodal(
+        &self,
+        u: &[SVector<f64, D>],
+        dt: f64,
+        steps: usize,
+        start: Location,
+    ) -> Location {
         let tau = dt / steps as f64;
         let mut here = start;
         for _ in 0..steps {
@@ -259,7 +300,10 @@ impl<const D: usize> Tracer<D> {
         // One pair of sides after the other; a corner needs one of each.
         for _ in 0..D {
             let images = self.shifts.iter().map(|shift| step - shift);
-            step = images.fold(step, |best, s| if s.norm_squared() < best.norm_squared() { s } else { best });
+            step = images.fold(
+                step,
+                |best, s| if s.norm_squared() < best.norm_squared() { s } else { best },
+            );
         }
         step
     }
@@ -279,8 +323,9 @@ impl<const D: usize> Tracer<D> {
             if inside || self.periodic_links.is_empty() {
                 return (end, inside);
             }
-            let facets =
-                (0..=D as u32).filter(|&k| end.barycentric[k as usize] <= 1e-9).map(|k| end.cell * (D as u32 + 1) + k);
+            let facets = (0..=D as u32)
+                .filter(|&k| end.barycentric[k as usize] <= 1e-9)
+                .map(|k| end.cell * (D as u32 + 1) + k);
             let link = facets
                 .filter_map(|s| self.periodic_links.binary_search_by_key(&s, |d| d.0).ok())
                 .map(|i| &self.periodic_links[i])
@@ -338,8 +383,10 @@ mod tests {
                 for q in 0..7 {
                     let x = basis.at(c, q).x;
                     if x.norm() < 0.9 {
-                        let exact =
-                            Point::<2>::new(x[0] * dt.cos() + x[1] * dt.sin(), x[1] * dt.cos() - x[0] * dt.sin());
+                        let exact = Point::<2>::new(
+                            x[0] * dt.cos() + x[1] * dt.sin(),
+                            x[1] * dt.cos() - x[0] * dt.sin(),
+                        );
                         worst = worst.max((mesh.point_at(feet.get(c * 7 + q)) - exact).norm());
                     }
                 }

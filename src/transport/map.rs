@@ -34,7 +34,8 @@ impl<const D: usize> CharacteristicMap<D> {
     }
     /// A map from its displacements, in order of time; `None` if there are none.
     pub fn from_submaps(submaps: Vec<Vec<SVector<f64, D>>>) -> Option<CharacteristicMap<D>> {
-        (!submaps.is_empty()).then(|| CharacteristicMap { submaps: submaps.into_iter().map(Arc::new).collect() })
+        (!submaps.is_empty())
+            .then(|| CharacteristicMap { submaps: submaps.into_iter().map(Arc::new).collect() })
     }
     /// The displacements of the submaps, in order of time.
     pub fn submaps(&self) -> impl ExactSizeIterator<Item = &[SVector<f64, D>]> {
@@ -65,13 +66,16 @@ impl<const D: usize> CharacteristicMap<D> {
     }
     /// `Y` at a point.
     pub fn foot(&self, tracer: &Tracer<D>, at: Location) -> Location {
-        self.submaps
-            .iter()
-            .rev()
-            .fold(at, |at, d| tracer.displaced(at, tracer.space().value(d, at.cell as usize, &at.barycentric)))
+        self.submaps.iter().rev().fold(at, |at, d| {
+            tracer.displaced(at, tracer.space().value(d, at.cell as usize, &at.barycentric))
+        })
     }
     /// `Y` and `grad Y` at a point (row `i`, column `j` is `d Y_i / d x_j`).
-    pub fn foot_and_gradient(&self, tracer: &Tracer<D>, at: Location) -> (Location, SMatrix<f64, D, D>) {
+    pub fn foot_and_gradient(
+        &self,
+        tracer: &Tracer<D>,
+        at: Location,
+    ) -> (Location, SMatrix<f64, D, D>) {
         self.submaps.iter().rev().fold((at, SMatrix::identity()), |(at, product), d| {
             let (space, cell, l) = (tracer.space(), at.cell as usize, &at.barycentric);
             let gradient = SMatrix::identity() + space.jacobian(d, cell, l);
@@ -109,7 +113,8 @@ impl<const D: usize> CharacteristicMap<D> {
 /// cell, so this is its maximum.
 fn steepest<const D: usize>(space: &Space<D>, d: &[SVector<f64, D>]) -> f64 {
     let in_cell = |c: usize| {
-        let vertices = (0..=D).map(|k| space.jacobian(d, c, &space.element().node(k, D)).norm_squared());
+        let vertices =
+            (0..=D).map(|k| space.jacobian(d, c, &space.element().node(k, D)).norm_squared());
         vertices.fold(0.0, f64::max)
     };
     let cells = space.mesh().cell_count();

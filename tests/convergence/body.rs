@@ -1,6 +1,8 @@
-//! A stiff elastic body by the backward map and the stress in divergence form: where that fails, and what helps.
+//! A stiff elastic body by the backward map and the stress in divergence form: where that fails,
+//! and what helps.
 //!
-//! The library has no elasticity of bodies yet: the law is written here, against the public parts that a law uses.
+//! The library has no elasticity of bodies yet: the law is written here, against the public parts
+//! that a law uses.
 
 use crate::tools::point;
 use immersa::fem::{At, Cells, Condition, Conditions, Element, Rule, Space, VectorForm};
@@ -12,8 +14,9 @@ use immersa::transport::{CharacteristicMap, Feet, Tracer};
 use nalgebra::{Matrix2, SMatrix, SVector};
 use std::sync::Arc;
 
-/// Incompressible neo-Hookean law: the stress `2 chi H (B - at_rest I)`, `B = grad Y^-1 grad Y^-T` scaled to determinant 1, in the
-/// body `H`; linearly implicit, `C(u, v) = dt int 2 chi H (grad u B) : grad v` is added to the matrix.
+/// Incompressible neo-Hookean law: the stress `2 chi H (B - at_rest I)`, `B = grad Y^-1 grad Y^-T`
+/// scaled to determinant 1, in the body `H`; linearly implicit, `C(u, v) = dt int 2 chi H (grad u
+/// B) : grad v` is added to the matrix.
 struct NeoHookean {
     dt: f64,
     at_rest: f64,
@@ -33,25 +36,33 @@ impl MomentumTerm<2> for NeoHookean {
     fn is_implicit(&self) -> bool {
         true
     }
-    fn stiffness(&self, at: &At<2>, _: &SVector<f64, 2>, grad_u: &SMatrix<f64, 2, 2>) -> VectorForm<2> {
+    fn stiffness(
+        &self,
+        at: &At<2>,
+        _: &SVector<f64, 2>,
+        grad_u: &SMatrix<f64, 2, 2>,
+    ) -> VectorForm<2> {
         let (weight, b) = self.state[at.cell * self.points + at.q];
         (SVector::zeros(), grad_u * b * (weight * self.dt))
     }
 }
 
-/// A disc of radius .2 and `chi` = 50 about (.6, .5) in a cavity of edge 1 whose lid moves with speed 1, viscosity .01, on 16 x 16
-/// squares, the body smeared over 2 of them; backward Euler, a new submap every 20 steps.
+/// A disc of radius .2 and `chi` = 50 about (.6, .5) in a cavity of edge 1 whose lid moves with
+/// speed 1, viscosity .01, on 16 x 16 squares, the body smeared over 2 of them; backward Euler, a
+/// new submap every 20 steps.
 struct Cavity {
     dt: f64,
     grad_div: f64,
-    /// Whether the stress of the body at rest is taken off, which changes the pressure and nothing else.
+    /// Whether the stress of the body at rest is taken off, which changes the pressure and nothing
+    /// else.
     at_rest: bool,
 }
 
 const N: usize = 16;
 const CHI: f64 = 50.0;
 
-/// How far it came, the largest speed on the way, and the elastic energy and rms(det grad Y - 1) in the body at the end.
+/// How far it came, the largest speed on the way, and the elastic energy and rms(det grad Y - 1) in
+/// the body at the end.
 #[derive(Clone, Copy, Debug)]
 struct Outcome {
     time: f64,
@@ -70,7 +81,8 @@ impl Cavity {
             ("walls".into(), Condition::NoSlip),
             ("top".into(), Condition::Velocity(Arc::new(|_, _| SVector::<f64, 2>::new(1.0, 0.0)))),
         ];
-        let mut solver = FlowSolver::new(&velocity, &pressure, &rule, &conditions, self.grad_div).unwrap();
+        let mut solver =
+            FlowSolver::new(&velocity, &pressure, &rule, &conditions, self.grad_div).unwrap();
         solver.set_materials(Coefficient::Constant(1.0), Coefficient::Constant(0.01));
         let tracer = Tracer::new(&velocity, &[]);
         let mut map = CharacteristicMap::identity(velocity.len());
@@ -104,7 +116,8 @@ impl Cavity {
         unreachable!("the last step returns")
     }
 
-    /// Puts stress and stiffness of the map into the law; returns the elastic energy and rms(det grad Y - 1) in the body.
+    /// Puts stress and stiffness of the map into the law; returns the elastic energy and rms(det
+    /// grad Y - 1) in the body.
     fn deform(
         &self,
         law: &mut NeoHookean,
@@ -123,11 +136,15 @@ impl Cavity {
                 let at = Location { cell: c as u32, barycentric: basis.rule().points[q] };
                 let (foot, gradient) = map.foot_and_gradient(tracer, at);
                 let y: Point<2> = mesh.point_at(&foot) - centre;
-                // Of width eps in space: the level set over its slope, which is the distance to first order, where the body is near.
-                let (level, slope) = (y.norm() - 0.2, (gradient.transpose() * y.normalize()).norm());
-                let h = if level > 1.2 * eps { 0.0 } else { 1.0 - heaviside(level / (slope * eps)) };
+                // Of width eps in space: the level set over its slope, which is the distance to
+                // first order, where the body is near.
+                let (level, slope) =
+                    (y.norm() - 0.2, (gradient.transpose() * y.normalize()).norm());
+                let h =
+                    if level > 1.2 * eps { 0.0 } else { 1.0 - heaviside(level / (slope * eps)) };
                 let det = gradient.determinant();
-                let inverse = gradient.try_inverse().unwrap_or(Matrix2::identity()) * det.abs().sqrt();
+                let inverse =
+                    gradient.try_inverse().unwrap_or(Matrix2::identity()) * det.abs().sqrt();
                 let b = inverse * inverse.transpose();
                 law.state.push((2.0 * CHI * h, b));
                 let weight = basis.at(c, q).weight;
@@ -145,12 +162,16 @@ impl Cavity {
 fn runs(grad_div: f64, at_rest: bool) -> [Outcome; 3] {
     [(0.05, 0.5), (0.01, 0.5), (0.002, 0.2)].map(|(dt, end)| {
         let outcome = Cavity { dt, grad_div, at_rest }.run(end);
-        println!("Neo-Hookean disc, grad-div {grad_div}, stress at rest taken off: {at_rest}, dt {dt}: {outcome:.3?}");
+        println!(
+            "Neo-Hookean disc, grad-div {grad_div}, stress at rest taken off: {at_rest}, dt {dt}: \
+             {outcome:.3?}"
+        );
         outcome
     })
 }
 
-/// A scheme that lives by its damping: stable to the eye with a large step, it explodes with a small one.
+/// A scheme that lives by its damping: stable to the eye with a large step, it explodes with a
+/// small one.
 #[test]
 fn a_composed_body_with_the_whole_stress_explodes_as_the_step_gets_smaller() {
     let [large, small, smallest] = runs(0.0, false);
@@ -166,8 +187,9 @@ fn grad_div_keeps_the_body_together_at_any_step() {
     }
 }
 
-/// The cause: at rest the stress `2 chi H I` is in balance with a pressure that jumps over the band, which continuous P1 pressures cannot
-/// follow; what they leave over stirs the body. Without that part nothing is stirred, and the energy does not depend on the step.
+/// The cause: at rest the stress `2 chi H I` is in balance with a pressure that jumps over the
+/// band, which continuous P1 pressures cannot follow; what they leave over stirs the body. Without
+/// that part nothing is stirred, and the energy does not depend on the step.
 #[test]
 fn a_body_without_stress_at_rest_needs_no_cure() {
     let [large, small, smallest] = runs(0.0, true);

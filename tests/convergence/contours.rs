@@ -1,5 +1,5 @@
-//! Where active contours fail: too much noise, a length that weighs too much or too little, a start that misses objects. The page of
-//! `examples/active-contours` tells the numbers.
+//! Where active contours fail: too much noise, a length that weighs too much or too little, a start
+//! that misses objects. The page of `examples/active-contours` tells the numbers.
 
 use immersa::base::{Error, Kind};
 use immersa::output::write_file;
@@ -10,10 +10,13 @@ use tempfile::TempDir;
 #[path = "../../examples/shapes.rs"]
 mod shapes;
 
-/// Connected parts, relative error of the area and pixels on the wrong side when the example ends, its image under noise of this deviation.
+/// Connected parts, relative error of the area and pixels on the wrong side when the example ends,
+/// its image under noise of this deviation.
 fn ended(noise: f64, set: &[&str]) -> Result<[f64; 3], Error> {
     let folder = TempDir::new().unwrap();
-    for (image, name) in shapes::draw(noise, shapes::SEED)?.iter().zip(["shapes.png", "shapes-mask.png"]) {
+    for (image, name) in
+        shapes::draw(noise, shapes::SEED)?.iter().zip(["shapes.png", "shapes-mask.png"])
+    {
         write_file(&folder.path().join(name), &image.png()?)?;
     }
     let text = include_str!("../../examples/active-contours/scene.toml");
@@ -42,17 +45,24 @@ fn noise_up_to_the_difference_of_the_levels_is_borne_and_more_is_not() {
 fn a_length_without_weight_keeps_the_noise_and_one_too_heavy_loses_everything() {
     let [parts, ..] = ended(shapes::NOISE, &["image.length=0"]).unwrap();
     assert!(parts > 100.0);
-    let error = ended(shapes::NOISE, &["image.length=1", "time.step=1600", "time.end=240000"]).unwrap_err();
-    assert!(error.kind() == Kind::Computation && error.to_string().contains("the contour is gone"), "{error}");
+    let error =
+        ended(shapes::NOISE, &["image.length=1", "time.step=1600", "time.end=240000"]).unwrap_err();
+    assert!(
+        error.kind() == Kind::Computation && error.to_string().contains("the contour is gone"),
+        "{error}"
+    );
 }
 
 #[test]
 fn objects_that_the_contour_does_not_come_by_are_not_found() {
     // Inside the ellipse.
     let [parts, area, _] =
-        ended(shapes::NOISE, &["level_set.0.shape={ circle = { centre = [90, 94], radius = 8 } }"]).unwrap();
+        ended(shapes::NOISE, &["level_set.0.shape={ circle = { centre = [90, 94], radius = 8 } }"])
+            .unwrap();
     assert!(parts == 1.0 && (area + 0.77).abs() < 0.01);
     // On a spot, which is too small to hold it.
     let start = "level_set.0.shape={ circle = { centre = [64, 64], radius = 8 } }";
-    assert!(ended(shapes::NOISE, &[start]).unwrap_err().to_string().contains("the contour is gone"));
+    assert!(
+        ended(shapes::NOISE, &[start]).unwrap_err().to_string().contains("the contour is gone")
+    );
 }

@@ -28,7 +28,8 @@ fn bessel_k(n: f64, z: C) -> C {
     (0..400).map(term).sum()
 }
 
-/// A drop of radius `r` in a round box of radius `wall` without slip; densities and viscosities inside and outside.
+/// A drop of radius `r` in a round box of radius `wall` without slip; densities and viscosities
+/// inside and outside.
 struct Drop {
     n: f64,
     r: f64,
@@ -39,8 +40,8 @@ struct Drop {
 }
 
 impl Drop {
-    /// A stream function `f(r) sin n theta` of the linearised equations for `exp(s t)`, one of `r^n`, `r^-n`, `I_n(k r)`, `K_n(k r)`,
-    /// `k^2 = s rho/mu`, with two derivatives.
+    /// A stream function `f(r) sin n theta` of the linearised equations for `exp(s t)`, one of
+    /// `r^n`, `r^-n`, `I_n(k r)`, `K_n(k r)`, `k^2 = s rho/mu`, with two derivatives.
     fn stream(&self, kind: usize, k: C, r: f64) -> [C; 3] {
         let (n, real) = (self.n, |v: f64| C::new(v, 0.0));
         match kind {
@@ -58,8 +59,9 @@ impl Drop {
         }
     }
 
-    /// The determinant of the conditions at the interface (velocity, shear stress and normal stress, with `s zeta = u_r` and the curvature
-    /// `(n^2 - 1) zeta/r^2`) and at the wall; zero where `s` belongs to a mode.
+    /// The determinant of the conditions at the interface (velocity, shear stress and normal
+    /// stress, with `s zeta = u_r` and the curvature `(n^2 - 1) zeta/r^2`) and at the wall; zero
+    /// where `s` belongs to a mode.
     fn determinant(&self, s: C) -> C {
         let (n, r) = (self.n, self.r);
         let columns: [(usize, usize); 6] = [(0, 0), (0, 2), (1, 0), (1, 1), (1, 2), (1, 3)];
@@ -108,7 +110,8 @@ impl Drop {
     }
 }
 
-const DROP: Drop = Drop { n: 2.0, r: 0.5, wall: 1.0, density: [1.0; 2], viscosity: [0.01; 2], tension: 1.0 };
+const DROP: Drop =
+    Drop { n: 2.0, r: 0.5, wall: 1.0, density: [1.0; 2], viscosity: [0.01; 2], tension: 1.0 };
 
 /// The modes tend to those without viscosity, like its square root.
 #[test]
@@ -118,11 +121,15 @@ fn the_modes_have_the_inviscid_limit() {
         drop.mode(C::new(-0.1, DROP.inviscid())).im / DROP.inviscid() - 1.0
     };
     let [a, b] = [1e-3, 2.5e-4].map(frequency);
-    println!("modes of a drop: frequency over the inviscid one {a:.4}, {b:.4} at viscosities 1e-3, 2.5e-4");
+    println!(
+        "modes of a drop: frequency over the inviscid one {a:.4}, {b:.4} at viscosities 1e-3, \
+         2.5e-4"
+    );
     assert!(a.abs() < 0.06 && (a / b - 2.0).abs() < 0.2, "{a} {b}");
 }
 
-/// Damping rate and frequency of `y`, sampled every `dt`, by its extremes and zeros after the first half period.
+/// Damping rate and frequency of `y`, sampled every `dt`, by its extremes and zeros after the first
+/// half period.
 fn fit(y: &[f64], dt: f64) -> C {
     let (mut zeros, mut peaks) = (Vec::new(), Vec::new());
     for i in 1..y.len() - 1 {
@@ -132,10 +139,15 @@ fn fit(y: &[f64], dt: f64) -> C {
         let (left, right) = (y[i - 1], y[i + 1]);
         if y[i].abs() >= left.abs() && y[i].abs() > right.abs() {
             let (bend, slope) = (0.5 * (left - 2.0 * y[i] + right), 0.5 * (right - left));
-            peaks.push(((i as f64 - 0.5 * slope / bend) * dt, (y[i] - 0.25 * slope * slope / bend).abs()));
+            peaks.push((
+                (i as f64 - 0.5 * slope / bend) * dt,
+                (y[i] - 0.25 * slope * slope / bend).abs(),
+            ));
         }
     }
-    let ([first, .., last], [low, .., high]) = (&zeros[1..], &peaks[1..]) else { panic!("{zeros:?} {peaks:?}") };
+    let ([first, .., last], [low, .., high]) = (&zeros[1..], &peaks[1..]) else {
+        panic!("{zeros:?} {peaks:?}")
+    };
     let frequency = PI * (zeros.len() - 2) as f64 / (last - first);
     C::new(-(low.1 / high.1).ln() / (high.0 - low.0), frequency)
 }
@@ -166,7 +178,8 @@ fn a_drop_oscillates_as_linear_theory_says() {
     let (damping, frequency) = (error(found.re, exact.re), error(found.im, exact.im));
     let lost = case.get("drop.area") / area - 1.0;
     println!(
-        "drop: damping {:.4} ({damping:+.2e}), frequency {:.4} ({frequency:+.2e}), exact {:.4}, {:.4}; area {lost:+.1e}",
+        "drop: damping {:.4} ({damping:+.2e}), frequency {:.4} ({frequency:+.2e}), exact {:.4}, \
+         {:.4}; area {lost:+.1e}",
         -found.re, found.im, -exact.re, exact.im
     );
     assert!(damping.abs() < 0.01 && frequency.abs() < 0.01 && lost.abs() < 5e-4);

@@ -7,7 +7,8 @@ use nalgebra::{SMatrix, SVector};
 pub type V = SVector<f64, 2>;
 pub type M = SMatrix<f64, 2, 2>;
 
-/// A Stokes flow with a body force: `u = curl(sin(2 x + 1) sin(3 y))`, `p = cos(3 x + y)`, viscosity `mu`.
+/// A Stokes flow with a body force: `u = curl(sin(2 x + 1) sin(3 y))`, `p = cos(3 x + y)`,
+/// viscosity `mu`.
 pub mod stokes {
     use super::*;
 
@@ -31,8 +32,8 @@ pub mod stokes {
     }
 }
 
-/// The Taylor-Green vortex on a period of `2 pi`, carried along by a uniform stream: an exact solution of the Navier-Stokes
-/// equations without force (density 1).
+/// The Taylor-Green vortex on a period of `2 pi`, carried along by a uniform stream: an exact
+/// solution of the Navier-Stokes equations without force (density 1).
 #[derive(Clone, Copy)]
 pub struct TaylorGreen {
     pub viscosity: f64,
@@ -59,8 +60,9 @@ impl TaylorGreen {
     }
 }
 
-/// Ethier and Steinman's solution of the Navier-Stokes equations in space without force (density 1; Int. J. Numer. Meth. Fluids 19, 1994),
-/// with their `a = pi/4`, `d = pi/2`: a Beltrami flow, whose convection is balanced by the pressure alone.
+/// Ethier and Steinman's solution of the Navier-Stokes equations in space without force (density 1;
+/// Int. J. Numer. Meth. Fluids 19, 1994), with their `a = pi/4`, `d = pi/2`: a Beltrami flow, whose
+/// convection is balanced by the pressure alone.
 #[derive(Clone, Copy)]
 pub struct EthierSteinman {
     pub viscosity: f64,
@@ -73,12 +75,14 @@ impl EthierSteinman {
     fn decay(&self, t: f64) -> f64 {
         (-self.viscosity * Self::D * Self::D * t).exp()
     }
-    /// `u_i = -a [e^(a x_i) sin(a x_j + d x_k) + e^(a x_k) cos(a x_i + d x_j)]`, `i j k` in cyclic order.
+    /// `u_i = -a [e^(a x_i) sin(a x_j + d x_k) + e^(a x_k) cos(a x_i + d x_j)]`, `i j k` in cyclic
+    /// order.
     pub fn velocity(&self, x: &Point<3>, t: f64) -> SVector<f64, 3> {
         let (a, d) = (Self::A, Self::D);
         SVector::<f64, 3>::from_fn(|i, _| {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            -a * ((a * x[i]).exp() * (a * x[j] + d * x[k]).sin() + (a * x[k]).exp() * (a * x[i] + d * x[j]).cos())
+            -a * ((a * x[i]).exp() * (a * x[j] + d * x[k]).sin()
+                + (a * x[k]).exp() * (a * x[i] + d * x[j]).cos())
         }) * self.decay(t)
     }
     pub fn gradient(&self, x: &Point<3>, t: f64) -> SMatrix<f64, 3, 3> {
@@ -94,7 +98,8 @@ impl EthierSteinman {
         }
         g * self.decay(t)
     }
-    /// `p = -a^2/2 sum_i [e^(2 a x_i) + 2 sin(a x_i + d x_j) cos(a x_k + d x_i) e^(a (x_j + x_k))]`.
+    /// `p = -a^2/2 sum_i [e^(2 a x_i) + 2 sin(a x_i + d x_j) cos(a x_k + d x_i) e^(a (x_j +
+    /// x_k))]`.
     pub fn pressure(&self, x: &Point<3>, t: f64) -> (f64, SVector<f64, 3>) {
         let (a, d) = (Self::A, Self::D);
         let (mut p, mut g) = (0.0, SVector::<f64, 3>::zeros());

@@ -1,4 +1,5 @@
-//! The same membrane on the same meshes with the same steps as FreeFEM: outputs recorded with the twins of `examples/`, and a live run.
+//! The same membrane on the same meshes with the same steps as FreeFEM: outputs recorded with the
+//! twins of `examples/`, and a live run.
 
 use crate::membrane::{Case, advance, half_chords};
 use immersa::scene::Scene;
@@ -22,7 +23,8 @@ fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
 }
 
-/// Largest difference of the half-chords from FreeFEM's at `times`, and our half-chord along x at the last.
+/// Largest difference of the half-chords from FreeFEM's at `times`, and our half-chord along x at
+/// the last.
 fn difference(case: Case, rows: &[[f64; 3]], times: &[f64]) -> (f64, f64) {
     let mut sim = case.simulation();
     let mut worst: f64 = 0.0;
@@ -38,14 +40,18 @@ fn difference(case: Case, rows: &[[f64; 3]], times: &[f64]) -> (f64, f64) {
 
 /// Compares with `data/freefem_n<n>_dt<dt>.csv` and gives our half-chord along x at t = 0.4.
 ///
-/// The tolerances are measured; they are far below what the two programs are required to agree to, 2e-4 and 1e-3.
+/// The tolerances are measured; they are far below what the two programs are required to agree to,
+/// 2e-4 and 1e-3.
 fn compare(folder: &str, n: usize, step: &str, tolerance: f64) -> f64 {
     let modulus = if folder == "listing" { 1.0 } else { 10.0 };
     let case = Case { n, modulus, dt: step.parse().unwrap(), ..Case::LISTING };
     let file = example(folder).join(format!("data/freefem_n{n}_dt{step}.csv"));
     let rows = table(&std::fs::read_to_string(file).unwrap());
     let (worst, chord) = difference(case, &rows, &[0.1, 0.2, 0.4]);
-    println!("FreeFEM, lambda = {modulus}, n = {n}, dt = {step}: largest difference of half-chords {worst:.1e}");
+    println!(
+        "FreeFEM, lambda = {modulus}, n = {n}, dt = {step}: largest difference of half-chords \
+         {worst:.1e}"
+    );
     assert!(worst < tolerance, "n = {n}, dt = {step}: {worst:e}");
     chord
 }
@@ -53,7 +59,8 @@ fn compare(folder: &str, n: usize, step: &str, tolerance: f64) -> f64 {
 /// Two steps make the value at step zero: FreeFEM's is 0.7219.
 #[test]
 fn the_listing_at_thirty_squares_and_its_limit_of_small_steps() {
-    let (coarse, fine) = (compare("listing", 30, "5e-3", 9e-6), compare("listing", 30, "2.5e-3", 9e-6));
+    let (coarse, fine) =
+        (compare("listing", 30, "5e-3", 9e-6), compare("listing", 30, "2.5e-3", 9e-6));
     let limit = 2.0 * fine - coarse;
     println!("Half-chord along x at t = 0.4, extrapolated to step zero: {limit:.5}");
     assert!((limit - 0.7219).abs() < 1e-4);
@@ -84,7 +91,10 @@ fn freefem_live() {
     let scene = Scene::load(&path, twin.settings()).unwrap();
     let case = studies::Case::new(&twin, &scene).unwrap();
     let live = case.run(&twin.loops()[0], 0.1, 0, folder.path(), &AtomicBool::new(false)).unwrap();
-    println!("FreeFEM {}", if live.is_some() { "ran here" } else { "is not installed: its recorded output is taken" });
+    println!(
+        "FreeFEM {}",
+        if live.is_some() { "ran here" } else { "is not installed: its recorded output is taken" }
+    );
     let table = live.unwrap_or_else(|| case.recorded().unwrap()).table;
     let column = |name: &str| table.column(name).unwrap();
     let (t, a, b) = (column("time"), column("membrane.horizontal"), column("membrane.vertical"));

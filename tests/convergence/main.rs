@@ -1,8 +1,12 @@
-//! The evidence: orders of convergence, FreeFEM, published and exact numbers, and failures where they are predicted.
+//! The evidence: orders of convergence, FreeFEM, published and exact numbers, and failures where
+//! they are predicted.
 //!
-//! README.md beside this file holds the table of what was measured; `cargo test --release --test convergence -- --nocapture`
-//! prints it anew. Every order is asserted with its absolute error.
-#![allow(clippy::print_stdout, reason = "the measured figures are printed for the table of README.md")]
+//! README.md beside this file holds the table of what was measured; `cargo test --release --test
+//! convergence -- --nocapture` prints it anew. Every order is asserted with its absolute error.
+#![allow(
+    clippy::print_stdout,
+    reason = "the measured figures are printed for the table of README.md"
+)]
 
 #[path = "../suite/case.rs"]
 #[allow(dead_code, reason = "scenes of the suite are measured in more ways")]

@@ -1,4 +1,5 @@
-//! The membrane of the book's sections 3.5.3 and 3.6.1.1: an ellipse .75 / .5 in the box [0, 2]^2, stretched beforehand.
+//! The membrane of the book's sections 3.5.3 and 3.6.1.1: an ellipse .75 / .5 in the box [0, 2]^2,
+//! stretched beforehand.
 
 use crate::tools::point;
 use immersa::elastic::{AreaLaw, Band, Membrane, SharpMembrane};
@@ -67,8 +68,9 @@ impl Case {
             (AreaLaw::Linear { modulus: self.modulus }, Band::Renormalised)
         };
         let phi = signed_distance(&space, &shape).iter().map(|d| self.stretch * d).collect();
-        let interface =
-            ImmersedInterface::new("membrane", phi, self.thickness).stretched(self.stretch).coupled(self.coupling);
+        let interface = ImmersedInterface::new("membrane", phi, self.thickness)
+            .stretched(self.stretch)
+            .coupled(self.coupling);
         let structure = match self.sharp {
             true => Immersed::boxed(interface, SharpMembrane::new(law, self.viscosity)),
             false => {
@@ -80,7 +82,11 @@ impl Case {
             order: self.order,
             grad_div: self.grad_div,
             transport: Transport { method: self.transport, ..Transport::default() },
-            ..SimulationSettings::new(self.dt, Fluid { density: 1.0, viscosity: self.viscosity }, vec![])
+            ..SimulationSettings::new(
+                self.dt,
+                Fluid { density: 1.0, viscosity: self.viscosity },
+                vec![],
+            )
         };
         Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
     }

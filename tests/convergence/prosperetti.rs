@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 
 type C = Complex<f64>;
 
-/// A wave `y = a(t) cos(k x)` that starts at rest, of small amplitude, between two fluids of the same density and viscosity.
+/// A wave `y = a(t) cos(k x)` that starts at rest, of small amplitude, between two fluids of the
+/// same density and viscosity.
 #[derive(Clone, Copy)]
 pub struct CapillaryWave {
     pub density: f64,
@@ -27,7 +28,8 @@ impl CapillaryWave {
     fn damping(&self) -> f64 {
         self.viscosity / self.density * self.number * self.number
     }
-    /// The roots of `z^4 - e^{1/2} z^3 - e z^2 + e^{3/2} z + omega^2`, by Durand and Kerner's iteration.
+    /// The roots of `z^4 - e^{1/2} z^3 - e z^2 + e^{3/2} z + omega^2`, by Durand and Kerner's
+    /// iteration.
     fn roots(&self) -> [C; 4] {
         let (e, w) = (self.damping(), self.frequency());
         let p = |z: C| (((z - e.sqrt()) * z - e) * z + e * e.sqrt()) * z + w * w;
@@ -40,13 +42,14 @@ impl CapillaryWave {
         }
         z
     }
-    /// The amplitude: `sum_i z_i/Z_i omega^2 a_0/(z_i^2 - e) exp((z_i^2 - e) t) erfc(z_i t^{1/2})`, `Z_i` the product of the
-    /// differences of the other roots to `z_i`.
+    /// The amplitude: `sum_i z_i/Z_i omega^2 a_0/(z_i^2 - e) exp((z_i^2 - e) t) erfc(z_i t^{1/2})`,
+    /// `Z_i` the product of the differences of the other roots to `z_i`.
     pub fn at(&self, t: f64) -> f64 {
         let (e, w, z) = (self.damping(), self.frequency(), self.roots());
         let part = |i: usize| {
             let others: C = (0..4).filter(|j| *j != i).map(|j| z[j] - z[i]).product();
-            z[i] / others * (w * w * self.amplitude) / (z[i] * z[i] - e) * scaled_erfc(z[i] * t.sqrt())
+            z[i] / others * (w * w * self.amplitude) / (z[i] * z[i] - e)
+                * scaled_erfc(z[i] * t.sqrt())
         };
         (-e * t).exp() * (0..4).map(part).sum::<C>().re
     }
@@ -66,7 +69,8 @@ static COEFFICIENTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
         let s = length * (0.5 * theta).tan();
         (-s * s).exp() * (length * length + s * s) * (n as f64 * theta).cos()
     };
-    let coefficient = |n: usize| (1 - points..points).map(|k| part(n, k)).sum::<f64>() / f64::from(2 * points);
+    let coefficient =
+        |n: usize| (1 - points..points).map(|k| part(n, k)).sum::<f64>() / f64::from(2 * points);
     (0..=TERMS).map(coefficient).collect()
 });
 
@@ -81,8 +85,13 @@ fn scaled_erfc(z: C) -> C {
     2.0 * series / ((length + z) * (length + z)) + 1.0 / (PI.sqrt() * (length + z))
 }
 
-const WAVE: CapillaryWave =
-    CapillaryWave { density: 1.0, viscosity: 0.0182571749, tension: 1.0, number: 2.0 * PI, amplitude: 0.01 };
+const WAVE: CapillaryWave = CapillaryWave {
+    density: 1.0,
+    viscosity: 0.0182571749,
+    tension: 1.0,
+    number: 2.0 * PI,
+    amplitude: 0.01,
+};
 
 #[test]
 fn it_starts_at_rest_and_swings_without_viscosity() {
@@ -96,8 +105,9 @@ fn it_starts_at_rest_and_swings_without_viscosity() {
     }
 }
 
-/// The Laplace transform of a sheet of force in an unbounded fluid, `a_0 s / (s^2 + omega^2 (1 - (e/(s + e))^{1/2}))`: the velocity in
-/// the plane of a force `f` on it is `f k/(2 rho s) (1 - (e/(s + e))^{1/2})` in the transform, and the force is `-sigma k^2 a`.
+/// The Laplace transform of a sheet of force in an unbounded fluid, `a_0 s / (s^2 + omega^2 (1 -
+/// (e/(s + e))^{1/2}))`: the velocity in the plane of a force `f` on it is `f k/(2 rho s) (1 -
+/// (e/(s + e))^{1/2})` in the transform, and the force is `-sigma k^2 a`.
 #[test]
 fn its_transform_is_that_of_a_sheet_of_force() {
     let (e, w, dt) = (WAVE.damping(), WAVE.frequency(), 1e-3);

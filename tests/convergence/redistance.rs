@@ -2,7 +2,9 @@
 
 use crate::tools::{Study, size};
 use immersa::fem::{Element, Space};
-use immersa::levelset::{Circle, Contour, Ellipse, Ellipsoid, Isosurface, Redistance, Redistancing, Shape, Union};
+use immersa::levelset::{
+    Circle, Contour, Ellipse, Ellipsoid, Isosurface, Redistance, Redistancing, Shape, Union,
+};
 use immersa::mesh::{Diagonals, Mesh, Point, box_mesh, rectangle};
 use immersa::transport::Tracer;
 use std::sync::Arc;
@@ -13,8 +15,8 @@ const METHODS: [(&str, Redistance); 3] = [
     ("exact", Redistance::Exact),
 ];
 
-/// Largest errors, in the mesh: of the distance at nodes up to `BAND` from the interface, of the place of the interface, and of
-/// what it encloses (relative, against what it enclosed before).
+/// Largest errors, in the mesh: of the distance at nodes up to `BAND` from the interface, of the
+/// place of the interface, and of what it encloses (relative, against what it enclosed before).
 #[derive(Clone, Copy, Debug)]
 struct Errors {
     distance: f64,
@@ -24,7 +26,11 @@ struct Errors {
 
 impl std::fmt::Display for Errors {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "distance {:.2e}, place {:.2e}, enclosed {:+.1e}", self.distance, self.place, self.enclosed)
+        write!(
+            f,
+            "distance {:.2e}, place {:.2e}, enclosed {:+.1e}",
+            self.distance, self.place, self.enclosed
+        )
     }
 }
 
@@ -93,7 +99,9 @@ fn ellipse(n: usize, method: Redistance, volume: bool, times: usize) -> [Errors;
     let case = Case {
         mesh: rectangle([-0.5; 2], [0.5; 2], [n; 2], Diagonals::Right).unwrap(),
         shape: &Ellipse::new(Point::<2>::new(0.011, 0.007), [a, b].into(), 0.0).unwrap(),
-        function: &|x: &Point<2>| (((x[0] - 0.011) / a).powi(2) + ((x[1] - 0.007) / b).powi(2) - 1.0).exp_m1(),
+        function: &|x: &Point<2>| {
+            (((x[0] - 0.011) / a).powi(2) + ((x[1] - 0.007) / b).powi(2) - 1.0).exp_m1()
+        },
         measure: in_the_plane,
     };
     case.errors(method, volume, times)
@@ -101,7 +109,8 @@ fn ellipse(n: usize, method: Redistance, volume: bool, times: usize) -> [Errors;
 
 /// Two discs of radius .2 that overlap.
 fn discs(n: usize, method: Redistance, volume: bool, times: usize) -> [Errors; 2] {
-    let disc = |x| Box::new(Circle::new(Point::<2>::new(x, 0.007), 0.2).unwrap()) as Box<dyn Shape<2>>;
+    let disc =
+        |x| Box::new(Circle::new(Point::<2>::new(x, 0.007), 0.2).unwrap()) as Box<dyn Shape<2>>;
     let square = |x: &Point<2>, c: f64| (x - Point::<2>::new(c, 0.007)).norm_squared() - 0.04;
     let case = Case {
         mesh: rectangle([-0.5; 2], [0.5; 2], [n; 2], Diagonals::Right).unwrap(),
@@ -134,8 +143,15 @@ fn row(case: impl Fn(usize) -> [Errors; 2], meshes: &[usize], what: &str) -> Vec
     meshes.iter().map(measured).collect()
 }
 
-/// Slope of the distance at nodes and of the place of the interface, at least, and their largest last errors.
-fn assert_orders(errors: &[Errors], meshes: &[usize], what: &str, distance: (f64, f64), place: (f64, f64)) {
+/// Slope of the distance at nodes and of the place of the interface, at least, and their largest
+/// last errors.
+fn assert_orders(
+    errors: &[Errors],
+    meshes: &[usize],
+    what: &str,
+    distance: (f64, f64),
+    place: (f64, f64),
+) {
     let sizes: Vec<f64> = meshes.iter().map(|n| 1.0 / *n as f64).collect();
     let assert = |what: String, errors: Vec<f64>, (order, last): (f64, f64)| {
         Study { what: &what, sizes: &sizes, errors }.assert_at_least(order, last);
@@ -148,7 +164,8 @@ fn assert_orders(errors: &[Errors], meshes: &[usize], what: &str, distance: (f64
 #[test]
 fn an_ellipse_becomes_a_distance() {
     let meshes = [16, 32, 64, 128];
-    let bounds = [((2.3, 4e-5), (2.3, 4e-5)), ((0.6, 2e-3), (2.8, 4e-6)), ((2.8, 4e-6), (2.8, 4e-6))];
+    let bounds =
+        [((2.3, 4e-5), (2.3, 4e-5)), ((0.6, 2e-3), (2.8, 4e-6)), ((2.8, 4e-6), (2.8, 4e-6))];
     for ((name, method), (distance, place)) in METHODS.into_iter().zip(bounds) {
         for volume in [false, true] {
             let what = format!("Ellipse, {name}{}", if volume { " with its area" } else { "" });
@@ -181,7 +198,8 @@ fn two_discs_that_overlap_become_a_distance() {
 #[test]
 fn an_ellipsoid_becomes_a_distance() {
     let meshes = [8, 16, 32];
-    let bounds = [((2.5, 2e-3), (2.5, 2e-3)), ((0.5, 4e-3), (2.5, 4e-4)), ((2.5, 4e-4), (2.5, 4e-4))];
+    let bounds =
+        [((2.5, 2e-3), (2.5, 2e-3)), ((0.5, 4e-3), (2.5, 4e-4)), ((2.5, 4e-4), (2.5, 4e-4))];
     for ((name, method), (distance, place)) in METHODS.into_iter().zip(bounds) {
         let what = format!("Ellipsoid, {name} with its volume");
         let errors = row(|n| ellipsoid(n, method, true, 1), &meshes, &what);
@@ -190,9 +208,10 @@ fn an_ellipsoid_becomes_a_distance() {
     }
 }
 
-/// A straight filament of half-width `r` node distances anywhere in the mesh: what the P2 function of its exact distance encloses, over what it should, on
-/// the average. Below half a node distance it is lost; at one it swells, because the function rounds the kink in its middle: a filament that is stretched and
-/// redistanced gets no thinner than that.
+/// A straight filament of half-width `r` node distances anywhere in the mesh: what the P2 function
+/// of its exact distance encloses, over what it should, on the average. Below half a node distance
+/// it is lost; at one it swells, because the function rounds the kink in its middle: a filament
+/// that is stretched and redistanced gets no thinner than that.
 #[test]
 fn a_filament_of_two_node_distances_swells() {
     let n = 32;
@@ -209,7 +228,10 @@ fn a_filament_of_two_node_distances_swells() {
         (0..60).map(place).sum::<f64>() / 60.0
     };
     let found: Vec<f64> = [0.25, 0.5, 1.0, 2.0, 4.0].map(swollen).to_vec();
-    println!("Filament of half-width 1/4, 1/2, 1, 2, 4 node distances: area over the exact one {found:.3?}");
+    println!(
+        "Filament of half-width 1/4, 1/2, 1, 2, 4 node distances: area over the exact one \
+         {found:.3?}"
+    );
     assert!(found[0] < 0.5 && found[1] < 1.0 && found[2] > 1.04 && found[2] < 1.08, "{found:?}");
     assert!((found[4] - 1.0).abs() < 1e-3, "{found:?}");
 }

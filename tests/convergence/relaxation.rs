@@ -7,12 +7,14 @@ use immersa::mesh::Locator;
 use immersa::sim::{Coupling, Simulation};
 use std::f64::consts::PI;
 
-/// Radius of the circle with the area of the ellipse, its stretch, and the jump `E'(r)/R` of the pressure at modulus 1.
+/// Radius of the circle with the area of the ellipse, its stretch, and the jump `E'(r)/R` of the
+/// pressure at modulus 1.
 const RADIUS: f64 = 0.612_372_435_7;
 const STRETCH: f64 = 1.224_744_871_4;
 const JUMP: f64 = 0.367_006_838;
 
-const SLOW: Case = Case { dt: 0.02, order: 2, coupling: Coupling::Implicit, grad_div: 5.0, ..Case::LISTING };
+const SLOW: Case =
+    Case { dt: 0.02, order: 2, coupling: Coupling::Implicit, grad_div: 5.0, ..Case::LISTING };
 
 /// Pressure at the centre minus that near a corner, over the exact jump at rest, less 1.
 fn jump_error(sim: &Simulation<2>) -> f64 {
@@ -25,7 +27,8 @@ fn jump_error(sim: &Simulation<2>) -> f64 {
     (inside - outside) / JUMP - 1.0
 }
 
-/// The listing, to t = 16 in 800 steps (about 25 s on its own): the membrane oscillates slowly and is not at rest at t = 10.
+/// The listing, to t = 16 in 800 steps (about 25 s on its own): the membrane oscillates slowly and
+/// is not at rest at t = 10.
 #[test]
 fn a_long_relaxation() {
     let mut sim = SLOW.simulation();
@@ -36,8 +39,9 @@ fn a_long_relaxation() {
         let [a, b] = half_chords(&sim);
         let (stretch, jump) = (measures(&sim).perimeter / PI, jump_error(&sim));
         println!(
-            "Relaxation, t = {time}: half-chords {a:.5} {b:.5} (radius {RADIUS:.5}), stretch {stretch:.5}, jump {:+.2} %, \
-             area {:+.4} %, largest rise {rise:.1e} E0, elastic energy {:.6}, balance {:+.4}",
+            "Relaxation, t = {time}: half-chords {a:.5} {b:.5} (radius {RADIUS:.5}), stretch \
+             {stretch:.5}, jump {:+.2} %, area {:+.4} %, largest rise {rise:.1e} E0, elastic \
+             energy {:.6}, balance {:+.4}",
             100.0 * jump,
             area_error(&sim),
             sim.state().energies.elastic,
@@ -63,7 +67,8 @@ fn the_area_early_on() {
     }
 }
 
-/// A circle at rest stays: what is left are the error of the band in the jump, and the currents that it drives.
+/// A circle at rest stays: what is left are the error of the band in the jump, and the currents
+/// that it drives.
 #[test]
 fn a_circle_at_rest() {
     // Mesh, largest speed, error of the jump, drift of the radius.

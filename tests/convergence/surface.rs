@@ -1,8 +1,11 @@
-//! Area and shear of surfaces from the backward characteristics: the test cases of annex A of the paper (section 7.2.2 of the book), the forces
-//! against (5.16) and (5.17), and virtual power (5.14).
+//! Area and shear of surfaces from the backward characteristics: the test cases of annex A of the
+//! paper (section 7.2.2 of the book), the forces against (5.16) and (5.17), and virtual power
+//! (5.14).
 
 use crate::tools::Study;
-use immersa::elastic::{AreaFrom, AreaLaw, Band, ShearLaw, ShearMembrane, SurfaceLaw, SurfaceStrain};
+use immersa::elastic::{
+    AreaFrom, AreaLaw, Band, ShearLaw, ShearMembrane, SurfaceLaw, SurfaceStrain,
+};
 use immersa::fem::{At, Basis, Cells, Element, Rule, Space, VelocityFunction, integrate};
 use immersa::flow::term::MomentumTerm;
 use immersa::levelset::zeta;
@@ -30,7 +33,8 @@ struct Case {
 
 fn shear_7(x: &V, t: f64) -> [f64; 2] {
     let size = x[0] * x[0] + (x[1] - t * x[0]).powi(2) + x[2] * x[2];
-    let z1 = (1.0 + t * t + (t * t * (x[0] * x[0] - x[2] * x[2]) - 2.0 * t * x[0] * x[1]) / size).sqrt();
+    let z1 =
+        (1.0 + t * t + (t * t * (x[0] * x[0] - x[2] * x[2]) - 2.0 * t * x[0] * x[1]) / size).sqrt();
     [z1, (1.0 + 0.5 * t * t + (t * t * x[0] * x[0] - 2.0 * t * x[0] * x[1]) / (2.0 * size)) / z1]
 }
 
@@ -39,7 +43,8 @@ fn twisted(x: &V, t: f64) -> V {
     V::new(x[0] * c + x[1] * s, -x[0] * s + x[1] * c, x[2])
 }
 
-/// TC1 with alpha = 1, 0, -1; TC2 with beta = -1, 0, 1; TC3 to TC7, TC6 by its three kinds of faces.
+/// TC1 with alpha = 1, 0, -1; TC2 with beta = -1, 0, 1; TC3 to TC7, TC6 by its three kinds of
+/// faces.
 const CASES: [Case; 13] = [
     Case {
         name: "TC1, alpha = 1",
@@ -79,7 +84,9 @@ const CASES: [Case; 13] = [
     Case {
         name: "TC2, beta = 1",
         velocity: |x| V::new(x[1], x[0], 0.0),
-        y: |x, t| V::new(x[0] * t.cosh() - x[1] * t.sinh(), -x[0] * t.sinh() + x[1] * t.cosh(), x[2]),
+        y: |x, t| {
+            V::new(x[0] * t.cosh() - x[1] * t.sinh(), -x[0] * t.sinh() + x[1] * t.cosh(), x[2])
+        },
         level: |x| x[2],
         exact: |_, t| [1.0, 1.0 + 2.0 * t.sinh().powi(2)],
     },
@@ -141,8 +148,9 @@ fn cube(n: usize) -> Arc<Mesh<3>> {
     Arc::new(box_mesh([-1.0; 3], [1.0; 3], [n; 3]).unwrap())
 }
 
-/// Root mean square of relative errors of `Z1` and `Z2` over the quadrature points near the surface and nearer than `reach` to the middle, where the P2
-/// fields are `displacement = Y(x) - x` and `phi`.
+/// Root mean square of relative errors of `Z1` and `Z2` over the quadrature points near the surface
+/// and nearer than `reach` to the middle, where the P2 fields are `displacement = Y(x) - x` and
+/// `phi`.
 fn errors(
     space: &Arc<Space<3>>,
     displacement: &[V],
@@ -163,7 +171,8 @@ fn errors(
     [(first / volume).sqrt(), (second / volume).sqrt()]
 }
 
-/// Fields that P2 holds exactly give the invariants to rounding; the twists of TC3 and TC4 at order 2, that of the gradient.
+/// Fields that P2 holds exactly give the invariants to rounding; the twists of TC3 and TC4 at order
+/// 2, that of the gradient.
 #[test]
 fn the_invariants_of_annex_a_come_from_p2_fields() {
     let t = 0.8;
@@ -179,8 +188,12 @@ fn the_invariants_of_annex_a_come_from_p2_fields() {
         if twist {
             for k in 0..2 {
                 let what = format!("{}, Z{} from P2 fields of the exact Y", case.name, k + 1);
-                Study { what: &what, sizes: &[0.5, 0.25, 0.125], errors: found.iter().map(|e| e[k]).collect() }
-                    .assert_at_least(1.9, 1e-3);
+                Study {
+                    what: &what,
+                    sizes: &[0.5, 0.25, 0.125],
+                    errors: found.iter().map(|e| e[k]).collect(),
+                }
+                .assert_at_least(1.9, 1e-3);
             }
         } else {
             assert!(found[0].iter().all(|e| *e < 1e-11), "{}: {:?}", case.name, found[0]);
@@ -191,7 +204,8 @@ fn the_invariants_of_annex_a_come_from_p2_fields() {
 /// The cube without what the walls of the twists disturb.
 const REACH: f64 = 0.62;
 
-/// Errors after `Y` and the level set have been carried through the mesh to `t = 1` in `steps` steps.
+/// Errors after `Y` and the level set have been carried through the mesh to `t = 1` in `steps`
+/// steps.
 fn transported(case: &Case, n: usize, steps: usize, method: Method, reach: f64) -> [f64; 2] {
     let mesh = cube(n);
     let space = Arc::new(Space::new(&mesh, Element::P2));
@@ -199,8 +213,10 @@ fn transported(case: &Case, n: usize, steps: usize, method: Method, reach: f64) 
     let surface = LevelSet::new("surface", space.interpolate(level)).with_function(Arc::new(level));
     let velocity = case.velocity;
     let given: VelocityFunction<3> = Arc::new(move |x: &Point<3>, _: f64| velocity(x));
-    let (dt, transport) = (1.0 / steps as f64, Transport { method, backward_map: true, ..Transport::default() });
-    let mut flow = Advection::new(&mesh, (given, dt), (transport, &vec![]), vec![Box::new(surface)]).unwrap();
+    let (dt, transport) =
+        (1.0 / steps as f64, Transport { method, backward_map: true, ..Transport::default() });
+    let mut flow =
+        Advection::new(&mesh, (given, dt), (transport, &vec![]), vec![Box::new(surface)]).unwrap();
     for _ in 0..steps {
         flow.step().unwrap();
     }
@@ -211,9 +227,9 @@ fn transported(case: &Case, n: usize, steps: usize, method: Method, reach: f64) 
     errors(&space, displacement, &flow.level_set(0), reach, |x| (case.exact)(x, 1.0))
 }
 
-/// Linear velocities keep `Y` linear and the level set quadratic, which nodal transport reproduces: the error is that of following the
-/// characteristics. In most of these flows fluid comes in through the walls of the cube, which has no `Y` to bring: two steps
-/// leave the middle untouched.
+/// Linear velocities keep `Y` linear and the level set quadratic, which nodal transport reproduces:
+/// the error is that of following the characteristics. In most of these flows fluid comes in
+/// through the walls of the cube, which has no `Y` to bring: two steps leave the middle untouched.
 #[test]
 fn linear_flows_carry_the_invariants_exactly() {
     for case in CASES.iter().filter(|c| !matches!(c.name, "TC3" | "TC4")) {
@@ -227,26 +243,36 @@ fn linear_flows_carry_the_invariants_exactly() {
 fn transported_characteristics_give_the_invariants_at_order_one_and_a_half() {
     for case in CASES.iter().filter(|c| matches!(c.name, "TC3" | "TC4")) {
         for (name, transport) in [("nodal", Method::Nodal), ("composed", Method::Composed)] {
-            let found: Vec<[f64; 2]> =
-                [(4, 4), (8, 8), (16, 16)].map(|(n, steps)| transported(case, n, steps, transport, REACH)).to_vec();
+            let found: Vec<[f64; 2]> = [(4, 4), (8, 8), (16, 16)]
+                .map(|(n, steps)| transported(case, n, steps, transport, REACH))
+                .to_vec();
             for k in 0..2 {
                 let what = format!("{}, Z{} from Y carried over t = 1, {name}", case.name, k + 1);
-                Study { what: &what, sizes: &[0.5, 0.25, 0.125], errors: found.iter().map(|e| e[k]).collect() }
-                    .assert_at_least(1.5, 1e-2);
+                Study {
+                    what: &what,
+                    sizes: &[0.5, 0.25, 0.125],
+                    errors: found.iter().map(|e| e[k]).collect(),
+                }
+                .assert_at_least(1.5, 1e-2);
             }
         }
     }
 }
 
-/// (5.5) and (5.6) as residuals: how `Z_i` of P2 fields changes along a characteristic, less `Z_i C_i : grad u`.
+/// (5.5) and (5.6) as residuals: how `Z_i` of P2 fields changes along a characteristic, less `Z_i
+/// C_i : grad u`.
 #[test]
 fn the_equations_of_the_invariants_hold_as_residuals() {
     let (case, t, h) = (&CASES[7], 0.8, 1e-3);
     let residuals = |n: usize| {
         let space = Arc::new(Space::new(&cube(n), Element::P2));
         let basis = Basis::new(&space, &Arc::new(Rule::simplex(3, 3)));
-        let fields =
-            |t: f64| (space.interpolate(|x| (case.y)(x, t) - x), space.interpolate(|x| (case.level)(&(case.y)(x, t))));
+        let fields = |t: f64| {
+            (
+                space.interpolate(|x| (case.y)(x, t) - x),
+                space.interpolate(|x| (case.level)(&(case.y)(x, t))),
+            )
+        };
         let (before, now, after) = (fields(t - h), fields(t), fields(t + h));
         let strain = |f: &(Vec<V>, Vec<f64>), cell: usize, l: &[f64; 4]| {
             let n = space.gradient(&f.1, cell, l).normalize();
@@ -260,7 +286,8 @@ fn the_equations_of_the_invariants_hold_as_residuals() {
             // The particle that is here now, a little earlier and later: along a circle.
             let turned = |s: f64| {
                 let (sin, cos) = (s * at.x[2]).sin_cos();
-                let x = V::new(at.x[0] * cos - at.x[1] * sin, at.x[0] * sin + at.x[1] * cos, at.x[2]);
+                let x =
+                    V::new(at.x[0] * cos - at.x[1] * sin, at.x[0] * sin + at.x[1] * cos, at.x[2]);
                 let (end, _) = mesh.walk(at.cell as u32, &at.x, &x);
                 (end.cell as usize, end.barycentric)
             };
@@ -278,8 +305,12 @@ fn the_equations_of_the_invariants_hold_as_residuals() {
     for k in 0..2 {
         // The derivative along the path is that of a gradient: of first order at least.
         let what = format!("residual of (5.{}), P2 fields", 5 + k);
-        Study { what: &what, sizes: &[0.5, 0.25, 0.125], errors: found.iter().map(|e| e[k]).collect() }
-            .assert_at_least(1.0, 0.2);
+        Study {
+            what: &what,
+            sizes: &[0.5, 0.25, 0.125],
+            errors: found.iter().map(|e| e[k]).collect(),
+        }
+        .assert_at_least(1.0, 0.2);
     }
 }
 
@@ -299,8 +330,20 @@ fn moved(x: &V, s: f64) -> V {
 }
 
 const LAWS: [(&str, SurfaceLaw); 4] = [
-    ("area", SurfaceLaw::Split { area: AreaLaw::Linear { modulus: 1.0 }, shear: ShearLaw::Linear { modulus: 0.0 } }),
-    ("shear", SurfaceLaw::Split { area: AreaLaw::Linear { modulus: 0.0 }, shear: ShearLaw::Linear { modulus: 1.0 } }),
+    (
+        "area",
+        SurfaceLaw::Split {
+            area: AreaLaw::Linear { modulus: 1.0 },
+            shear: ShearLaw::Linear { modulus: 0.0 },
+        },
+    ),
+    (
+        "shear",
+        SurfaceLaw::Split {
+            area: AreaLaw::Linear { modulus: 0.0 },
+            shear: ShearLaw::Linear { modulus: 1.0 },
+        },
+    ),
     ("neo-Hookean", SurfaceLaw::NeoHookean { modulus: 0.5 }),
     ("Skalak", SurfaceLaw::Skalak { modulus: 0.5, area_ratio: 2.0 }),
 ];
@@ -315,11 +358,14 @@ fn at_rest(x: &V) -> V {
     twisted(&V::new(x[0] / 1.15, x[1] / 0.95, x[2] / 1.05), 1.2)
 }
 
-/// `d/dt E + (F, u) = 0` (5.14): the energy of fields that a flow carries exactly against the power of the force, on meshes.
+/// `d/dt E + (F, u) = 0` (5.14): the energy of fields that a flow carries exactly against the power
+/// of the force, on meshes.
 #[test]
 fn virtual_power_is_the_change_of_the_energy_for_area_and_shear() {
     let ways = LAWS.map(|(name, law)| (name, law, AreaFrom::Map));
-    for (name, law, area_from) in ways.into_iter().chain([("area by slope", LAWS[0].1, AreaFrom::Slope)]) {
+    for (name, law, area_from) in
+        ways.into_iter().chain([("area by slope", LAWS[0].1, AreaFrom::Slope)])
+    {
         // Of the place in the mesh the error depends by chance: the root mean square over several.
         let at = |n: usize, place: V| {
             let space = Arc::new(Space::new(&cube(n), Element::P2));
@@ -329,7 +375,10 @@ fn virtual_power_is_the_change_of_the_energy_for_area_and_shear() {
             let s = 1e-3;
             let fields = |s: f64| {
                 let back = |x: &V| moved(x, -s) - place;
-                (space.interpolate(|x| ellipsoid(&back(x))), space.interpolate(|x| at_rest(&back(x)) - x))
+                (
+                    space.interpolate(|x| ellipsoid(&back(x))),
+                    space.interpolate(|x| at_rest(&back(x)) - x),
+                )
             };
             let energy = |s: f64| {
                 let (phi, rest) = fields(s);
@@ -339,11 +388,13 @@ fn virtual_power_is_the_change_of_the_energy_for_area_and_shear() {
             let (phi, rest) = fields(0.0);
             membrane.prepare(&basis, &phi, &rest, None);
             let u = space.interpolate(waves);
-            let [power] =
-                integrate(&basis, membrane.support().cells(), |at| [membrane.force(at).1.dot(&basis.jacobian(at, &u))]);
+            let [power] = integrate(&basis, membrane.support().cells(), |at| {
+                [membrane.force(at).1.dot(&basis.jacobian(at, &u))]
+            });
             (rate + power) / rate
         };
-        let places = [0.0, 0.3, 0.5, 0.8].map(|s: f64| V::new(s, 1.7 * s % 1.0, 2.3 * s % 1.0) * 0.08);
+        let places =
+            [0.0, 0.3, 0.5, 0.8].map(|s: f64| V::new(s, 1.7 * s % 1.0, 2.3 * s % 1.0) * 0.08);
         let error = |n: usize| (places.iter().map(|p| at(n, *p).powi(2)).sum::<f64>() / 4.0).sqrt();
         let errors = [4, 8, 16].map(error).to_vec();
         let what = format!("virtual power, {name} law");
@@ -351,14 +402,16 @@ fn virtual_power_is_the_change_of_the_energy_for_area_and_shear() {
     }
 }
 
-/// The normal parts (5.16) and (5.17) of the forces, tested with `psi n`: on a sphere, and on an ellipsoid.
+/// The normal parts (5.16) and (5.17) of the forces, tested with `psi n`: on a sphere, and on an
+/// ellipsoid.
 #[test]
 fn the_normal_forces_are_those_of_the_paper() {
     let sphere: fn(&V) -> f64 = |x| x.norm() - 0.5;
     let twist: fn(&V) -> V = |x| twisted(x, 2.0);
-    for (shape, level, y) in
-        [("sphere", sphere, twist), ("ellipsoid", ellipsoid as fn(&V) -> f64, at_rest as fn(&V) -> V)]
-    {
+    for (shape, level, y) in [
+        ("sphere", sphere, twist),
+        ("ellipsoid", ellipsoid as fn(&V) -> f64, at_rest as fn(&V) -> V),
+    ] {
         // Derivatives of what is known exactly, by differences.
         let along = |f: &dyn Fn(&V) -> V, x: &V| {
             let h = 1e-5;
@@ -384,7 +437,12 @@ fn the_normal_forces_are_those_of_the_paper() {
                 let eps = 0.3;
                 let membrane = ShearMembrane::new(*law, eps, 1.0).with_band(Band::Carried, 1.0);
                 let mut membrane = membrane.with_area_from(AreaFrom::Map);
-                membrane.prepare(&basis, &space.interpolate(level), &space.interpolate(|x| y(x) - x), None);
+                membrane.prepare(
+                    &basis,
+                    &space.interpolate(level),
+                    &space.interpolate(|x| y(x) - x),
+                    None,
+                );
                 let normal = |x: &V| gradient(x).normalize() * psi(x);
                 let v = space.interpolate(|x| if x.norm() > 0.1 { normal(x) } else { V::zeros() });
                 let [weak] = integrate(&basis, membrane.support().cells(), |at| {
@@ -400,11 +458,13 @@ fn the_normal_forces_are_those_of_the_paper() {
                     let s = SurfaceStrain::new(&n, &along(&|x| y(x), &at.x), 1.0);
                     let (a, w) = (s.tensor(), zeta(phi / eps) / eps);
                     let first = -grad_n.trace() * (s.z1 - 1.0) * s.z1;
-                    let second =
-                        -(2.0 * (a * grad_n).trace() - a.trace() * grad_n.trace()) * (s.z2 - 1.0) / (2.0 * s.z1);
+                    let second = -(2.0 * (a * grad_n).trace() - a.trace() * grad_n.trace())
+                        * (s.z2 - 1.0)
+                        / (2.0 * s.z1);
                     [(if *name == "area" { first } else { second }) * w * psi(&at.x)]
                 });
-                // On a sphere that is only twisted the area does not change, and there is no force (5.16) to relate to.
+                // On a sphere that is only twisted the area does not change, and there is no force
+                // (5.16) to relate to.
                 let scale = if strong.abs() > 1e-6 { strong.abs() } else { PI };
                 ((weak - strong) / scale).abs()
             };
@@ -429,7 +489,8 @@ fn single_places_have_the_values_of_annex_a() {
         let phi = |x: &V| (case.level)(&(case.y)(x, t));
         let gradient = V::from_fn(|k, _| (phi(&shifted(k, h)) - phi(&shifted(k, -h))) / (2.0 * h));
         let y = M::from_columns(
-            &[0, 1, 2].map(|k| ((case.y)(&shifted(k, h), t) - (case.y)(&shifted(k, -h), t)) / (2.0 * h)),
+            &[0, 1, 2]
+                .map(|k| ((case.y)(&shifted(k, h), t) - (case.y)(&shifted(k, -h), t)) / (2.0 * h)),
         );
         SurfaceStrain::new(&gradient.normalize(), &y, 1.0)
     };
@@ -438,9 +499,15 @@ fn single_places_have_the_values_of_annex_a() {
     // In print the place is that of the particle at time 0.
     let moved = V::new(place[0], place[1] + 0.5 * place[0], place[2]);
     let s = at(&CASES[12], moved, 0.5);
-    assert!((s.z1 - 0.8955445271).abs() < 1e-8 && (s.z2 - 1.063263714).abs() < 1e-8, "{} {}", s.z1, s.z2);
+    assert!(
+        (s.z1 - 0.8955445271).abs() < 1e-8 && (s.z2 - 1.063263714).abs() < 1e-8,
+        "{} {}",
+        s.z1,
+        s.z2
+    );
     assert!((at(&CASES[6], V::new(0.6, 0.8, 0.2), 1.3).z2 - 1.845).abs() < 1e-8);
     // The sheared sphere at the start: largest at the equator.
-    let largest = at(&Case { level: |x| x.norm_squared() - 0.25, ..CASES[7] }, V::new(0.3, 0.4, 0.0), PI).z2;
+    let largest =
+        at(&Case { level: |x| x.norm_squared() - 0.25, ..CASES[7] }, V::new(0.3, 0.4, 0.0), PI).z2;
     assert!((largest - 2.2337).abs() < 1e-4);
 }

@@ -22,9 +22,15 @@ impl Study<'_> {
     /// Prints the study and asserts its slope to 0.1 and its last error.
     pub fn assert(&self, order: f64, bound: f64) {
         let slope = self.assert_at_least(order - 0.1, bound);
-        assert!(slope <= order + 0.1, "{}: order {slope}, expected {order}; {:?}", self.what, self.errors);
+        assert!(
+            slope <= order + 0.1,
+            "{}: order {slope}, expected {order}; {:?}",
+            self.what,
+            self.errors
+        );
     }
-    /// Prints the study and asserts that its slope, which it returns, is not below `order`, and its last error.
+    /// Prints the study and asserts that its slope, which it returns, is not below `order`, and its
+    /// last error.
     pub fn assert_at_least(&self, order: f64, bound: f64) -> f64 {
         let slope = self.slope();
         let last = self.errors[self.errors.len() - 1];

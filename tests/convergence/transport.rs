@@ -1,4 +1,5 @@
-//! Transport: exactness of the projection, solid rotation, and the reversed vortex (T = 8) by both methods.
+//! Transport: exactness of the projection, solid rotation, and the reversed vortex (T = 8) by both
+//! methods.
 
 use crate::tools::point;
 use immersa::fem::{Basis, Element, Projector, Rule, Space};
@@ -23,7 +24,8 @@ impl Carried {
     fn new(mesh: Mesh<2>, shape: &dyn Shape<2>) -> Carried {
         let mesh = Arc::new(mesh);
         let space = Arc::new(Space::new(&mesh, Element::P2));
-        let projector = Projector::new(Basis::new(&space, &Arc::new(Rule::simplex(2, 5))), &[]).unwrap();
+        let projector =
+            Projector::new(Basis::new(&space, &Arc::new(Rule::simplex(2, 5))), &[]).unwrap();
         let phi = signed_distance(&space, shape);
         Carried { tracer: Tracer::new(&space, &[]), space, projector, phi }
     }
@@ -52,7 +54,8 @@ impl Carried {
         let contour = Contour::new(&self.space, &self.phi).unwrap();
         contour.measures().map_or(-1.0, |m| m.area / (PI * r * r) - 1.0)
     }
-    /// Area of the symmetric difference with the disc (integral of the difference of the indicators, degree 8).
+    /// Area of the symmetric difference with the disc (integral of the difference of the
+    /// indicators, degree 8).
     fn symmetric_difference(&self, shape: &dyn Shape<2>) -> f64 {
         let basis = Basis::new(&self.space, &Arc::new(Rule::simplex(2, 8)));
         let [sum] = immersa::fem::integrate(&basis, immersa::fem::Cells::All, |at| {
@@ -60,12 +63,19 @@ impl Carried {
         });
         sum
     }
-    /// Prints and asserts the error of the area (in per cent, to a tenth of its size) and the symmetric difference.
+    /// Prints and asserts the error of the area (in per cent, to a tenth of its size) and the
+    /// symmetric difference.
     fn assert(&self, what: &str, shape: &dyn Shape<2>, r: f64, area: f64, moved: f64) {
         let (error, difference) = (100.0 * self.area_error(r), self.symmetric_difference(shape));
         println!("{what}: area {error:+.4} %, symmetric difference {difference:.2e}");
-        assert!((error - area).abs() <= 0.1 * area.abs(), "{what}: area {error} %, measured before {area} %");
-        assert!(difference <= 1.2 * moved, "{what}: symmetric difference {difference}, measured before {moved}");
+        assert!(
+            (error - area).abs() <= 0.1 * area.abs(),
+            "{what}: area {error} %, measured before {area} %"
+        );
+        assert!(
+            difference <= 1.2 * moved,
+            "{what}: symmetric difference {difference}, measured before {moved}"
+        );
     }
 }
 
@@ -83,7 +93,8 @@ fn disc_of_fluid() -> (Circle<2>, f64) {
 fn a_function_of_the_space_is_its_own_projection() {
     let mut carried = Carried::new(square(9), &Circle::new(point(0.5, 0.5), 0.2).unwrap());
     let basis = carried.projector.basis().clone();
-    let wild = carried.space.interpolate(|x| (17.0 * x[0]).sin() * (23.0 * x[1] * x[0]).cos() + 3.0);
+    let wild =
+        carried.space.interpolate(|x| (17.0 * x[0]).sin() * (23.0 * x[1] * x[0]).cos() + 3.0);
     let mut back = vec![0.0; wild.len()];
     carried.projector.project(|at| basis.value(at, &wild), &mut back).unwrap();
     let worst = wild.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -129,9 +140,9 @@ fn solid_rotation() {
     }
 }
 
-/// Where fluid enters, the feet of a whole strip lie on the wall. Nodal transport bears that; the projection of such a field is
-/// larger than the field, and repeated it grows without bound. An immersed structure needs walls or periodic sides
-/// with `projected`.
+/// Where fluid enters, the feet of a whole strip lie on the wall. Nodal transport bears that; the
+/// projection of such a field is larger than the field, and repeated it grows without bound. An
+/// immersed structure needs walls or periodic sides with `projected`.
 #[test]
 fn projection_is_unstable_at_an_inflow() {
     let largest = |method| {
@@ -140,7 +151,10 @@ fn projection_is_unstable_at_an_inflow() {
         carried.phi.iter().map(|v| v.abs()).fold(0.0, f64::max)
     };
     let (nodal, projected) = (largest(Method::Nodal), largest(Method::Projected));
-    println!("Rotation in a square, largest |phi| (0.76 at the start): nodal {nodal:.2}, projected {projected:.1e}");
+    println!(
+        "Rotation in a square, largest |phi| (0.76 at the start): nodal {nodal:.2}, projected \
+         {projected:.1e}"
+    );
     assert!(nodal < 0.8 && projected > 10.0);
 }
 
@@ -150,8 +164,9 @@ fn vortex(x: &Point<2>, t: f64) -> Point<2> {
     point(-a * a * 2.0 * c * d, 2.0 * a * b * c * c) * (PI * t / 8.0).cos()
 }
 
-/// Rider and Kothe's volume-of-fluid method has symmetric differences of .0478 and .00696 on 32 and 64 squares. Nodal transport
-/// suffers from every step that it takes: small steps are its worst case.
+/// Rider and Kothe's volume-of-fluid method has symmetric differences of .0478 and .00696 on 32 and
+/// 64 squares. Nodal transport suffers from every step that it takes: small steps are its worst
+/// case.
 #[test]
 fn the_reversed_vortex() {
     let (shape, r) = disc_of_fluid();
@@ -164,6 +179,12 @@ fn the_reversed_vortex() {
     ] {
         let mut carried = Carried::new(square(n), &shape);
         carried.carry(vortex, 8.0, 8.0 / steps as f64, method);
-        carried.assert(&format!("Vortex, {method:?}, {n} squares, {steps} steps"), &shape, r, area, moved);
+        carried.assert(
+            &format!("Vortex, {method:?}, {n} squares, {steps} steps"),
+            &shape,
+            r,
+            area,
+            moved,
+        );
     }
 }

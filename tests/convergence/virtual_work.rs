@@ -1,5 +1,5 @@
-//! The force of a membrane is the derivative of its energy, and its stiffness that of the force: along the flow of a smooth
-//! divergence-free velocity, the level set carried exactly.
+//! The force of a membrane is the derivative of its energy, and its stiffness that of the force:
+//! along the flow of a smooth divergence-free velocity, the level set carried exactly.
 
 use crate::exact::{M, V};
 use crate::tools::Study;
@@ -13,14 +13,18 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-const LAWS: [AreaLaw; 3] =
-    [AreaLaw::Linear { modulus: 2.0 }, AreaLaw::OneSided { modulus: 2.0 }, AreaLaw::Tension { tension: 0.7 }];
+const LAWS: [AreaLaw; 3] = [
+    AreaLaw::Linear { modulus: 2.0 },
+    AreaLaw::OneSided { modulus: 2.0 },
+    AreaLaw::Tension { tension: 0.7 },
+];
 
 /// A smooth velocity without divergence, `curl(sin(a x + b) sin(c y + d))`.
 struct Waves([f64; 4]);
 
 impl Waves {
-    /// Where a particle at `x` is after the time `s`, by one step of the classical Runge-Kutta method.
+    /// Where a particle at `x` is after the time `s`, by one step of the classical Runge-Kutta
+    /// method.
     fn moved(&self, x: &Point<2>, s: f64) -> Point<2> {
         let k1 = self.velocity(x);
         let k2 = self.velocity(&(x + k1 * (0.5 * s)));
@@ -43,7 +47,8 @@ impl Waves {
 const FIRST: Waves = Waves([2.0, 0.3, 1.5, 0.8]);
 const SECOND: Waves = Waves([1.2, 1.1, 2.3, -0.4]);
 
-/// A level set whose zero is an ellipse; the stretch along it goes from 1.05 to 1.67 when `tightness` is 0.8.
+/// A level set whose zero is an ellipse; the stretch along it goes from 1.05 to 1.67 when
+/// `tightness` is 0.8.
 fn level(x: &Point<2>, tightness: f64) -> f64 {
     let (p, q) = (x[0] - 1.03, x[1] - 0.96);
     let r = (p * p / 0.49 + q * q / 0.36).sqrt();
@@ -84,9 +89,11 @@ impl Band {
     }
 
     /// `dE/dt` along the flow, `-F(v)`, and what the change of the band's own width adds:
-    /// `- int E(r)/(r eps) (zeta + s zeta')(s) P : grad v`, `s = phi/(r eps)`, which vanishes with `eps^2`.
+    /// `- int E(r)/(r eps) (zeta + s zeta')(s) P : grad v`, `s = phi/(r eps)`, which vanishes with
+    /// `eps^2`.
     fn virtual_work(&self, law: AreaLaw, flow: &Waves) -> [f64; 3] {
-        let energy = |s: f64| Membrane::new(law, self.eps).energy(&self.basis, &self.carried(flow, s));
+        let energy =
+            |s: f64| Membrane::new(law, self.eps).energy(&self.basis, &self.carried(flow, s));
         let s = 1e-3;
         let slope = (energy(s) - energy(-s)) / (2.0 * s);
         let (phi, membrane) = (self.carried(flow, 0.0), self.membrane(law, flow, 0.0));
@@ -94,27 +101,33 @@ impl Band {
             let g = self.basis.gradient(at, &phi);
             let (r, n) = (g.norm(), g.normalize());
             let s = self.basis.value(at, &phi) / (r * self.eps);
-            let derivative = if s.abs() < 1.0 { zeta(s) - 0.5 * PI * s * (PI * s).sin() } else { 0.0 };
+            let derivative =
+                if s.abs() < 1.0 { zeta(s) - 0.5 * PI * s * (PI * s).sin() } else { 0.0 };
             let gradient = flow.gradient(&at.x);
-            -law.energy(r) / (r * self.eps) * derivative * (gradient.trace() - (n.transpose() * gradient * n)[0])
+            -law.energy(r) / (r * self.eps)
+                * derivative
+                * (gradient.trace() - (n.transpose() * gradient * n)[0])
         });
         [slope, -self.force(&membrane, |x| flow.gradient(x)), width]
     }
 
-    /// What should be zero when `d/dt F(v) = - C(u, v) + F((u . grad) v) + (what the stiffness leaves out or adds)`, the
-    /// level set carried by `u`, over the size of `C(u, v)`.
+    /// What should be zero when `d/dt F(v) = - C(u, v) + F((u . grad) v) + (what the stiffness
+    /// leaves out or adds)`, the level set carried by `u`, over the size of `C(u, v)`.
     fn stiffness_error(&self, law: AreaLaw, u: &Waves, v: &Waves) -> f64 {
         let s = 1e-3;
         let force = |s: f64| self.force(&self.membrane(law, u, s), |x| v.gradient(x));
         let slope = (force(s) - force(-s)) / (2.0 * s);
         let (phi, membrane) = (self.carried(u, 0.0), self.membrane(law, u, 0.0));
-        let stiffness = self
-            .over(&membrane, |at| membrane.stiffness(at, &V::zeros(), &u.gradient(&at.x)).1.dot(&v.gradient(&at.x)));
+        let stiffness = self.over(&membrane, |at| {
+            membrane.stiffness(at, &V::zeros(), &u.gradient(&at.x)).1.dot(&v.gradient(&at.x))
+        });
         let convected = self.force(&membrane, |x| {
             let (d, w) = (1e-5, u.velocity(x));
-            v.gradient(x) * u.gradient(x) + (v.gradient(&(x + w * d)) - v.gradient(&(x - w * d))) / (2.0 * d)
+            v.gradient(x) * u.gradient(x)
+                + (v.gradient(&(x + w * d)) - v.gradient(&(x - w * d))) / (2.0 * d)
         });
-        // In compression the turning of the normal is left out; for constant tension the stretching is added.
+        // In compression the turning of the normal is left out; for constant tension the stretching
+        // is added.
         let changed = self.over(&membrane, |at| {
             let g = self.basis.gradient(at, &phi);
             let (r, n) = (g.norm(), g.normalize());
@@ -155,18 +168,24 @@ fn the_rest_of_the_virtual_work_is_the_width_of_the_band() {
         let [slope, work, width] = Band::new(n, 0.1, 0.8).virtual_work(LAWS[0], &FIRST);
         let error = (slope - work - width).abs() / work.abs();
         println!(
-            "Virtual work with the width of the band, eps = 0.1, n = {n}: {error:.1e} (without {:.1e})",
+            "Virtual work with the width of the band, eps = 0.1, n = {n}: {error:.1e} (without \
+             {:.1e})",
             (slope - work).abs() / work.abs()
         );
         assert!(error < bound);
     }
 }
 
-/// Stretched (0.8), and compressed (0.5) the linear law, whose stiffness then leaves out the turning of the normal.
+/// Stretched (0.8), and compressed (0.5) the linear law, whose stiffness then leaves out the
+/// turning of the normal.
 #[test]
 fn the_stiffness_is_minus_the_derivative_of_the_force() {
-    for (law, tightness, bound) in [(LAWS[0], 0.8, 4.9e-4), (LAWS[2], 0.8, 5.1e-4), (LAWS[0], 0.5, 4.5e-4)] {
-        let errors = WIDTHS.map(|eps| band(eps, tightness).stiffness_error(law, &FIRST, &SECOND).abs()).into();
+    for (law, tightness, bound) in
+        [(LAWS[0], 0.8, 4.9e-4), (LAWS[2], 0.8, 5.1e-4), (LAWS[0], 0.5, 4.5e-4)]
+    {
+        let errors = WIDTHS
+            .map(|eps| band(eps, tightness).stiffness_error(law, &FIRST, &SECOND).abs())
+            .into();
         let what = format!("Stiffness, {law:?}, tightness {tightness}");
         Study { what: &what, sizes: &WIDTHS, errors }.assert(2.0, bound);
     }
@@ -180,12 +199,15 @@ fn check_form<const D: usize>(mesh: Mesh<D>, law: AreaLaw, stretch: f64, entries
     let mut membrane = Membrane::new(law, 0.15);
     membrane.prepare(&basis, &phi, Some(0.1));
     let [a, b] = entries.map(|e| SMatrix::<f64, D, D>::from_fn(|i, j| e[D * i + j]));
-    let Cells::Some(cells) = membrane.support().cells() else { panic!("a band is some of the cells") };
+    let Cells::Some(cells) = membrane.support().cells() else {
+        panic!("a band is some of the cells")
+    };
     let mut largest: f64 = 0.0;
     for at in cells.iter().flat_map(|&c| (0..basis.rule().len()).map(move |q| (c as usize, q))) {
         let at = basis.at(at.0, at.1);
-        let form =
-            |u: &SMatrix<f64, D, D>, v: &SMatrix<f64, D, D>| membrane.stiffness(&at, &SVector::zeros(), u).1.dot(v);
+        let form = |u: &SMatrix<f64, D, D>, v: &SMatrix<f64, D, D>| {
+            membrane.stiffness(&at, &SVector::zeros(), u).1.dot(v)
+        };
         let scale = (form(&a, &a) * form(&b, &b)).abs().sqrt().max(1e-12);
         assert!((form(&a, &b) - form(&b, &a)).abs() <= 1e-9 * scale.max(form(&a, &b).abs()));
         assert!(form(&a, &a) >= -1e-12 * scale && form(&a, &b).abs() <= scale * (1.0 + 1e-9));

@@ -1,10 +1,13 @@
-//! The vortex of the book's section 1.5.3, against exact markers: where nodal transport fails, and what removes the failure.
+//! The vortex of the book's section 1.5.3, against exact markers: where nodal transport fails, and
+//! what removes the failure.
 
 use crate::tools::point;
 use immersa::fem::{Basis, Element, Projector, Rule, Space, VelocityFunction};
 use immersa::levelset::{Circle, Contour, Interface, Sample, Shape, signed_distance};
 use immersa::mesh::{Diagonals, Location, Locator, Point, rectangle};
-use immersa::transport::{AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_nodal, carry_projected};
+use immersa::transport::{
+    AdvectingVelocity, CharacteristicMap, Feet, Tracer, carry_nodal, carry_projected,
+};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -46,7 +49,8 @@ impl Course {
     fn velocity(self) -> VelocityFunction<2> {
         Arc::new(move |x, t| vortex(x).0 * self.factor(t))
     }
-    /// Points of the interface at the end, and the stretch there, by the classical Runge-Kutta rule.
+    /// Points of the interface at the end, and the stretch there, by the classical Runge-Kutta
+    /// rule.
     fn markers(self, count: usize) -> Vec<(Point<2>, f64)> {
         let rate = |x: &Point<2>, v: &Vector2<f64>, t: f64| {
             let (u, gradient) = vortex(x);
@@ -56,7 +60,8 @@ impl Course {
         let dt = self.end() / f64::from(steps);
         let follow = |k: usize| {
             let (s, c) = (2.0 * PI * k as f64 / count as f64).sin_cos();
-            let (mut x, mut v) = (point(CENTRE[0] + RADIUS * c, CENTRE[1] + RADIUS * s), Vector2::new(-s, c));
+            let (mut x, mut v) =
+                (point(CENTRE[0] + RADIUS * c, CENTRE[1] + RADIUS * s), Vector2::new(-s, c));
             for k in 0..steps {
                 let t = f64::from(k) * dt;
                 let a = rate(&x, &v, t);
@@ -72,8 +77,10 @@ impl Course {
     }
 }
 
-/// Errors at the end: of the area, relative, by samples of the sign and by the cut interface, which does not see a part thinner than half an edge; mean distance of exact markers from the interface; mean relative error of
-/// the slope, which is the stretch, at the markers. Means by arc length.
+/// Errors at the end: of the area, relative, by samples of the sign and by the cut interface, which
+/// does not see a part thinner than half an edge; mean distance of exact markers from the
+/// interface; mean relative error of the slope, which is the stretch, at the markers. Means by arc
+/// length.
 #[derive(Clone, Copy, Debug)]
 struct Errors {
     area: f64,
@@ -83,7 +90,11 @@ struct Errors {
 }
 
 impl Errors {
-    fn of([area, cut]: [f64; 2], course: Course, at: impl Fn(&Point<2>) -> (f64, Vector2<f64>)) -> Errors {
+    fn of(
+        [area, cut]: [f64; 2],
+        course: Course,
+        at: impl Fn(&Point<2>) -> (f64, Vector2<f64>),
+    ) -> Errors {
         let (mut length, mut distance, mut slope) = (0.0, 0.0, 0.0);
         for (x, stretch) in course.markers(2000) {
             let (value, gradient) = at(&x);
@@ -125,10 +136,17 @@ impl Case {
     fn disc(&self) -> Circle<2> {
         Circle::new(CENTRE.into(), RADIUS).unwrap()
     }
-    fn winds<'a>(&self, velocity: &'a VelocityFunction<2>) -> impl Iterator<Item = AdvectingVelocity<'a, 2>> {
+    fn winds<'a>(
+        &self,
+        velocity: &'a VelocityFunction<2>,
+    ) -> impl Iterator<Item = AdvectingVelocity<'a, 2>> {
         let dt = self.dt();
         let courant = self.n as f64 * dt;
-        (1..=self.steps).map(move |k| AdvectingVelocity::Given { velocity, arrival: k as f64 * dt, courant })
+        (1..=self.steps).map(move |k| AdvectingVelocity::Given {
+            velocity,
+            arrival: k as f64 * dt,
+            courant,
+        })
     }
     fn errors(&self, phi: &[f64]) -> Errors {
         let contour = Contour::new(&self.space, phi).unwrap();
@@ -153,7 +171,8 @@ impl Case {
                 [1.0 - a - b, a, b, 0.0]
             })
             .collect();
-        let inside = |c: usize| samples.iter().filter(|l| self.space.value(phi, c, l) < 0.0).count() as f64;
+        let inside =
+            |c: usize| samples.iter().filter(|l| self.space.value(phi, c, l) < 0.0).count() as f64;
         let mesh = self.space.mesh();
         (0..mesh.cell_count()).map(|c| mesh.map(c).volume * inside(c) / samples.len() as f64).sum()
     }
@@ -170,7 +189,8 @@ impl Case {
     }
     fn projected(&self) -> Errors {
         let (mut phi, mut feet) = (signed_distance(&self.space, &self.disc()), Feet::default());
-        let mut projector = Projector::new(Basis::new(&self.space, &Arc::new(Rule::simplex(2, 6))), &[]).unwrap();
+        let mut projector =
+            Projector::new(Basis::new(&self.space, &Arc::new(Rule::simplex(2, 6))), &[]).unwrap();
         let mut moved = phi.clone();
         let velocity = self.course.velocity();
         for wind in self.winds(&velocity) {
@@ -221,7 +241,10 @@ impl Composed<'_> {
     fn at(&self, at: &Location) -> (f64, Vector2<f64>) {
         let (foot, gradient) = self.map.foot_and_gradient(&self.case.tracer, *at);
         let y = self.case.space.mesh().point_at(&foot);
-        (self.case.disc().distance(&y), gradient.transpose() * (y - point(CENTRE[0], CENTRE[1])).normalize())
+        (
+            self.case.disc().distance(&y),
+            gradient.transpose() * (y - point(CENTRE[0], CENTRE[1])).normalize(),
+        )
     }
     fn interface(&self) -> Interface<'_, 2> {
         let sample = |at: &Location| {
@@ -242,8 +265,9 @@ impl Composed<'_> {
     }
 }
 
-/// The predicted failure of nodal transport, and the two remedies. The prediction comes from a program that shares nothing with this one (a lattice of
-/// squares in place of a mesh, area by sampling): distances and slopes agree to its digits.
+/// The predicted failure of nodal transport, and the two remedies. The prediction comes from a
+/// program that shares nothing with this one (a lattice of squares in place of a mesh, area by
+/// sampling): distances and slopes agree to its digits.
 #[test]
 fn nodal_transport_loses_the_filament_and_projection_or_composition_keeps_it() {
     let at = |n, courant| Case::new(Course::Steady, n, courant, Diagonals::Left);
@@ -261,13 +285,21 @@ fn nodal_transport_loses_the_filament_and_projection_or_composition_keeps_it() {
     let composed = case.composed(0.125);
     let errors = composed.errors();
     errors.print("Vortex, t = 5, composed, 32 squares, Courant number 2, tau .125");
-    println!("    {} submaps, determinant {:.1e}", composed.map.submaps().len(), composed.determinant_error());
-    assert!(errors.area.abs() < 1e-3 && near(errors.distance, 2.18e-5) && near(errors.slope, 0.016));
+    println!(
+        "    {} submaps, determinant {:.1e}",
+        composed.map.submaps().len(),
+        composed.determinant_error()
+    );
+    assert!(
+        errors.area.abs() < 1e-3 && near(errors.distance, 2.18e-5) && near(errors.slope, 0.016)
+    );
     // The estimate that costs no second run is near the error of the slope.
     let estimate = composed.determinant_error();
     assert!(estimate > 0.5 * errors.slope && estimate < 2.0 * errors.slope, "{estimate}");
-    // On the mesh that all others fail on, the length is that of the markers to a few parts in a thousand.
-    let exact: f64 = Course::Steady.markers(2000).iter().map(|m| m.1).sum::<f64>() / 2000.0 * 2.0 * PI * RADIUS;
+    // On the mesh that all others fail on, the length is that of the markers to a few parts in a
+    // thousand.
+    let exact: f64 =
+        Course::Steady.markers(2000).iter().map(|m| m.1).sum::<f64>() / 2000.0 * 2.0 * PI * RADIUS;
     let length = composed.interface().contour().unwrap().perimeter();
     println!("    length {length:.4}, exact {exact:.4}");
     assert!((length / exact - 1.0).abs() < 0.01);
@@ -281,14 +313,23 @@ fn the_reversed_vortex_comes_back_when_maps_are_composed() {
     assert!(near(nodal.area, -0.0295) && near(nodal.distance, 1.18e-2) && near(nodal.slope, 0.140));
     let projected = at(64, 2.0).projected();
     projected.print("Vortex, T = 8 reversed, projected, 64 squares, Courant number 2");
-    assert!(near(projected.area, 0.02948) && near(projected.distance, 2.99e-3) && near(projected.slope, 0.085));
+    assert!(
+        near(projected.area, 0.02948)
+            && near(projected.distance, 2.99e-3)
+            && near(projected.slope, 0.085)
+    );
     let case = at(32, 2.0);
     let composed = case.composed(0.125).errors();
     composed.print("Vortex, T = 8 reversed, composed, 32 squares, Courant number 2, tau .125");
-    assert!(composed.area.abs() < 3e-4 && near(composed.distance, 7.5e-5) && near(composed.slope, 0.024));
+    assert!(
+        composed.area.abs() < 3e-4
+            && near(composed.distance, 7.5e-5)
+            && near(composed.slope, 0.024)
+    );
 }
 
-/// Long submaps are as steep as a field that is carried without them; short ones stay near the identity.
+/// Long submaps are as steep as a field that is carried without them; short ones stay near the
+/// identity.
 #[test]
 fn composition_needs_its_restarts() {
     let case = Case::new(Course::Steady, 32, 2.0, Diagonals::Left);
@@ -302,12 +343,15 @@ fn composition_needs_its_restarts() {
     // The criterion by steepness finds the short ones by itself.
     let found = case.composed_by_steepness(immersa::sim::REMAP);
     let errors = found.errors();
-    errors.print(&format!("Vortex, t = 5, composed, 32 squares, by steepness, {} submaps", found.map.submaps().len()));
+    errors.print(&format!(
+        "Vortex, t = 5, composed, 32 squares, by steepness, {} submaps",
+        found.map.submaps().len()
+    ));
     assert!(errors.slope <= often && errors.area.abs() < 1e-3);
 }
 
-/// Feet by one step of the midpoint rule through the P2 velocity at Courant number 2 cost 3 % of the area; the library's steps of half the
-/// size, or the Runge-Kutta rule, do not.
+/// Feet by one step of the midpoint rule through the P2 velocity at Courant number 2 cost 3 % of
+/// the area; the library's steps of half the size, or the Runge-Kutta rule, do not.
 #[test]
 fn coarse_feet_spoil_the_area_and_finer_ones_do_not() {
     let case = Case::new(Course::Steady, 32, 2.0, Diagonals::Left);
@@ -323,13 +367,18 @@ fn coarse_feet_spoil_the_area_and_finer_ones_do_not() {
     let coarse = Feet::new(midpoint.collect());
     let area = |what: &str, chain: Composed<'_>| {
         let errors = chain.errors();
-        errors.print(&format!("Vortex, t = 5, composed, 32 squares, Courant number 2, feet by {what}"));
+        errors.print(&format!(
+            "Vortex, t = 5, composed, 32 squares, Courant number 2, feet by {what}"
+        ));
         errors.area
     };
     let tau = 4.0 * case.dt();
-    let coarse = area("one midpoint step in P2", case.chain(tau, |_, feet| feet.clone_from(&coarse)));
-    let halved =
-        area("midpoint steps below 1 in P2", case.chain(tau, |_, feet| case.tracer.from_nodes(&u, case.dt(), feet)));
+    let coarse =
+        area("one midpoint step in P2", case.chain(tau, |_, feet| feet.clone_from(&coarse)));
+    let halved = area(
+        "midpoint steps below 1 in P2",
+        case.chain(tau, |_, feet| case.tracer.from_nodes(&u, case.dt(), feet)),
+    );
     let exact = area("Runge-Kutta in the exact velocity", case.composed(tau));
     assert!(near(coarse, 0.0298), "{coarse}");
     assert!(halved.abs() < 0.25 * coarse && exact.abs() < 1e-3);

@@ -1,4 +1,5 @@
-//! All scenes of the repository, shortened, by this program and by an older one: nothing may differ.
+//! All scenes of the repository, shortened, by this program and by an older one: nothing may
+//! differ.
 //!
 //! `cargo test --release --test hashes -- [COMMIT]`; `--help` has the options.
 
@@ -104,7 +105,8 @@ fn compare_all(arguments: &Arguments) -> Result<bool> {
     let (mut counts, mut resumed) = (BTreeMap::new(), 0);
     // In portions: lines come in a fixed order and before the last scene has run.
     for portion in cases.chunks(32) {
-        let compared = portion.par_iter().map(|case| compare(case, &this, &that).map_err(|e| e.to_string()));
+        let compared =
+            portion.par_iter().map(|case| compare(case, &this, &that).map_err(|e| e.to_string()));
         for result in compared.collect::<Vec<_>>() {
             let result = result?;
             *counts.entry(result.verdict).or_insert(0) += 1;
@@ -125,7 +127,11 @@ fn report(compared: &Compared, print: bool) -> bool {
     let lines: Vec<String> = differences.iter().cloned().chain(after_stop).collect();
     if print || !lines.is_empty() {
         let told = lines.first().map_or(String::new(), |line| format!(": {line}"));
-        let more = if lines.len() > 1 { format!(" (and {} more)", lines.len() - 1) } else { String::new() };
+        let more = if lines.len() > 1 {
+            format!(" (and {} more)", lines.len() - 1)
+        } else {
+            String::new()
+        };
         say(&format!("{:<15} {hash:016x} {name}{told}{more}", verdict.words()));
     }
     verdict.is_good() && lines.is_empty()
@@ -141,8 +147,10 @@ fn compare(case: &Case, this: &Path, that: &Path) -> Result<Compared> {
         (true, true) => Verdict::Same,
         (false, false) => Verdict::RefusedByBoth,
     };
-    let stopped = if case.resumes && mine.code == 0 { Outcome::in_parts(this, case)? } else { None };
-    let resumed = stopped.map(|parts| difference::between(&parts.uncounted(), &mine.clone().uncounted()));
+    let stopped =
+        if case.resumes && mine.code == 0 { Outcome::in_parts(this, case)? } else { None };
+    let resumed =
+        stopped.map(|parts| difference::between(&parts.uncounted(), &mine.clone().uncounted()));
     Ok(Compared { name: case.name.clone(), verdict, hash: mine.hash(), differences, resumed })
 }
 

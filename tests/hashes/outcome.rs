@@ -27,7 +27,8 @@ impl Outcome {
         Outcome::read(&folder.join("run"), &output)
     }
 
-    /// Runs a scene that is stopped after its first steps and resumed; none where every run ended before.
+    /// Runs a scene that is stopped after its first steps and resumed; none where every run ended
+    /// before.
     pub fn in_parts(program: &Path, case: &Case) -> Result<Option<Outcome>> {
         for _ in 0..5 {
             let kept = tempfile::tempdir()?;
@@ -35,11 +36,17 @@ impl Outcome {
             let run = folder.join("run");
             let mut child = command(program, case, &folder).stderr(Stdio::null()).spawn()?;
             // Two rows: the start, and one step.
-            let rows = || fs::read(run.join("series.csv")).map_or(0, |s| s.iter().filter(|b| **b == b'\n').count());
+            let rows = || {
+                fs::read(run.join("series.csv"))
+                    .map_or(0, |s| s.iter().filter(|b| **b == b'\n').count())
+            };
             while rows() < 3 && child.try_wait()?.is_none() {
                 std::thread::sleep(Duration::from_micros(300));
             }
-            Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status()?;
+            Command::new("kill")
+                .args(["-INT", &child.id().to_string()])
+                .stderr(Stdio::null())
+                .status()?;
             if child.wait()?.code() == Some(130) {
                 let output = command(program, case, &folder).arg("--resume").output()?;
                 return Outcome::read(&run, &output).map(Some);
@@ -90,12 +97,21 @@ fn folder_with(case: &Case, kept: &tempfile::TempDir) -> Result<PathBuf> {
 
 fn command(program: &Path, case: &Case, folder: &Path) -> Command {
     let mut command = Command::new(program);
-    command.current_dir(folder).args(["run", "scene.toml", "--out", "run", "--quiet", "--threads", "1"]);
+    command.current_dir(folder).args([
+        "run",
+        "scene.toml",
+        "--out",
+        "run",
+        "--quiet",
+        "--threads",
+        "1",
+    ]);
     command.args(case.set.iter().flat_map(|change| ["--set", change]));
     command
 }
 
-/// The files below a folder. A checkpoint has a version of its own, and the report prints seconds; all else in it is in other files.
+/// The files below a folder. A checkpoint has a version of its own, and the report prints seconds;
+/// all else in it is in other files.
 fn read_folder(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>>) -> Result<()> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();

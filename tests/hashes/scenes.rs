@@ -1,4 +1,5 @@
-//! The scenes of the repository: files, and texts in its Rust sources with the changes made to them.
+//! The scenes of the repository: files, and texts in its Rust sources with the changes made to
+//! them.
 
 use crate::Result;
 use crate::shorten::{in_space, shortened};
@@ -17,7 +18,8 @@ pub struct Case {
     pub resumes: bool,
 }
 
-/// Changes that every scene of a file is run with, in space the first two; those that do not apply are refused.
+/// Changes that every scene of a file is run with, in space the first two; those that do not apply
+/// are refused.
 const CHANGES: [&str; 8] = [
     "time.order=1",
     "time.tolerance=1e-2",
@@ -46,7 +48,8 @@ const TABLES: [&str; 12] = [
 ];
 
 /// Keys that make a run long.
-const LONG: [&str; 10] = ["cells", "end", "step", "refine", "edge", "every", "fields", "pictures", "size", "vertices"];
+const LONG: [&str; 10] =
+    ["cells", "end", "step", "refine", "edge", "every", "fields", "pictures", "size", "vertices"];
 
 /// All scenes below `root`, by name.
 pub fn all(root: &Path) -> Result<Vec<Case>> {
@@ -91,8 +94,9 @@ fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
 
 /// A whole scene, which can be read.
 fn is_scene(text: &str) -> bool {
-    text.parse::<toml::Table>()
-        .is_ok_and(|t| t.contains_key("time") && (t.contains_key("mesh") || t.contains_key("image")))
+    text.parse::<toml::Table>().is_ok_and(|t| {
+        t.contains_key("time") && (t.contains_key("mesh") || t.contains_key("image"))
+    })
 }
 
 /// A scene as it is, and with each of some changes that is short.
@@ -106,8 +110,9 @@ fn add(name: &str, text: &str, folder: &Path, changes: &[&str], cases: &mut Vec<
     cases.extend(changes.iter().map(|change| case(format!("{name} {change}"), Some(change))));
 }
 
-/// The scenes in the literals of a source file. Those beside them that look like `KEY=VALUE` are changes of them; two in a row behind a
-/// bracket, the first of them in the scene, are a replacement.
+/// The scenes in the literals of a source file. Those beside them that look like `KEY=VALUE` are
+/// changes of them; two in a row behind a bracket, the first of them in the scene, are a
+/// replacement.
 fn from_source(name: &str, source: &str, folder: &Path, cases: &mut Vec<Case>) {
     let literals = literals(source);
     let found = literals.iter().map(|l| l.text.as_str()).filter(|text| is_change(text));
@@ -158,7 +163,8 @@ fn literals(source: &str) -> Vec<Literal> {
             rest.find('\n').unwrap_or(rest.len())
         } else if rest.starts_with("'\"'") {
             3
-        } else if c == '"' || (raw && !between.ends_with(|c: char| c.is_alphanumeric() || c == '_')) {
+        } else if c == '"' || (raw && !between.ends_with(|c: char| c.is_alphanumeric() || c == '_'))
+        {
             let (text, length) = if raw { raw_string(rest) } else { string(rest) };
             let line = 1 + source[..source.len() - rest.len()].matches('\n').count();
             let code = between.trim();
@@ -190,7 +196,9 @@ fn string(rest: &str) -> (String, usize) {
             '\\' => match characters.next() {
                 Some((_, 'n')) => text.push('\n'),
                 // A line that goes on.
-                Some((_, '\n')) => while characters.next_if(|(_, c)| c.is_whitespace()).is_some() {},
+                Some((_, '\n')) => {
+                    while characters.next_if(|(_, c)| c.is_whitespace()).is_some() {}
+                }
                 Some((_, c)) => text.push(c),
                 None => break,
             },

@@ -8,7 +8,8 @@ const STEPS: [f64; 2] = [4.0, 2.0];
 /// Cells along an edge of a domain, at most: with fewer, bands would no longer fit into it.
 const CELLS: [(&str, i64); 3] = [("rectangle", 30), ("box", 12), ("ball_in_box", 6)];
 
-/// The scene shortened, files being looked for from `folder`; a text that is no TOML stays as it is.
+/// The scene shortened, files being looked for from `folder`; a text that is no TOML stays as it
+/// is.
 pub fn shortened(text: &str, folder: &Path) -> String {
     let Ok(mut scene) = text.parse::<Table>() else { return text.to_owned() };
     let most = STEPS[usize::from(in_space(&scene))];
@@ -26,8 +27,9 @@ pub fn shortened(text: &str, folder: &Path) -> String {
         }
         write_at(&mut scene, step, end);
     }
-    if let Some(Value::Integer(every)) =
-        inner(&mut scene, "numerics").and_then(|t| inner(t, "redistance")).and_then(|t| t.get_mut("every"))
+    if let Some(Value::Integer(every)) = inner(&mut scene, "numerics")
+        .and_then(|t| inner(t, "redistance"))
+        .and_then(|t| t.get_mut("every"))
     {
         *every = (*every).min(2);
     }
@@ -36,7 +38,9 @@ pub fn shortened(text: &str, folder: &Path) -> String {
 
 /// Has a mesh of boxes.
 pub fn in_space(scene: &Table) -> bool {
-    scene.get("mesh").is_some_and(|mesh| ["box", "ball_in_box"].iter().any(|key| mesh.get(key).is_some()))
+    scene
+        .get("mesh")
+        .is_some_and(|mesh| ["box", "ball_in_box"].iter().any(|key| mesh.get(key).is_some()))
 }
 
 fn inner<'a>(table: &'a mut Table, key: &str) -> Option<&'a mut Table> {
@@ -84,7 +88,8 @@ fn write_at(scene: &mut Table, step: f64, end: f64) {
     }
 }
 
-/// Fewer cells; edges that the scene asks for, and bands that are made for them, grow with the cells.
+/// Fewer cells; edges that the scene asks for, and bands that are made for them, grow with the
+/// cells.
 fn coarsen(scene: &mut Table) -> Option<()> {
     let mesh = inner(scene, "mesh")?;
     let (domain, limit) = CELLS.into_iter().find(|(key, _)| mesh.contains_key(*key))?;
@@ -121,7 +126,8 @@ fn grow(table: &mut Table, key: &str, factor: f64) {
 /// The path of a file beside the scene, or of a mesh or an image of the repository.
 fn found(name: &str, folder: &Path) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = [folder.to_path_buf(), root.join("meshes"), root.join("examples/active-contours")];
+    let folders =
+        [folder.to_path_buf(), root.join("meshes"), root.join("examples/active-contours")];
     let path = folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
     path.map_or_else(|| name.to_owned(), |path| path.display().to_string())
 }

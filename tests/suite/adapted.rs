@@ -64,7 +64,9 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
     assert!((1..6).contains(&count), "{count} times");
     assert!(edges(&case) < 2.3 * 0.035, "{}", edges(&case));
     assert!(3 * unknowns(&case) < many, "{} of {many}", unknowns(&case));
-    for (column, bound) in [("membrane.extent_x", 2e-3), ("membrane.extent_y", 2e-3), ("energy_kinetic", 1e-2)] {
+    for (column, bound) in
+        [("membrane.extent_x", 2e-3), ("membrane.extent_y", 2e-3), ("energy_kinetic", 1e-2)]
+    {
         let (a, b) = (case.get(column), uniform.get(column));
         assert!((a - b).abs() < bound * b, "{column}: {a}, uniform {b}");
     }
@@ -78,14 +80,22 @@ fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknow
 fn transfer_changes_the_energy_by_less_than_a_ten_thousandth_whichever_way_fields_are_brought() {
     for transfer in ["interpolation", "projection"] {
         let transfer = format!("mesh.adapt.transfer={transfer}");
-        let mut case =
-            adapted(&["mesh.adapt.every=0.1", "mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.02", &transfer]);
+        let mut case = adapted(&[
+            "mesh.adapt.every=0.1",
+            "mesh.adapt.fields=[\"velocity\"]",
+            "mesh.adapt.error=0.02",
+            &transfer,
+        ]);
         case.steps(10);
         let total = case.model.simulation.state().energies.total();
         let before = case.get("membrane.area");
         assert!(case.model.follow().unwrap());
-        let [energy, area] = [case.get("energy_transferred") / total, case.get("membrane.area") / before - 1.0];
-        assert!(energy != 0.0 && energy.abs() < 1e-4 && area.abs() < 1e-4, "{transfer}: {energy:e}, area {area:e}");
+        let [energy, area] =
+            [case.get("energy_transferred") / total, case.get("membrane.area") / before - 1.0];
+        assert!(
+            energy != 0.0 && energy.abs() < 1e-4 && area.abs() < 1e-4,
+            "{transfer}: {energy:e}, area {area:e}"
+        );
     }
 }
 
@@ -97,7 +107,10 @@ fn what_cannot_be_adapted_is_refused_with_its_place() {
         match scene.and_then(|scene| ImmersedFlow::<2>::new(&scene).map(drop)) {
             Ok(()) => panic!("{set:?} was not refused"),
             Err(e) => {
-                assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");
+                assert!(
+                    !e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(),
+                    "{e}"
+                );
                 e.to_string()
             }
         }
@@ -107,7 +120,14 @@ fn what_cannot_be_adapted_is_refused_with_its_place() {
         (&["mesh.adapt.edge=0.06", "mesh.adapt.error=0.1"], "fields"),
         (&["mesh.adapt.fields=[\"speed\"]"], "velocity"),
         (&["mesh.adapt.fields=[\"velocity\", \"velocity\"]"], "twice"),
-        (&["mesh.adapt.fields=[\"velocity\"]", "mesh.adapt.error=0.1", "mesh.adapt.vertices=100"], "both"),
+        (
+            &[
+                "mesh.adapt.fields=[\"velocity\"]",
+                "mesh.adapt.error=0.1",
+                "mesh.adapt.vertices=100",
+            ],
+            "both",
+        ),
         (&["mesh.adapt.edge=0.06", "mesh.adapt.h_max=0.01"], "h_max"),
         (&["mesh.adapt.edge=0.06", "mesh.adapt.gradation=1"], "above 1"),
         (&["mesh.adapt.every=0.1", "numerics.thickness=auto"], "mesh.adapt.edge"),

@@ -4,7 +4,8 @@ use crate::case::{Case, V};
 use immersa::scene::Problem;
 use immersa::sim::State;
 
-/// A channel flow `u = (g(t) y (1 - y), 0)` that a force drives: exact in space, `g` is 1 and a pulse about t = 0.5, narrow beside the run.
+/// A channel flow `u = (g(t) y (1 - y), 0)` that a force drives: exact in space, `g` is 1 and a
+/// pulse about t = 0.5, narrow beside the run.
 const PULSE: &str = r#"
 [mesh]
 rectangle = { min = [0, 0], max = [1, 1], cells = [3, 3] }
@@ -55,9 +56,15 @@ fn the_error_of_a_run_is_proportional_to_the_tolerance_and_below_it() {
     });
     for [coarse, fine] in [[errors[0], errors[1]], [errors[1], errors[2]]] {
         let [gain, cost] = [coarse.0 / fine.0, fine.1 as f64 / coarse.1 as f64];
-        assert!((2.5..6.5).contains(&gain), "a quarter of the tolerance: error over {gain}; {errors:?}");
+        assert!(
+            (2.5..6.5).contains(&gain),
+            "a quarter of the tolerance: error over {gain}; {errors:?}"
+        );
         // Second order: a quarter of the error takes twice the steps.
-        assert!((1.4..3.0).contains(&cost), "a quarter of the tolerance: {cost} times the steps; {errors:?}");
+        assert!(
+            (1.4..3.0).contains(&cost),
+            "a quarter of the tolerance: {cost} times the steps; {errors:?}"
+        );
     }
 }
 
@@ -82,14 +89,16 @@ fn a_first_step_that_is_too_long_is_rejected_without_a_trace() {
     // The force begins at once.
     let force = r#"fluid.force=["10*y*(1 - y)*cos(30*t)", "0"]"#;
     let run = |step: &str| {
-        let mut case = Case::with(PULSE, &[force, step, "time.tolerance=1e-3", "output.every=0.25"]);
+        let mut case =
+            Case::with(PULSE, &[force, step, "time.tolerance=1e-3", "output.every=0.25"]);
         while !case.model.simulation.is_done() {
             case.model.simulation.step().unwrap();
         }
         case
     };
     let (short, long) = (run("time.step=1e-4"), run("time.step=0.125"));
-    let rejected = |case: &Case| case.model.simulation.state().pace.as_ref().unwrap().clock.rejected;
+    let rejected =
+        |case: &Case| case.model.simulation.state().pace.as_ref().unwrap().clock.rejected;
     assert!(rejected(&long) > 0);
     let (a, b) = (short.velocity(), long.velocity());
     let difference = a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -146,7 +155,10 @@ fn bits(case: &mut Case, until: f64) -> Vec<u8> {
 
 #[test]
 fn threads_and_interruptions_change_no_bit() {
-    for changes in [&["numerics.coupling=implicit"][..], &["numerics.coupling=explicit", "fluid.viscosity=0.01"][..]] {
+    for changes in [
+        &["numerics.coupling=implicit"][..],
+        &["numerics.coupling=explicit", "fluid.viscosity=0.01"][..],
+    ] {
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| bits(&mut Case::with(MEMBRANE, changes), 0.5))
@@ -168,8 +180,13 @@ fn threads_and_interruptions_change_no_bit() {
 fn the_explicit_coupling_never_exceeds_its_limit() {
     for cells in ["[16, 16]", "[32, 32]"] {
         let mesh = format!("mesh.rectangle.cells={cells}");
-        let changes =
-            ["numerics.coupling=explicit", "fluid.viscosity=0.01", "time.tolerance=0.1", "time.end=0.25", &mesh];
+        let changes = [
+            "numerics.coupling=explicit",
+            "fluid.viscosity=0.01",
+            "time.tolerance=0.1",
+            "time.end=0.25",
+            &mesh,
+        ];
         let mut case = Case::with(MEMBRANE, &changes);
         let (mut longest, mut over) = (0.0_f64, 0.0_f64);
         while !case.model.simulation.is_done() {
@@ -188,7 +205,8 @@ fn the_explicit_coupling_never_exceeds_its_limit() {
 #[test]
 fn order_one_and_prescribed_velocities_are_refused() {
     let text = PULSE.replace("step = 0.01", "step = 0.01\norder = 1");
-    let scene = immersa::scene::Scene::parse_with(&text, std::path::Path::new("scene.toml"), &[]).unwrap();
+    let scene =
+        immersa::scene::Scene::parse_with(&text, std::path::Path::new("scene.toml"), &[]).unwrap();
     let e = immersa::scene::ImmersedFlow::<2>::new(&scene).err().unwrap().to_string();
     assert!(e.contains("order 1") && e.contains("time.tolerance"), "{e}");
 }

@@ -46,15 +46,28 @@ fn the_cells_that_a_membrane_visits_are_those_of_its_band() {
             for c in (0..cells).filter(|c| found.binary_search(&(*c as u32)).is_err()) {
                 for q in 0..fine.rule().len() {
                     let at = fine.at(c, q);
-                    let r = if band == Band::Carried { STRETCH } else { fine.gradient(&at, &phi).norm() };
-                    assert_eq!(surface_weight(fine.value(&at, &phi), r, eps), 0.0, "cell {c} is missed");
+                    let r = if band == Band::Carried {
+                        STRETCH
+                    } else {
+                        fine.gradient(&at, &phi).norm()
+                    };
+                    assert_eq!(
+                        surface_weight(fine.value(&at, &phi), r, eps),
+                        0.0,
+                        "cell {c} is missed"
+                    );
                 }
             }
-            // Nothing is visited but the cells that the band meets, which lie within a diagonal of it.
+            // Nothing is visited but the cells that the band meets, which lie within a diagonal of
+            // it.
             let (a, b): (f64, f64) = (0.7, 0.5);
             let perimeter = PI * (3.0 * (a + b) - ((3.0 * a + b) * (a + 3.0 * b)).sqrt());
             let reached = perimeter * 2.0 * (eps + 2f64.sqrt() * h) / (4.0 / cells as f64);
-            assert!((found.len() as f64) < reached, "{} cells visited, {reached} within reach", found.len());
+            assert!(
+                (found.len() as f64) < reached,
+                "{} cells visited, {reached} within reach",
+                found.len()
+            );
             counts.push(found.len() as f64);
         }
         // A band of as many cells across on a mesh of four times as many cells.
@@ -71,7 +84,8 @@ fn in_space_too() {
     for n in [6, 12] {
         let mesh = Arc::new(box_mesh([0.0; 3], [2.0; 3], [n; 3]).unwrap());
         let space = Arc::new(Space::new(&mesh, Element::P2));
-        let phi = space.interpolate(|x| STRETCH * ((x - SVector::<f64, 3>::repeat(1.0)).norm() - 0.6));
+        let phi =
+            space.interpolate(|x| STRETCH * ((x - SVector::<f64, 3>::repeat(1.0)).norm() - 0.6));
         let basis = Basis::new(&space, &Arc::new(Rule::simplex(3, 5)));
         let mut membrane = Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 1.5 / n as f64);
         membrane.prepare(&basis, &phi, None);

@@ -1,8 +1,9 @@
 //! The pages of the book: their links, figures, scenes and numbers.
 //!
-//! A figure has a line `<!-- keep FROM as TO -->` above it, which `book/make` obeys. A number has `<!-- is WHAT -->` behind it: a place in
-//! a table, `FILE time=T COLUMN`, or an expression and the names in it, `EXPRESSION; NAME FILE time=T COLUMN; ...`. What no run of ours
-//! gives has `<!-- from WHERE -->`.
+//! A figure has a line `<!-- keep FROM as TO -->` above it, which `book/make` obeys. A number has
+//! `<!-- is WHAT -->` behind it: a place in a table, `FILE time=T COLUMN`, or an expression and the
+//! names in it, `EXPRESSION; NAME FILE time=T COLUMN; ...`. What no run of ours gives has `<!--
+//! from WHERE -->`.
 
 use immersa::scene::keys::{Keys, Kind};
 use immersa::scene::{Expression, KEYS, Scene, problem, reference};
@@ -26,7 +27,8 @@ fn pages() -> Vec<Page> {
     let pages: Vec<Page> = links(&summary)
         .map(|link| {
             let path = source().join(link);
-            let text = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            let text =
+                fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
             Page { path, text }
         })
         .collect();
@@ -47,14 +49,24 @@ fn between<'a>(text: &'a str, from: &'a str, to: &'a str) -> impl Iterator<Item 
 /// The text without fenced code, code, formulas and comments, as long as before.
 fn prose(text: &str) -> String {
     let mut prose = text.to_string();
-    for (from, to) in [("```", "```"), ("<!--", "-->"), ("`", "`"), ("$$", "$$"), ("$", "$"), ("](", ")"), ("{{", "}}")]
-    {
+    for (from, to) in [
+        ("```", "```"),
+        ("<!--", "-->"),
+        ("`", "`"),
+        ("$$", "$$"),
+        ("$", "$"),
+        ("](", ")"),
+        ("{{", "}}"),
+    ] {
         let mut at = 0;
         while let Some(start) = prose[at..].find(from).map(|i| at + i) {
-            let Some(end) = prose[start + from.len()..].find(to).map(|i| start + from.len() + i + to.len()) else {
+            let Some(end) =
+                prose[start + from.len()..].find(to).map(|i| start + from.len() + i + to.len())
+            else {
                 break;
             };
-            let blank: String = prose[start..end].bytes().map(|b| if b == b'\n' { '\n' } else { ' ' }).collect();
+            let blank: String =
+                prose[start..end].bytes().map(|b| if b == b'\n' { '\n' } else { ' ' }).collect();
             prose.replace_range(start..end, &blank);
             at = end;
         }
@@ -78,15 +90,25 @@ fn every_link_and_include_of_the_book_leads_somewhere() {
             assert!(path.exists(), "{}: the link {link} is broken", page.path.display());
             if !heading.is_empty() {
                 let text = fs::read_to_string(&path).unwrap();
-                let found = text.lines().filter_map(|l| Some(l.strip_prefix('#')?.trim_start_matches('#')));
-                assert!(found.map(anchor).any(|a| a == heading), "{}: no heading {link}", page.path.display());
+                let found =
+                    text.lines().filter_map(|l| Some(l.strip_prefix('#')?.trim_start_matches('#')));
+                assert!(
+                    found.map(anchor).any(|a| a == heading),
+                    "{}: no heading {link}",
+                    page.path.display()
+                );
             }
         }
         for include in between(&page.text, "{{#include ", "}}") {
             let (file, part) = include.split_once(':').unwrap_or((include, ""));
-            let text = fs::read_to_string(folder.join(file)).unwrap_or_else(|e| panic!("{include}: {e}"));
+            let text =
+                fs::read_to_string(folder.join(file)).unwrap_or_else(|e| panic!("{include}: {e}"));
             let named = part.starts_with(|c: char| c.is_alphabetic());
-            assert!(!named || text.contains(&format!("ANCHOR: {part} ")), "{}: {include}", page.path.display());
+            assert!(
+                !named || text.contains(&format!("ANCHOR: {part} ")),
+                "{}: {include}",
+                page.path.display()
+            );
         }
     }
 }
@@ -94,8 +116,16 @@ fn every_link_and_include_of_the_book_leads_somewhere() {
 #[test]
 fn every_example_is_a_page_of_the_book() {
     let pages: Vec<PathBuf> = pages().into_iter().map(|p| p.path).collect();
-    for folder in fs::read_dir(source().join("examples")).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_dir()) {
-        assert!(pages.contains(&folder.join("README.md")), "{} is not in SUMMARY.md", folder.display());
+    for folder in fs::read_dir(source().join("examples"))
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.is_dir())
+    {
+        assert!(
+            pages.contains(&folder.join("README.md")),
+            "{} is not in SUMMARY.md",
+            folder.display()
+        );
     }
 }
 
@@ -148,12 +178,17 @@ fn the_page_about_the_series_has_every_column() {
         drop = [{ name = "DROP", shape.circle = { centre = [0.5, 0.5], radius = 0.2 }, tension = 1 }]
     "#;
     let drop = Scene::parse(drop, Path::new("scene.toml")).unwrap();
-    let image =
-        Scene::load(&source().join("examples/active-contours/scene.toml"), &["level_set.0.name=LEVEL_SET".into()]);
+    let image = Scene::load(
+        &source().join("examples/active-contours/scene.toml"),
+        &["level_set.0.name=LEVEL_SET".into()],
+    );
     for column in [scene, drop, image.unwrap()].iter().flat_map(columns) {
         // Level sets and drops have the columns of a membrane.
         let like = column.replace("LEVEL_SET", "MEMBRANE").replace("DROP", "MEMBRANE");
-        assert!([&column, &like].iter().any(|c| page.contains(&format!("`{c}`"))), "{column} is not on the page");
+        assert!(
+            [&column, &like].iter().any(|c| page.contains(&format!("`{c}`"))),
+            "{column} is not on the page"
+        );
     }
 }
 
@@ -163,11 +198,14 @@ fn run_folders(text: &str) -> Vec<String> {
     let mut folders = Vec::new();
     for line in blocks.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let after = |word: &str| words.iter().position(|w| *w == word).and_then(|i| words.get(i + 1));
+        let after =
+            |word: &str| words.iter().position(|w| *w == word).and_then(|i| words.get(i + 1));
         let out = after("--out");
         let study = after("study").or(words.contains(&"compare").then_some(&"compare"));
         let scene = words.iter().find(|w| w.ends_with(".toml")).map(Path::new);
-        let name = scene.and_then(|s| if s.ends_with("scene.toml") { s.parent()?.file_name() } else { s.file_stem() });
+        let name = scene.and_then(|s| {
+            if s.ends_with("scene.toml") { s.parent()?.file_name() } else { s.file_stem() }
+        });
         match (out, name) {
             (Some(out), _) => folders.push(out.to_string()),
             (None, Some(name)) => folders.push(match study {
@@ -187,24 +225,31 @@ fn every_figure_is_made_by_a_command_above_it() {
         let mut kept: Vec<(&str, &str)> = Vec::new();
         for (i, line) in page.text.lines().enumerate() {
             let above = page.text.lines().take(i).collect::<Vec<_>>().join("\n");
-            if let Some((from, to)) =
-                line.strip_prefix("<!-- keep ").and_then(|l| l.strip_suffix(" -->")?.split_once(" as "))
+            if let Some((from, to)) = line
+                .strip_prefix("<!-- keep ")
+                .and_then(|l| l.strip_suffix(" -->")?.split_once(" as "))
             {
                 let to = to.split(" at ").next().unwrap();
                 let made = run_folders(&above).iter().any(|f| from.starts_with(&format!("{f}/")));
                 let written = above.contains(&format!("> {from}"));
                 assert!(made || written, "{name}: no command above line {} makes {from}", i + 1);
-                let size = fs::metadata(page.path.parent().unwrap().join(to)).map_or(0, |m| m.len());
+                let size =
+                    fs::metadata(page.path.parent().unwrap().join(to)).map_or(0, |m| m.len());
                 assert!(size > 0, "{name}: {to} is missing, run book/make");
                 kept.push((from, to));
             }
-            for (_, image) in line.match_indices("![").filter_map(|(i, _)| line[i..].split_once("](")) {
+            for (_, image) in
+                line.match_indices("![").filter_map(|(i, _)| line[i..].split_once("]("))
+            {
                 let image = image.split(')').next().unwrap();
                 let caption: String = page.text.lines().skip(i + 1).take(4).collect();
                 let Some((from, _)) = kept.iter().find(|k| k.1 == image) else {
                     panic!("{name}: line {} shows {image}, which no command makes", i + 1)
                 };
-                assert!(caption.contains(from), "{name}: the caption of {image} does not say that it is {from}");
+                assert!(
+                    caption.contains(from),
+                    "{name}: the caption of {image} does not say that it is {from}"
+                );
             }
         }
         for include in between(&page.text, "{{#include data/", "}}") {
@@ -226,7 +271,9 @@ fn every_scene_of_the_book_can_be_run_and_every_fragment_is_one() {
                     let problem = problem(&scene).unwrap_or_else(|e| panic!("{place}\n{e}"));
                     assert!(problem.warnings().is_empty(), "{place}\n{:?}", problem.warnings());
                 }
-                None => known(&block.parse().unwrap_or_else(|e| panic!("{place}\n{e}")), &KEYS, &place),
+                None => {
+                    known(&block.parse().unwrap_or_else(|e| panic!("{place}\n{e}")), &KEYS, &place)
+                }
             }
         }
     }
@@ -237,7 +284,9 @@ fn known(table: &toml::Table, keys: &Keys, place: &str) {
     for (name, value) in table {
         let key = keys.get(name).unwrap_or_else(|| panic!("{name} is no key of a scene; {place}"));
         match (key.kind, value) {
-            (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(t)) => known(t, inner, place),
+            (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(t)) => {
+                known(t, inner, place)
+            }
             (Kind::Named(inner), toml::Value::Table(t)) => {
                 t.values().for_each(|t| known(t.as_table().unwrap(), inner, place));
             }
@@ -262,17 +311,23 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
-/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this value, a number or words joined by `_`. Several
-/// keys are joined by `&`.
+/// What stands in a table at `FILE KEY=VALUE COLUMN`: in the row where the column KEY has this
+/// value, a number or words joined by `_`. Several keys are joined by `&`.
 fn looked_up(folder: &Path, place: &str) -> f64 {
     let mut parts = place.trim().splitn(3, ' ');
-    let [file, row, column] = [(); 3].map(|()| parts.next().unwrap_or_else(|| panic!("`{place}` is no place")));
+    let [file, row, column] =
+        [(); 3].map(|()| parts.next().unwrap_or_else(|| panic!("`{place}` is no place")));
     let text = fs::read_to_string(folder.join(file)).unwrap_or_else(|e| panic!("{place}: {e}"));
     let mut lines = text.lines().map(cells);
     let names = lines.next().unwrap();
-    let at = |name: &str| names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{place}: no column {name}"));
-    let wanted: Vec<(usize, &str)> =
-        row.split('&').map(|k| k.split_once('=').unwrap()).map(|(key, value)| (at(key), value)).collect();
+    let at = |name: &str| {
+        names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{place}: no column {name}"))
+    };
+    let wanted: Vec<(usize, &str)> = row
+        .split('&')
+        .map(|k| k.split_once('=').unwrap())
+        .map(|(key, value)| (at(key), value))
+        .collect();
     let same = |cell: &str, value: &str| match (cell.parse::<f64>(), value.parse::<f64>()) {
         (Ok(a), Ok(b)) => (a - b).abs() <= 1e-9 * b.abs().max(1.0),
         _ => cell.replace(' ', "_") == value,
@@ -280,14 +335,17 @@ fn looked_up(folder: &Path, place: &str) -> f64 {
     let mut rows = lines.filter(|cells| wanted.iter().all(|(i, value)| same(&cells[*i], value)));
     let found = rows.next().unwrap_or_else(|| panic!("{place}: no such row"));
     assert!(rows.next().is_none(), "{place}: several such rows");
-    found[at(column)].parse().unwrap_or_else(|_| panic!("{place}: {} is no number", found[at(column)]))
+    found[at(column)]
+        .parse()
+        .unwrap_or_else(|_| panic!("{place}: {} is no number", found[at(column)]))
 }
 
 fn value_of(folder: &Path, what: &str) -> f64 {
     if what.split_whitespace().next().is_some_and(|file| file.ends_with(".csv")) {
         return looked_up(folder, what);
     }
-    let (expression, names) = what.split_once(';').unwrap_or_else(|| panic!("`{what}` names no data"));
+    let (expression, names) =
+        what.split_once(';').unwrap_or_else(|| panic!("`{what}` names no data"));
     let constants: BTreeMap<String, f64> = names
         .split(';')
         .filter(|name| !name.trim().is_empty())
@@ -296,7 +354,8 @@ fn value_of(folder: &Path, what: &str) -> f64 {
             (name.to_string(), looked_up(folder, place))
         })
         .collect();
-    let expression = Expression::parse(expression, &constants).unwrap_or_else(|e| panic!("`{what}`: {}", e.message));
+    let expression = Expression::parse(expression, &constants)
+        .unwrap_or_else(|e| panic!("`{what}`: {}", e.message));
     expression.is_constant().unwrap_or_else(|| panic!("`{what}` is not a number"))
 }
 
@@ -331,7 +390,8 @@ fn every_number_in_the_book_is_that_of_its_data() {
         while let Some((text, marked)) = rest.split_once("<!-- is ") {
             before.push_str(text);
             let (what, after) = marked.split_once(" -->").unwrap();
-            let (shown, percent) = number_before(&before).unwrap_or_else(|| panic!("no number before `{what}`"));
+            let (shown, percent) =
+                number_before(&before).unwrap_or_else(|| panic!("no number before `{what}`"));
             let value = value_of(folder, what) * if percent { 100.0 } else { 1.0 };
             assert!(
                 rounds_to(value, shown),
@@ -359,8 +419,10 @@ fn every_measured_number_in_the_book_says_where_it_comes_from() {
             let start = at;
             at += word.len() + prose[at + word.len()..].chars().next().map_or(0, char::len_utf8);
             let number = word.trim_matches(|c| "e-.".contains(c));
-            let digits = number.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count();
-            let measured = number.matches('.').count() == 1 && digits >= 3 && number.parse::<f64>().is_ok();
+            let digits =
+                number.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count();
+            let measured =
+                number.matches('.').count() == 1 && digits >= 3 && number.parse::<f64>().is_ok();
             if !measured {
                 continue;
             }
@@ -376,7 +438,9 @@ fn every_measured_number_in_the_book_says_where_it_comes_from() {
 
 #[test]
 fn numbers_are_read_and_rounded_as_they_are_shown() {
-    assert!(rounds_to(0.12345, "0.123") && !rounds_to(0.1236, "0.123") && rounds_to(-1.5e-4, "-1.5e-4"));
+    assert!(
+        rounds_to(0.12345, "0.123") && !rounds_to(0.1236, "0.123") && rounds_to(-1.5e-4, "-1.5e-4")
+    );
     assert!(rounds_to(0.5, "0.5") && !rounds_to(0.56, "0.5") && rounds_to(12345.0, "1.23e4"));
     assert_eq!(number_before("it is 0.013 %"), Some(("0.013", true)));
     assert_eq!(number_before("| -2.5e-3"), Some(("-2.5e-3", false)));

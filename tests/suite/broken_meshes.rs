@@ -1,4 +1,5 @@
-//! Broken meshes: each gives an error of kind `Input` that names the place, the value and a remedy, and nothing panics.
+//! Broken meshes: each gives an error of kind `Input` that names the place, the value and a remedy,
+//! and nothing panics.
 
 use super::meshes::recorded;
 use immersa::base::{Kind, Result};
@@ -8,12 +9,14 @@ use proptest::prelude::*;
 use std::path::Path;
 
 /// A square of two triangles in version 2.2.
-const OLD: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"wall\"\n2 2 \"fluid\"\n$EndPhysicalNames\n\
+const OLD: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"wall\"\n2 \
+    2 \"fluid\"\n$EndPhysicalNames\n\
     $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n\
     $Elements\n3\n1 1 2 1 1 1 2\n2 2 2 2 1 1 2 3\n3 2 2 2 1 1 3 4\n$EndElements\n";
 
 /// The same in version 4.1.
-const NEW: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"wall\"\n2 2 \"fluid\"\n$EndPhysicalNames\n\
+const NEW: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"wall\"\n2 \
+    2 \"fluid\"\n$EndPhysicalNames\n\
     $Entities\n0 1 1 0\n1 0 0 0 1 0 0 1 1 0\n1 0 0 0 1 1 0 1 2 0\n$EndEntities\n\
     $Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n\
     $Elements\n2 3 1 3\n1 1 1 1\n1 1 2\n2 1 2 2\n2 1 2 3\n3 1 3 4\n$EndElements\n";
@@ -38,7 +41,10 @@ fn refused(what: &str, result: Result<Mesh<2>>, words: &[&str]) {
 fn the_unbroken_meshes_are_accepted() {
     for text in [OLD, NEW] {
         let m = mesh::<2>(text.as_bytes()).unwrap();
-        assert_eq!((m.cell_count(), m.boundary("wall").unwrap().len(), m.regions()["fluid"].len()), (2, 1, 2));
+        assert_eq!(
+            (m.cell_count(), m.boundary("wall").unwrap().len(), m.regions()["fluid"].len()),
+            (2, 1, 2)
+        );
     }
 }
 
@@ -50,12 +56,42 @@ fn broken_text_is_refused_with_place_value_and_remedy() {
         ("version 5", NEW, "4.1 0 8", "5 0 8", &["line 2", "version", "-format msh41"]),
         ("kind 7", NEW, "4.1 0 8", "4.1 7 8", &["line 2", "ASCII", "7"]),
         ("header too short", NEW, "4.1 0 8", "4.1", &["line 2", "version"]),
-        ("no end of header", NEW, "$EndMeshFormat\n", "", &["line 3", "$EndMeshFormat", "$PhysicalNames"]),
+        (
+            "no end of header",
+            NEW,
+            "$EndMeshFormat\n",
+            "",
+            &["line 3", "$EndMeshFormat", "$PhysicalNames"],
+        ),
         ("name without quotes", NEW, "\"wall\"", "wall", &["line 6", "quotation marks"]),
-        ("dimension 9 of a name", NEW, "1 1 \"wall\"", "9 1 \"wall\"", &["line 6", "physical name"]),
-        ("coordinate NaN, 2.2", OLD, "3 1 1 0", "3 nan 1 0", &["line 13", "not a finite", "point 3", "NaN"]),
-        ("coordinate NaN, 4.1", NEW, "1 1 0\n0 1 0\n$", "1 NaN 0\n0 1 0\n$", &["line 23", "point 3", "NaN"]),
-        ("coordinate infinite", NEW, "1 1 0\n0 1 0\n$", "1 -1e999 0\n0 1 0\n$", &["line 23", "inf"]),
+        (
+            "dimension 9 of a name",
+            NEW,
+            "1 1 \"wall\"",
+            "9 1 \"wall\"",
+            &["line 6", "physical name"],
+        ),
+        (
+            "coordinate NaN, 2.2",
+            OLD,
+            "3 1 1 0",
+            "3 nan 1 0",
+            &["line 13", "not a finite", "point 3", "NaN"],
+        ),
+        (
+            "coordinate NaN, 4.1",
+            NEW,
+            "1 1 0\n0 1 0\n$",
+            "1 NaN 0\n0 1 0\n$",
+            &["line 23", "point 3", "NaN"],
+        ),
+        (
+            "coordinate infinite",
+            NEW,
+            "1 1 0\n0 1 0\n$",
+            "1 -1e999 0\n0 1 0\n$",
+            &["line 23", "inf"],
+        ),
         ("coordinate no number", OLD, "3 1 1 0", "3 1,0 1 0", &["line 13", "coordinate", "1,0"]),
         ("coordinate missing", OLD, "3 1 1 0", "3 1 1", &["line 15", "coordinate", "$EndNodes"]),
         ("point number twice", OLD, "3 1 1 0", "2 1 1 0", &["line 13", "same number", "2"]),
@@ -70,16 +106,52 @@ fn broken_text_is_refused_with_place_value_and_remedy() {
         ),
         ("count of points too great", OLD, "$Nodes\n4", "$Nodes\n5", &["line 15", "$EndNodes"]),
         ("count of points too small", OLD, "$Nodes\n4", "$Nodes\n3", &["line 14", "$EndNodes"]),
-        ("count of blocks huge", NEW, "$Nodes\n1 4", "$Nodes\n4000000000 4", &["line 15", "4000000000"]),
+        (
+            "count of blocks huge",
+            NEW,
+            "$Nodes\n1 4",
+            "$Nodes\n4000000000 4",
+            &["line 15", "4000000000"],
+        ),
         ("count in block huge", NEW, "2 1 0 4", "2 1 0 40000000", &["line 16", "40000000", "size"]),
         ("count in block wrong", NEW, "$Nodes\n1 4", "$Nodes\n1 5", &["line 15", "4 instead of 5"]),
-        ("count of elements huge", NEW, "2 1 2 2\n", "2 1 2 2000000000\n", &["line 30", "2000000000"]),
+        (
+            "count of elements huge",
+            NEW,
+            "2 1 2 2\n",
+            "2 1 2 2000000000\n",
+            &["line 30", "2000000000"],
+        ),
         ("count of elements negative", NEW, "2 1 2 2\n", "2 1 2 -2\n", &["line 30", "-2"]),
-        ("count of names huge", NEW, "$PhysicalNames\n2", "$PhysicalNames\n1e9", &["line 5", "1e9"]),
-        ("count of entities huge", NEW, "$Entities\n0 1 1 0", "$Entities\n0 1 1000000 0", &["line 10", "1000000"]),
+        (
+            "count of names huge",
+            NEW,
+            "$PhysicalNames\n2",
+            "$PhysicalNames\n1e9",
+            &["line 5", "1e9"],
+        ),
+        (
+            "count of entities huge",
+            NEW,
+            "$Entities\n0 1 1 0",
+            "$Entities\n0 1 1000000 0",
+            &["line 10", "1000000"],
+        ),
         ("flag of parameters wrong", NEW, "2 1 0 4", "2 1 5 4", &["line 16", "parameters"]),
-        ("point that does not exist, 2.2", OLD, "1 1 3 4", "1 1 3 44", &["line 20", "point 44", "4 points"]),
-        ("point that does not exist, 4.1", NEW, "3 1 3 4", "3 1 3 44", &["line 32", "point 44", "4 points"]),
+        (
+            "point that does not exist, 2.2",
+            OLD,
+            "1 1 3 4",
+            "1 1 3 44",
+            &["line 20", "point 44", "4 points"],
+        ),
+        (
+            "point that does not exist, 4.1",
+            NEW,
+            "3 1 3 4",
+            "3 1 3 44",
+            &["line 32", "point 44", "4 points"],
+        ),
         (
             "quadrangles, 2.2",
             OLD,
@@ -122,7 +194,13 @@ fn broken_text_is_refused_with_place_value_and_remedy() {
             "1 1 1 1\n1 1 1 1\n1 1 2\n",
             &["neither triangles", "1 lines"],
         ),
-        ("not flat", OLD, "3 1 1 0", "3 1 1 0.25", &["point 3 at [1.0, 1.0, 0.25]", "z = 0 and 0.25", "x-y plane"]),
+        (
+            "not flat",
+            OLD,
+            "3 1 1 0",
+            "3 1 1 0.25",
+            &["point 3 at [1.0, 1.0, 0.25]", "z = 0 and 0.25", "x-y plane"],
+        ),
         ("degenerate", OLD, "3 1 1 0", "3 2 0 0", &["cell 0", "degenerate", "[2.0, 0.0]"]),
         ("a point twice in a cell", OLD, "1 1 3 4", "1 1 3 3", &["cell 1", "degenerate"]),
         (
@@ -161,9 +239,17 @@ fn other_files_are_refused() {
         mesh(b"$MeshFormat\n2.2 1 8\n\0\0\0\x01\n$EndMeshFormat\n"),
         &["big-endian", "byte 20", "-bin"],
     );
-    refused("32-bit", mesh(b"$MeshFormat\n4.1 1 4\n\x01\0\0\0\n$EndMeshFormat\n"), &["4", "64-bit"]);
+    refused(
+        "32-bit",
+        mesh(b"$MeshFormat\n4.1 1 4\n\x01\0\0\0\n$EndMeshFormat\n"),
+        &["4", "64-bit"],
+    );
     let e = gmsh::read::<2>(Path::new("no/such/broken.msh")).unwrap_err();
-    assert!(e.kind() == Kind::Input && e.place() == "no/such/broken.msh" && e.to_string().contains("No such file"));
+    assert!(
+        e.kind() == Kind::Input
+            && e.place() == "no/such/broken.msh"
+            && e.to_string().contains("No such file")
+    );
 }
 
 #[test]
@@ -187,7 +273,13 @@ fn an_inverted_cell_is_turned_round_and_reported() {
 
 #[test]
 fn a_file_cut_anywhere_is_refused() {
-    for name in ["pieces-22.msh", "pieces-22-bin.msh", "pieces-40.msh", "pieces-41.msh", "pieces-41-bin.msh"] {
+    for name in [
+        "pieces-22.msh",
+        "pieces-22-bin.msh",
+        "pieces-40.msh",
+        "pieces-41.msh",
+        "pieces-41-bin.msh",
+    ] {
         let whole = recorded(name);
         // Without its last line end a file is still whole.
         for length in 0..whole.len() - 1 {
@@ -249,8 +341,408 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), start in 0usize..6) {
-        let header = ["", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "$MeshFormat\n2.2 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n3\n",
-            "$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Elements\n",
+        let header = ["", "$MeshFormat\n4.1 0 \
+            8\n$EndMeshFormat\n", "$MeshFormat\n2.2 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n3\n",
+            "$MeshFormat\n4.1 1 \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             \
+             8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Elements\n",
             "$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Entities\n"][start];
         survives(&[header.as_bytes(), &bytes].concat());
     }

@@ -59,14 +59,18 @@ pub struct Case<P = ImmersedFlow> {
     pub model: P,
 }
 
-/// The message that the scene of a text with some values changed is refused with: it has a place, a value and a remedy.
+/// The message that the scene of a text with some values changed is refused with: it has a place, a
+/// value and a remedy.
 pub fn refused(text: &str, changes: &[&str]) -> String {
     let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
     let scene = Scene::parse_with(text, Path::new("scene.toml"), &changes);
     match scene.and_then(|scene| problem(&scene).map(drop)) {
         Ok(()) => panic!("{changes:?} was not refused"),
         Err(e) => {
-            assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{e}");
+            assert!(
+                !e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(),
+                "{e}"
+            );
             e.to_string()
         }
     }
@@ -88,7 +92,8 @@ impl<P: Built> Case<P> {
     pub fn of(text: &str, changes: &[&str]) -> Case<P> {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/scene.toml");
         let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
-        let scene = Scene::parse_with(text, &path, &changes).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let scene =
+            Scene::parse_with(text, &path, &changes).unwrap_or_else(|e| panic!("{e}\n{text}"));
         let model = P::build(&scene).unwrap_or_else(|e| panic!("{e}\n{text}"));
         Case { scene, model }
     }

@@ -1,4 +1,5 @@
-//! Studies: their trials are run once, go on after an interruption and may fail; and the study of convergence.
+//! Studies: their trials are run once, go on after an interruption and may fail; and the study of
+//! convergence.
 
 use crate::program::immersa;
 use immersa::output::{Cell, Page, Series, Table};
@@ -36,7 +37,8 @@ fn scene(text: &str, set: &[&str]) -> Scene {
 }
 
 const MEMBRANE: &str = include_str!("../../examples/relaxing-ellipse/scene.toml");
-const COARSE: [&str; 3] = ["mesh.rectangle.cells=[16, 16]", "numerics.thickness=0.2", "time.end=0.1"];
+const COARSE: [&str; 3] =
+    ["mesh.rectangle.cells=[16, 16]", "numerics.thickness=0.2", "time.end=0.1"];
 
 #[test]
 fn a_trial_is_run_once_and_goes_on_after_an_interruption() {
@@ -46,7 +48,8 @@ fn a_trial_is_run_once_and_goes_on_after_an_interruption() {
     let run = |name: &str, stop_after: Option<usize>| {
         let stop = AtomicBool::new(false);
         let mut counter = Counter { steps: 0, stop_after: stop_after.map(|n| (n, &stop)) };
-        let result = Campaign::new(&scene, &folder.path().join(name), &stop, &mut counter).run(&trial, 1, 1);
+        let result =
+            Campaign::new(&scene, &folder.path().join(name), &stop, &mut counter).run(&trial, 1, 1);
         (result, counter.steps)
     };
     let (whole, steps) = run("whole", None);
@@ -64,7 +67,8 @@ fn a_trial_is_run_once_and_goes_on_after_an_interruption() {
 
 #[test]
 fn a_trial_that_fails_is_a_data_point() {
-    let explicit = ["numerics.coupling=explicit", "time.step=0.05", "time.end=5", "output.every=0.05"];
+    let explicit =
+        ["numerics.coupling=explicit", "time.step=0.05", "time.end=5", "output.every=0.05"];
     let scene = scene(MEMBRANE, &[&COARSE[..2], &explicit].concat());
     let folder = tempfile::tempdir().unwrap();
     let stop = AtomicBool::new(false);
@@ -76,9 +80,14 @@ fn a_trial_that_fails_is_a_data_point() {
     // The second time everything is read from the folders.
     for _ in 0..2 {
         let mut counter = Counter::default();
-        let outcomes = Campaign::new(&scene, folder.path(), &stop, &mut counter).run_all(&trials).unwrap();
+        let outcomes =
+            Campaign::new(&scene, folder.path(), &stop, &mut counter).run_all(&trials).unwrap();
         let End::Failed { time, .. } = outcomes[0].end else { panic!("{:?}", outcomes[0].end) };
-        assert!(time < 2.0 && outcomes[0].end.in_words().starts_with("blew up at t = "), "{:?}", outcomes[0].end);
+        assert!(
+            time < 2.0 && outcomes[0].end.in_words().starts_with("blew up at t = "),
+            "{:?}",
+            outcomes[0].end
+        );
         // The rows before are there, those after are not.
         assert!(outcomes[0].value("membrane.area", 0.05).unwrap() > 1.0);
         assert!(outcomes[0].value("membrane.area", 5.0).unwrap().is_nan());
@@ -139,7 +148,8 @@ fn errors_against_an_exact_solution_fall_with_their_orders() {
         ..Convergence::default()
     };
     let found = study(&scene(VORTEX, &[]), folder.path(), settings);
-    // Third order in space and second in time make 2.6 on these levels; the bounds are 1.2 times what is measured.
+    // Third order in space and second in time make 2.6 on these levels; the bounds are 1.2 times
+    // what is measured.
     for (name, orders, bound) in [
         ("error_velocity_l2", 2.5..3.0, 2.0e-3),
         ("error_velocity_h1", 1.9..2.2, 3.5e-2),
@@ -147,7 +157,10 @@ fn errors_against_an_exact_solution_fall_with_their_orders() {
     ] {
         let (errors, seen) = (column(&found, name, "error"), column(&found, name, "order"));
         assert!(errors.len() == 3 && errors[2] < bound, "{name}: {errors:?}");
-        assert!(seen[0].is_nan() && seen[1..].iter().all(|p| orders.contains(p)), "{name}: {seen:?}");
+        assert!(
+            seen[0].is_nan() && seen[1..].iter().all(|p| orders.contains(p)),
+            "{name}: {seen:?}"
+        );
     }
     assert!(found.table("limits").is_none(), "errors have no limit but zero");
     immersa::studies::files::write(&found, folder.path(), "").unwrap();
@@ -155,7 +168,8 @@ fn errors_against_an_exact_solution_fall_with_their_orders() {
     assert!(page.contains("error_pressure_l2") && page.contains(">2</text>"), "no slope triangle");
 }
 
-/// A Stokes flow on gmsh's disc, driven by a force: velocity curl(sin(2 x + 1) sin(3 y)), pressure cos(3 x + y).
+/// A Stokes flow on gmsh's disc, driven by a force: velocity curl(sin(2 x + 1) sin(3 y)), pressure
+/// cos(3 x + y).
 const DISC: &str = r#"
 [constants]
 mu = 0.5
@@ -184,7 +198,8 @@ pressure = "cos(3*x + y)"
 #[test]
 fn a_mesh_file_is_refined_onto_its_circle() {
     let area = |refine: &str| {
-        let model = ImmersedFlow::<2>::new(&scene(DISC, &[refine])).unwrap_or_else(|e| panic!("{e}"));
+        let model =
+            ImmersedFlow::<2>::new(&scene(DISC, &[refine])).unwrap_or_else(|e| panic!("{e}"));
         let mesh = model.simulation.space().mesh();
         assert_eq!(mesh.boundary("wall").unwrap().len(), mesh.facets().len());
         assert!(
@@ -197,15 +212,22 @@ fn a_mesh_file_is_refined_onto_its_circle() {
     };
     let missing = ["mesh.refine=0", "mesh.refine=1", "mesh.refine=2"].map(area);
     assert!(
-        (missing[0] / missing[1] - 4.0).abs() < 0.02 && (missing[1] / missing[2] - 4.0).abs() < 0.02,
+        (missing[0] / missing[1] - 4.0).abs() < 0.02
+            && (missing[1] / missing[2] - 4.0).abs() < 0.02,
         "{missing:?}"
     );
     for (set, words) in [
         ("mesh.geometry.wall.circle.radius=1.1", "does not lie on the curve"),
-        ("mesh.geometry.rim={ circle = { centre = [0, 0], radius = 1 } }", "no boundary of this name"),
+        (
+            "mesh.geometry.rim={ circle = { centre = [0, 0], radius = 1 } }",
+            "no boundary of this name",
+        ),
     ] {
         let error = ImmersedFlow::<2>::new(&scene(DISC, &[set])).err().unwrap();
-        assert!(error.to_string().contains(words) && error.place().contains("mesh.geometry"), "{error}");
+        assert!(
+            error.to_string().contains(words) && error.place().contains("mesh.geometry"),
+            "{error}"
+        );
     }
     let folder = tempfile::tempdir().unwrap();
     let settings = Convergence {
@@ -214,7 +236,9 @@ fn a_mesh_file_is_refined_onto_its_circle() {
         ..Convergence::default()
     };
     let found = study(&scene(DISC, &[]), folder.path(), settings);
-    for (name, order, bound) in [("error_velocity_l2", 3.0, 9.2e-6), ("error_pressure_l2", 2.0, 2.5e-4)] {
+    for (name, order, bound) in
+        [("error_velocity_l2", 3.0, 9.2e-6), ("error_pressure_l2", 2.0, 2.5e-4)]
+    {
         let (errors, seen) = (column(&found, name, "error"), column(&found, name, "order"));
         assert!(errors[2] < bound && (seen[2] - order).abs() < 0.15, "{name}: {errors:?} {seen:?}");
     }
@@ -254,7 +278,8 @@ fn a_list_of_meshes_needs_no_ratio_of_two() {
         ..Convergence::default()
     };
     let found = study(&scene, folder.path(), settings);
-    let (sizes, orders) = (column(&found, "error_velocity_l2", "h"), column(&found, "error_velocity_l2", "order"));
+    let (sizes, orders) =
+        (column(&found, "error_velocity_l2", "h"), column(&found, "error_velocity_l2", "order"));
     assert!((sizes[0] / sizes[2] - 19.0 / 8.0).abs() < 1e-9, "{sizes:?}");
     assert!((orders[2] - 3.0).abs() < 0.15, "{orders:?}");
     assert!((column(&found, "error_velocity_h1", "order")[2] - 2.0).abs() < 0.15);
@@ -264,15 +289,34 @@ fn a_list_of_meshes_needs_no_ratio_of_two() {
 fn the_program_studies_says_what_it_knows_and_refuses_what_it_does_not() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.toml"), MEMBRANE).unwrap();
-    let base =
-        ["study", "convergence", "scene.toml", "--set", COARSE[0], "--set", COARSE[1], "--levels", "3", "--thickness"];
+    let base = [
+        "study",
+        "convergence",
+        "scene.toml",
+        "--set",
+        COARSE[0],
+        "--set",
+        COARSE[1],
+        "--levels",
+        "3",
+        "--thickness",
+    ];
     let run = |more: &[&str]| immersa(folder.path(), &[&base, more].concat());
-    run(&["--quantity", "membrane.horizontle"]).expect(2, &["--quantity", "did you mean `membrane.horizontal`"]);
+    run(&["--quantity", "membrane.horizontle"])
+        .expect(2, &["--quantity", "did you mean `membrane.horizontal`"]);
     run(&["--at", "0.105"]).expect(2, &["--at", "multiple of the step"]);
     run(&["--meshes", "a.msh"]).expect(2, &["cannot be used with"]);
     run(&["--order", "0"]).expect(2, &["--order"]);
     assert!(!folder.path().join("studies").exists());
-    let asked = ["--quantity", "membrane.horizontal,interface", "--at", "0.05,0.1", "--json", "--out", "here"];
+    let asked = [
+        "--quantity",
+        "membrane.horizontal,interface",
+        "--at",
+        "0.05,0.1",
+        "--json",
+        "--out",
+        "here",
+    ];
     let done = run(&asked);
     done.expect(0, &["[1/5] check: dt = 0.005: finished", "[5/5] eps = 0.05, n = 64: finished"]);
     let json: Value = serde_json::from_str(&done.stdout).unwrap();
@@ -283,13 +327,22 @@ fn the_program_studies_says_what_it_knows_and_refuses_what_it_does_not() {
     let limits = Series::read(&folder.path().join("here/by_time.csv")).unwrap();
     assert_eq!(limits.column("time").unwrap(), [0.05, 0.1]);
     assert_eq!(limits.column("membrane.horizontal.bar").unwrap().len(), 2);
-    for file in
-        ["study.json", "levels.csv", "convergence.csv", "limits.csv", "charts/convergence-t0.1.svg", "report.html"]
-    {
+    for file in [
+        "study.json",
+        "levels.csv",
+        "convergence.csv",
+        "limits.csv",
+        "charts/convergence-t0.1.svg",
+        "report.html",
+    ] {
         assert!(folder.path().join("here").join(file).exists(), "{file}");
     }
     // Nothing is computed again.
-    let runs = || fs::read_dir(folder.path().join("here/runs")).unwrap().map(|e| e.unwrap().path().join("series.csv"));
+    let runs = || {
+        fs::read_dir(folder.path().join("here/runs"))
+            .unwrap()
+            .map(|e| e.unwrap().path().join("series.csv"))
+    };
     let before: Vec<_> = runs().map(|f| fs::metadata(f).unwrap().modified().unwrap()).collect();
     let again = run(&asked);
     let after: Vec<_> = runs().map(|f| fs::metadata(f).unwrap().modified().unwrap()).collect();

@@ -16,7 +16,8 @@ fn case(changes: &[&str]) -> Case {
     Case::with(DROP, changes)
 }
 
-/// Surface tension in a uniform flow that nothing disturbs: the mean velocity of the drop is that of the fluid, and it is round.
+/// Surface tension in a uniform flow that nothing disturbs: the mean velocity of the drop is that
+/// of the fluid, and it is round.
 #[test]
 fn a_drop_in_a_uniform_flow_goes_with_it() {
     let sides = [
@@ -36,7 +37,8 @@ fn a_drop_in_a_uniform_flow_goes_with_it() {
 /// An ellipse has the circularity of its perimeter.
 #[test]
 fn the_circularity_is_that_of_the_perimeter() {
-    let case = case(&["drop.0.shape={ ellipse = { centre = [0.5, 0.5], semi_axes = [0.3, 0.15] } }"]);
+    let case =
+        case(&["drop.0.shape={ ellipse = { centre = [0.5, 0.5], semi_axes = [0.3, 0.15] } }"]);
     let [area, perimeter] = ["drop.area", "drop.perimeter"].map(|c| case.get(c));
     assert!(
         (area - PI * 0.045).abs() < 1e-3
@@ -55,16 +57,16 @@ fn jump_over_band(radius: f64, eps: f64) -> f64 {
     (0..points).map(at).sum()
 }
 
-/// All schemes of surface tension hold a drop whose pressure is higher inside by what equilibrium in
-/// their band asks for; on the interface that is `tension/radius`.
+/// All schemes of surface tension hold a drop whose pressure is higher inside by what equilibrium
+/// in their band asks for; on the interface that is `tension/radius`.
 #[test]
 fn every_scheme_has_the_jump_of_the_pressure() {
     let probes = [
         "output.probes.in={ at = [0.5, 0.5], of = 'pressure' }",
         "output.probes.out={ at = [0.03, 0.97], of = 'pressure' }",
     ];
-    let schemes =
-        ["brackbill1992", "lafaurie1994", "baensch2001", "cottet2016"].map(|s| format!("numerics.surface_tension={s}"));
+    let schemes = ["brackbill1992", "lafaurie1994", "baensch2001", "cottet2016"]
+        .map(|s| format!("numerics.surface_tension={s}"));
     for scheme in schemes.iter().map(String::as_str).chain(["drop.0.force=sharp"]) {
         for pressure in ["numerics.pressure=P1", "numerics.pressure='P1+P0'"] {
             let mesh = ["time.order=1", "mesh.rectangle.cells=[24, 24]", "numerics.thickness=0.1"];
@@ -72,18 +74,27 @@ fn every_scheme_has_the_jump_of_the_pressure() {
             case.steps(2);
             let jump = case.get("in") - case.get("out");
             let exact = if scheme.ends_with("sharp") { 5.0 } else { jump_over_band(0.2, 0.1) };
-            assert!((jump / exact - 1.0).abs() < 2e-3, "{scheme} {pressure}: {jump} {exact}");
-            assert!(case.get("velocity_max") < 0.02, "{scheme} {pressure}: {}", case.get("velocity_max"));
+            // The probe reads the constant of its cell, which follows the curvature of the
+            // pressure.
+            let bound = if pressure.contains("P0") { 6e-3 } else { 2e-3 };
+            assert!((jump / exact - 1.0).abs() < bound, "{scheme} {pressure}: {jump} {exact}");
+            assert!(
+                case.get("velocity_max") < 0.02,
+                "{scheme} {pressure}: {}",
+                case.get("velocity_max")
+            );
         }
     }
 }
 
-/// With constants of the cells in the pressure no cell gains or loses fluid, but for those with two walls and one more.
+/// With constants of the cells in the pressure no cell gains or loses fluid, but for those with two
+/// walls and one more.
 #[test]
 fn a_pressure_that_jumps_conserves_the_volume_of_each_cell() {
     let outflow = |pressure: &str| {
         let lid = "boundary.top.velocity=['16 * x^2 * (1 - x)^2', '0']";
-        let mut case = case(&[pressure, lid, "boundary.walls.no_slip=true", "numerics.grad_div=0.1"]);
+        let mut case =
+            case(&[pressure, lid, "boundary.walls.no_slip=true", "numerics.grad_div=0.1"]);
         case.steps(3);
         let sim = &case.model.simulation;
         let (space, u) = (sim.space(), &sim.state().flow.u);
@@ -91,8 +102,9 @@ fn a_pressure_that_jumps_conserves_the_volume_of_each_cell() {
         let through = |c: usize| {
             let weights = [1.0 / 3.0; 3].iter().enumerate();
             // The divergence of P2 is linear: its mean is that of its values at the vertices.
-            let divergence =
-                weights.map(|(a, w)| space.jacobian(u, c, &Element::P1.node(a, 2)).trace() * w).sum::<f64>();
+            let divergence = weights
+                .map(|(a, w)| space.jacobian(u, c, &Element::P1.node(a, 2)).trace() * w)
+                .sum::<f64>();
             divergence.abs() * mesh.map(c).volume
         };
         let mut all: Vec<f64> = (0..mesh.cell_count()).map(through).collect();
@@ -100,10 +112,14 @@ fn a_pressure_that_jumps_conserves_the_volume_of_each_cell() {
         all[all.len() - 4]
     };
     let [continuous, jumping] = ["numerics.pressure=P1", "numerics.pressure='P1+P0'"].map(outflow);
-    assert!(continuous > 1e-5 && jumping < 1e-13, "{continuous:.1e} with P1, {jumping:.1e} with P1+P0");
+    assert!(
+        continuous > 1e-5 && jumping < 1e-13,
+        "{continuous:.1e} with P1, {jumping:.1e} with P1+P0"
+    );
 }
 
-/// Each drop puts its fluid in place of what was there, and the Boussinesq form keeps the inertia of the liquid.
+/// Each drop puts its fluid in place of what was there, and the Boussinesq form keeps the inertia
+/// of the liquid.
 #[test]
 fn fluids_are_those_of_the_drops() {
     let text = "
@@ -131,7 +147,10 @@ fn fluids_are_those_of_the_drops() {
     let near = |case: &Case, expected: [[f64; 2]; 3]| {
         for (x, expected) in [0.6, 1.4, 1.0].into_iter().zip(expected) {
             let found = at(case, x);
-            assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-12), "at {x}: {found:?}, {expected:?}");
+            assert!(
+                (0..2).all(|k| (found[k] - expected[k]).abs() < 1e-12),
+                "at {x}: {found:?}, {expected:?}"
+            );
         }
     };
     near(&case, [[1.0, 0.1], [5.0, 0.7], [3.0, 0.1]]);
@@ -139,17 +158,22 @@ fn fluids_are_those_of_the_drops() {
     near(&case, [[3.0, 0.1], [3.0, 0.7], [3.0, 0.1]]);
 }
 
-/// For a small difference of densities both forms of the equations say the same, to first order in it.
+/// For a small difference of densities both forms of the equations say the same, to first order in
+/// it.
 #[test]
 fn the_boussinesq_form_is_the_limit_of_small_differences() {
     let rise = |density: f64, boussinesq: &str| {
         let density = format!("drop.0.density={density}");
-        let mut case = case(&[&density, boussinesq, "fluid.gravity=[0, -1]", "drop.0.force=smeared"]);
+        let mut case =
+            case(&[&density, boussinesq, "fluid.gravity=[0, -1]", "drop.0.force=smeared"]);
         case.steps(10);
-        case.get("drop.velocity_y") / (1.0 - case.scene.inside(&*case.scene.structures()[0]).unwrap().density)
+        case.get("drop.velocity_y")
+            / (1.0 - case.scene.inside(&*case.scene.structures()[0]).unwrap().density)
     };
-    let difference =
-        |density| (rise(density, "fluid.boussinesq=true") / rise(density, "fluid.boussinesq=false") - 1.0).abs();
+    let difference = |density| {
+        (rise(density, "fluid.boussinesq=true") / rise(density, "fluid.boussinesq=false") - 1.0)
+            .abs()
+    };
     let [large, small] = [0.8, 0.9].map(difference);
     assert!(small < 0.05 && (large / small - 2.0).abs() < 0.2, "{large} {small}");
 }
@@ -178,16 +202,26 @@ fn a_contrast_of_a_thousand_is_stable() {
         case.steps(2);
         fastest = fastest.max(case.get("bubble.velocity_y"));
     }
-    let (area, balance) = (case.get("bubble.area") / (PI * 0.0625) - 1.0, case.get("energy_balance"));
+    let (area, balance) =
+        (case.get("bubble.area") / (PI * 0.0625) - 1.0, case.get("energy_balance"));
     // Published: .250 to .252.
-    assert!((fastest - 0.251).abs() < 0.01 && area.abs() < 0.01 && balance.abs() < 0.03, "{fastest} {area} {balance}");
+    assert!(
+        (fastest - 0.251).abs() < 0.01 && area.abs() < 0.01 && balance.abs() < 0.03,
+        "{fastest} {area} {balance}"
+    );
 }
 
 #[test]
 fn what_a_drop_cannot_have_is_refused() {
     for (changes, words) in [
-        (vec!["numerics.surface_tension=baensch2001", "numerics.coupling=explicit"], "keep one of the two"),
-        (vec!["numerics.surface_tension=brackbill1992", "drop.0.force=sharp"], "spread over a band"),
+        (
+            vec!["numerics.surface_tension=baensch2001", "numerics.coupling=explicit"],
+            "keep one of the two",
+        ),
+        (
+            vec!["numerics.surface_tension=brackbill1992", "drop.0.force=sharp"],
+            "spread over a band",
+        ),
         (vec!["numerics.coupling=fully-explicit"], "time.order = 1"),
         (
             vec!["fluid.density={ inside = 1, outside = 2 }", "drop.0.density=3"],
@@ -226,7 +260,11 @@ fn a_drop_in_a_drop_has_its_own_fluid() {
         let place = immersa::mesh::Locator::new(mesh).locate(mesh, &V::new(x, 0.5)).unwrap();
         case.model.simulation.density()(place.cell as usize, &place.barycentric)
     };
-    assert!((density(0.5) - 1.0).abs() < 1e-12 && (density(0.725) - 0.1).abs() < 1e-12, "{}", density(0.5));
+    assert!(
+        (density(0.5) - 1.0).abs() < 1e-12 && (density(0.725) - 0.1).abs() < 1e-12,
+        "{}",
+        density(0.5)
+    );
 }
 
 /// A band that reaches the middle of a drop, where a point of the mesh lies and no normal is.

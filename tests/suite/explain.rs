@@ -19,7 +19,10 @@ fn explain(scene: &str, set: &[&str]) -> String {
 fn says(plan: &str, lines: &[&str]) {
     let mut rest = plan.lines().map(str::trim);
     for line in lines {
-        assert!(rest.any(|l| l.starts_with(line)), "`{line}` is missing, or not in its place, in\n{plan}");
+        assert!(
+            rest.any(|l| l.starts_with(line)),
+            "`{line}` is missing, or not in its place, in\n{plan}"
+        );
     }
 }
 
@@ -32,7 +35,8 @@ fn number_before(plan: &str, word: &str) -> f64 {
 #[test]
 fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
     let plan = explain(LISTING, &[]);
-    // 61^2 nodes of P2, of which 240 on the boundary are prescribed; 31^2 of P1, of which one is fixed.
+    // 61^2 nodes of P2, of which 240 on the boundary are prescribed; 31^2 of P1, of which one is
+    // fixed.
     says(
         &plan,
         &[
@@ -46,8 +50,9 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
             "Unknowns",
             "velocity 6962 (P2), pressure 960 (P1)",
             "level sets 1 x 3721 (P2)",
-            "matrix changes with the interface (implicit coupling): solved by GMRES with an older factor to the relative residual 1e-10, \
-             or factored anew, whichever is cheaper by count: a factorisation costs 4.1 iterations",
+            "matrix changes with the interface (implicit coupling): solved by GMRES with an older \
+             factor to the relative residual 1e-10, or factored anew, whichever is cheaper by \
+             count: a factorisation costs 4.1 iterations",
             "Numerics",
             "BDF2 along characteristics, step 0.02",
             "grad-div 5.0000 (derived from the velocity scale 1.0000)",
@@ -66,8 +71,10 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
             "warning: the band is barely resolved",
         ],
     );
-    // Entries of 8 bytes, and what solving takes beside them: scratch space, and the vectors of the iterations.
-    let (entries, all) = (number_before(&plan, " entries; memory"), number_before(&plan, " MB, of which"));
+    // Entries of 8 bytes, and what solving takes beside them: scratch space, and the vectors of the
+    // iterations.
+    let (entries, all) =
+        (number_before(&plan, " entries; memory"), number_before(&plan, " MB, of which"));
     let factors = number_before(&plan, " MB\n");
     assert!((5e5..8e5).contains(&entries), "{entries} entries in the factor");
     assert!((8e-6 * entries - 1.0..14e-6 * entries).contains(&factors), "{factors} MB");
@@ -76,7 +83,11 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
     let plan = explain(LISTING, &["numerics.coupling=explicit"]);
     says(
         &plan,
-        &["matrix constant: factored once", "membrane force explicit", "the explicit coupling will be unstable"],
+        &[
+            "matrix constant: factored once",
+            "membrane force explicit",
+            "the explicit coupling will be unstable",
+        ],
     );
     let plan = explain(LISTING, &["numerics.coupling=explicit", "time.step=5e-3"]);
     says(&plan, &["matrix constant: factored once", "explicit step limit"]);
@@ -85,7 +96,10 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
     let plan = explain(LISTING, &sharp);
     says(
         &plan,
-        &["grad-div 50.0000", "force of `membrane` on the interface itself, with the stretch carried along it"],
+        &[
+            "grad-div 50.0000",
+            "force of `membrane` on the interface itself, with the stretch carried along it",
+        ],
     );
     assert!(!plan.contains("band half-width"), "{plan}");
     let semi = ["numerics.coupling=semi-implicit", "time.order=1"];
@@ -94,12 +108,16 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
         &plan,
         &[
             "matrix constant: factored once",
-            "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored in each step",
+            "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit \
+             diffusion, its matrix factored in each step",
             "the semi-implicit coupling is made for constant tension",
         ],
     );
     let plan = explain(LISTING, &["time.end=0.2"]);
-    says(&plan, &["warning: profile `pressure` is not written at t = 0.4, 10: the run ends at 0.2"]);
+    says(
+        &plan,
+        &["warning: profile `pressure` is not written at t = 0.4, 10: the run ends at 0.2"],
+    );
 }
 
 #[test]
@@ -108,23 +126,38 @@ fn the_plan_follows_the_scene() {
     let scene = folder.path().join("scene.toml");
     let scene = scene.to_str().unwrap();
     let stokes = SCENE.replace("viscosity = 0.01", "viscosity = 0.01\ndensity = 0");
-    let no_membrane = "[mesh]\nrectangle = { min = [0, 0], max = [1, 1], cells = [4, 4] }\n[fluid]\nviscosity = 1\n\
-                       [boundary.walls]\nno_slip = true\n[boundary.left]\nopen = true\n[time]\nend = 1\nstep = 0.5\n";
-    let contrast = SCENE.replace("viscosity = 0.01", "viscosity = { inside = 0.1, outside = 0.01 }");
+    let no_membrane = "[mesh]\nrectangle = \
+        { min = [0, 0], max = [1, 1], cells = [4, 4] }\n[fluid]\nviscosity = 1\n\
+                       [boundary.walls]\nno_slip = true\n[boundary.left]\nopen = \
+                       true\n[time]\nend = 1\nstep = 0.5\n";
+    let contrast =
+        SCENE.replace("viscosity = 0.01", "viscosity = { inside = 0.1, outside = 0.01 }");
     let cases: [(&str, &[&str], &[&str]); 4] = [
         (
             &stokes,
-            &["Stokes flow (density 0)", "no time derivative in the flow", "inertia and convection: the density is 0"],
+            &[
+                "Stokes flow (density 0)",
+                "no time derivative in the flow",
+                "inertia and convection: the density is 0",
+            ],
             &["Navier", "BDF", "characteristics, step"],
         ),
         (
             no_membrane,
-            &["Navier-Stokes", "boundary left: open", "matrix constant", "level sets and elastic forces: no structure"],
+            &[
+                "Navier-Stokes",
+                "boundary left: open",
+                "matrix constant",
+                "level sets and elastic forces: no structure",
+            ],
             &["band", "level sets 1", "explicit step limit", "zero mean", "curvature"],
         ),
         (
             &contrast,
-            &["density 1, viscosity 0.1 inside, 0.01 outside", "matrix changes with density or viscosity"],
+            &[
+                "density 1, viscosity 0.1 inside, 0.01 outside",
+                "matrix changes with density or viscosity",
+            ],
             &["both sides"],
         ),
         (

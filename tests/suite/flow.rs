@@ -1,4 +1,5 @@
-//! Solutions that lie in the discrete spaces come back to rounding; slip, open and periodic boundaries; forces two ways.
+//! Solutions that lie in the discrete spaces come back to rounding; slip, open and periodic
+//! boundaries; forces two ways.
 
 use immersa::base::Cause;
 use immersa::fem::{Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors};
@@ -10,7 +11,9 @@ use std::sync::Arc;
 
 type V = SVector<f64, 2>;
 
-fn given<const D: usize>(f: impl Fn(&Point<D>) -> SVector<f64, D> + Send + Sync + 'static) -> Condition<D> {
+fn given<const D: usize>(
+    f: impl Fn(&Point<D>) -> SVector<f64, D> + Send + Sync + 'static,
+) -> Condition<D> {
     Condition::Velocity(Arc::new(move |x, _| f(x)))
 }
 
@@ -20,7 +23,12 @@ struct Setup<const D: usize> {
     solver: FlowSolver<D>,
 }
 
-fn setup<const D: usize>(mesh: Mesh<D>, conditions: Conditions<D>, viscosity: f64, density: f64) -> Setup<D> {
+fn setup<const D: usize>(
+    mesh: Mesh<D>,
+    conditions: Conditions<D>,
+    viscosity: f64,
+    density: f64,
+) -> Setup<D> {
     let mesh = Arc::new(mesh);
     let velocity = Arc::new(Space::new(&mesh, Element::P2));
     let pressure = Arc::new(Space::new(&mesh, Element::P1));
@@ -60,7 +68,9 @@ fn stokes_reproduces_a_quadratic_velocity_and_a_linear_pressure() {
     let u = vector_errors(&s.velocity, &state.u, |x| {
         (exact(x), SMatrix::<f64, 2, 2>::new(0.0, 2.0 * x[1], 2.0 * x[0], 0.0))
     });
-    let p = scalar_errors(&s.pressure, &state.p, |x| (3.0 * x[0] - 2.0 * x[1] - 0.5, V::new(3.0, -2.0)));
+    let p = scalar_errors(&s.pressure, &state.p, |x| {
+        (3.0 * x[0] - 2.0 * x[1] - 0.5, V::new(3.0, -2.0))
+    });
     assert!(u.l2 < 1e-10 && u.h1 < 1e-10 && p.l2 < 1e-10, "{u:?} {p:?}");
 }
 
@@ -73,22 +83,40 @@ fn stokes_reproduces_polynomials_in_three_dimensions() {
     let force = |_: &Point<3>, _: f64| SVector::<f64, 3>::new(-1.0, -2.0, -2.0);
     s.solver.step(&Step { body_force: Some(&force), ..stokes() }, &mut state).unwrap();
     let u = vector_errors(&s.velocity, &state.u, |x| {
-        let g = SMatrix::<f64, 3, 3>::new(0.0, 2.0 * x[1], 0.0, 0.0, 0.0, 2.0 * x[2], 2.0 * x[0], 0.0, 0.0);
+        let g = SMatrix::<f64, 3, 3>::new(
+            0.0,
+            2.0 * x[1],
+            0.0,
+            0.0,
+            0.0,
+            2.0 * x[2],
+            2.0 * x[0],
+            0.0,
+            0.0,
+        );
         (exact(x), g)
     });
-    let p = scalar_errors(&s.pressure, &state.p, |x| (x[0] - 0.5, SVector::<f64, 3>::new(1.0, 0.0, 0.0)));
+    let p = scalar_errors(&s.pressure, &state.p, |x| {
+        (x[0] - 0.5, SVector::<f64, 3>::new(1.0, 0.0, 0.0))
+    });
     assert!(u.l2 < 1e-10 && u.h1 < 1e-10 && p.l2 < 1e-10, "{u:?} {p:?}");
 }
 
-/// In these boxes three pressures near a corner were merged with the three components of one velocity node: a zero pivot.
+/// In these boxes three pressures near a corner were merged with the three components of one
+/// velocity node: a zero pivot.
 #[test]
 fn pressures_near_the_corner_of_a_box_have_pivots() {
     for cells in [[6, 6, 6], [7, 7, 7], [4, 3, 4], [5, 6, 4]] {
         let mut s = setup(box_mesh([0.0; 3], [1.0; 3], cells).unwrap(), vec![], 1.0, 1.0);
         let mut state = s.solver.at_rest();
         let force = |x: &Point<3>, _: f64| SVector::<f64, 3>::new(x[1], x[2] * x[2], -x[0]);
-        let report = s.solver.step(&Step { body_force: Some(&force), ..stokes() }, &mut state).unwrap();
-        assert!(report.solve.residual < 1e-13 && report.solve.refinements == 0, "{cells:?}: {:?}", report.solve);
+        let report =
+            s.solver.step(&Step { body_force: Some(&force), ..stokes() }, &mut state).unwrap();
+        assert!(
+            report.solve.residual < 1e-13 && report.solve.refinements == 0,
+            "{cells:?}: {:?}",
+            report.solve
+        );
     }
 }
 
@@ -109,11 +137,14 @@ fn a_navier_stokes_step_keeps_channel_flow() {
     let u = vector_errors(&s.velocity, &state.u, |x| {
         (exact(x), SMatrix::<f64, 2, 2>::new(0.0, 1.0 - 2.0 * x[1], 0.0, 0.0))
     });
-    let p = scalar_errors(&s.pressure, &state.p, |x| (-2.0 * mu * (x[0] - 0.5), V::new(-2.0 * mu, 0.0)));
+    let p = scalar_errors(&s.pressure, &state.p, |x| {
+        (-2.0 * mu * (x[0] - 0.5), V::new(-2.0 * mu, 0.0))
+    });
     assert!(u.l2 < 1e-10 && p.l2 < 1e-10, "{u:?} {p:?}");
 }
 
-/// Plane shear between a moving wall and a wall at rest, with slip or periodic sides: linear, so exact. Traction and residual agree.
+/// Plane shear between a moving wall and a wall at rest, with slip or periodic sides: linear, so
+/// exact. Traction and residual agree.
 #[test]
 fn shear_flow_is_exact_with_slip_and_periodic_sides_and_gives_the_wall_force_both_ways() {
     let mu = 0.7;
@@ -126,7 +157,9 @@ fn shear_flow_is_exact_with_slip_and_periodic_sides_and_gives_the_wall_force_bot
     let mut s = setup(unit_square(4), periodic, mu, 1.0);
     let mut state = s.solver.at_rest();
     s.solver.step(&stokes(), &mut state).unwrap();
-    let u = vector_errors(&s.velocity, &state.u, |x| (exact(x), SMatrix::<f64, 2, 2>::new(0.0, 1.0, 0.0, 0.0)));
+    let u = vector_errors(&s.velocity, &state.u, |x| {
+        (exact(x), SMatrix::<f64, 2, 2>::new(0.0, 1.0, 0.0, 0.0))
+    });
     assert!(u.l2 < 1e-10, "{u:?}");
     let about = V::new(0.5, 0.5);
     let by_stress = traction(&s.velocity, &s.pressure, |_, _| mu, &state, "top", &about).unwrap();
@@ -134,7 +167,10 @@ fn shear_flow_is_exact_with_slip_and_periodic_sides_and_gives_the_wall_force_bot
     // The force is spread evenly over the side, half a unit above the point.
     assert!((by_stress.moment[2] - 0.5 * mu).abs() < 1e-10, "{by_stress:?}");
     let reaction = s.solver.reaction(&stokes(), &state, immersa::fem::Cells::All);
-    let top: V = (0..s.velocity.len()).filter(|&n| s.velocity.nodes()[n][1] == 1.0).map(|n| reaction[n]).sum();
+    let top: V = (0..s.velocity.len())
+        .filter(|&n| s.velocity.nodes()[n][1] == 1.0)
+        .map(|n| reaction[n])
+        .sum();
     assert!((top - V::new(mu, 0.0)).norm() < 1e-10, "{top:?}");
     assert!((s.solver.wall_power(&stokes(), &state) - mu).abs() < 1e-10);
 }
@@ -156,7 +192,8 @@ fn slip_walls_let_a_uniform_stream_pass_and_an_open_end_fixes_the_pressure() {
     assert!((flux(&s.velocity, &state, "right").unwrap() - 1.0).abs() < 1e-12);
 }
 
-/// On a wall that is not aligned with the axes the normal component vanishes and the tangential one is free.
+/// On a wall that is not aligned with the axes the normal component vanishes and the tangential one
+/// is free.
 #[test]
 fn slip_on_an_oblique_wall() {
     // A unit square turned by 30 degrees, sheared along itself: uniform flow along its sides.

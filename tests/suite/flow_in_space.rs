@@ -1,6 +1,9 @@
-//! Flows in space that lie in the discrete spaces come back to rounding, with every kind of boundary, on every kind of mesh.
+//! Flows in space that lie in the discrete spaces come back to rounding, with every kind of
+//! boundary, on every kind of mesh.
 
-use immersa::fem::{Cells, Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors};
+use immersa::fem::{
+    Cells, Condition, Conditions, Element, Rule, Space, scalar_errors, vector_errors,
+};
 use immersa::flow::{BodyForce, Coefficient, FlowSolver, FlowState, Step, flux, traction};
 use immersa::mesh::{Mesh, Point, ball_in_box, box_mesh, gmsh, refine};
 use nalgebra::{SMatrix, SVector};
@@ -40,12 +43,15 @@ fn stokes<'a>(force: &'a BodyForce<3>) -> Step<'a, 3> {
     }
 }
 
-/// Solves the Stokes equations and compares. The pressure is compared with its mean taken off where nothing sets its level.
+/// Solves the Stokes equations and compares. The pressure is compared with its mean taken off where
+/// nothing sets its level.
 fn assert_exact(what: &str, mesh: Mesh<3>, conditions: Conditions<3>, exact: &Exact) -> Solved {
     let open = conditions.iter().any(|(_, c)| matches!(c, Condition::Open));
     let mesh = Arc::new(mesh);
     let [velocity, pressure] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
-    let mut solver = FlowSolver::new(&velocity, &pressure, &Arc::new(Rule::simplex(3, 5)), &conditions, 1.0).unwrap();
+    let mut solver =
+        FlowSolver::new(&velocity, &pressure, &Arc::new(Rule::simplex(3, 5)), &conditions, 1.0)
+            .unwrap();
     solver.set_materials(Coefficient::Constant(1.0), Coefficient::Constant(VISCOSITY));
     let mut state = solver.at_rest();
     let force = exact.force;
@@ -75,7 +81,8 @@ fn gmsh_mesh(name: &str) -> Mesh<3> {
     gmsh::read::<3>(&Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes").join(name)).unwrap().0
 }
 
-/// A quadratic flow without divergence, all of whose components and derivatives are there; the pressure is linear.
+/// A quadratic flow without divergence, all of whose components and derivatives are there; the
+/// pressure is linear.
 const QUADRATIC: Exact = Exact {
     velocity: |x| {
         let (x, y, z) = (x[0], x[1], x[2]);
@@ -99,7 +106,12 @@ fn stokes_reproduces_polynomials_on_boxes_bisected_boxes_and_meshes_of_gmsh() {
         ("ball in box", fine),
         ("gmsh, ball", gmsh_mesh("ball.msh")),
     ] {
-        assert_exact(what, with_walls(mesh), vec![("walls".into(), given(QUADRATIC.velocity))], &QUADRATIC);
+        assert_exact(
+            what,
+            with_walls(mesh),
+            vec![("walls".into(), given(QUADRATIC.velocity))],
+            &QUADRATIC,
+        );
     }
 }
 
@@ -115,11 +127,17 @@ fn a_stream_passes_between_walls_that_slip_to_an_open_end() {
         ["left", "right", "bottom", "top"].map(|name| (name.to_string(), Condition::Slip)).to_vec();
     conditions.push(("back".into(), given(stream.velocity)));
     conditions.push(("front".into(), Condition::Open));
-    let s = assert_exact("stream", box_mesh([0.0; 3], [1.0, 1.5, 2.0], [2, 3, 3]).unwrap(), conditions, &stream);
+    let s = assert_exact(
+        "stream",
+        box_mesh([0.0; 3], [1.0, 1.5, 2.0], [2, 3, 3]).unwrap(),
+        conditions,
+        &stream,
+    );
     assert!((flux(&s.velocity, &s.state, "front").unwrap() - 1.5).abs() < 1e-12);
 }
 
-/// The force `f = 2 mu` along z drives `w = y (1 - y)` between plates, periodic along z, with slip at the sides x = 0 and 1.
+/// The force `f = 2 mu` along z drives `w = y (1 - y)` between plates, periodic along z, with slip
+/// at the sides x = 0 and 1.
 #[test]
 fn a_force_drives_the_parabola_between_plates_with_periodic_ends_and_sides_that_slip() {
     let plates = Exact {
@@ -142,15 +160,20 @@ fn a_force_drives_the_parabola_between_plates_with_periodic_ends_and_sides_that_
     let s = assert_exact("plates", mesh, conditions, &plates);
     // The volume that passes, and the force on a plate: half of what drives the fluid.
     assert!((flux(&s.velocity, &s.state, "front").unwrap() - 1.5 / 6.0).abs() < 1e-12);
-    let load = traction(&s.velocity, &s.pressure, |_, _| VISCOSITY, &s.state, "top", &Point::<3>::zeros()).unwrap();
+    let load =
+        traction(&s.velocity, &s.pressure, |_, _| VISCOSITY, &s.state, "top", &Point::<3>::zeros())
+            .unwrap();
     assert!((load.force - V::new(0.0, 0.0, VISCOSITY * 3.0)).norm() < 1e-10, "{load:?}");
 }
 
-/// Shear `u = (y, 0, 2 y)` between a wall at rest and one that moves askew; both other directions are periodic.
+/// Shear `u = (y, 0, 2 y)` between a wall at rest and one that moves askew; both other directions
+/// are periodic.
 #[test]
 fn shear_with_two_periodic_directions_gives_the_force_on_the_wall_both_ways() {
     let shear = Exact {
-        velocity: |x| (V::new(x[1], 0.0, 2.0 * x[1]), M::new(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0)),
+        velocity: |x| {
+            (V::new(x[1], 0.0, 2.0 * x[1]), M::new(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0))
+        },
         pressure: |_| (0.0, V::zeros()),
         force: |_| V::zeros(),
     };
@@ -164,13 +187,17 @@ fn shear_with_two_periodic_directions_gives_the_force_on_the_wall_both_ways() {
     let s = assert_exact("shear", mesh, conditions, &shear);
     let exact = V::new(-VISCOSITY, 0.0, -2.0 * VISCOSITY) * 2.0;
     let about = Point::<3>::new(0.5, 0.0, 1.0);
-    let load = traction(&s.velocity, &s.pressure, |_, _| VISCOSITY, &s.state, "top", &about).unwrap();
+    let load =
+        traction(&s.velocity, &s.pressure, |_, _| VISCOSITY, &s.state, "top", &about).unwrap();
     assert!((load.force - exact).norm() < 1e-10, "{load:?}");
     // Spread evenly over the wall, one unit above the point.
     assert!((load.moment - V::new(0.0, 1.0, 0.0).cross(&exact)).norm() < 1e-10, "{load:?}");
     let still = |_: &Point<3>, _: f64| V::zeros();
     let reaction = s.solver.reaction(&stokes(&still), &s.state, Cells::All);
-    let top: V = (0..s.velocity.len()).filter(|&n| s.velocity.nodes()[n][1] == 1.0).map(|n| reaction[n]).sum();
+    let top: V = (0..s.velocity.len())
+        .filter(|&n| s.velocity.nodes()[n][1] == 1.0)
+        .map(|n| reaction[n])
+        .sum();
     assert!((top + exact).norm() < 1e-10, "{top:?}");
 }
 
@@ -191,7 +218,9 @@ fn slip_on_oblique_walls_of_a_turned_duct() {
     conditions.push(("front".into(), Condition::Open));
     let mesh = Arc::new(mesh);
     let [velocity, pressure] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
-    let mut solver = FlowSolver::new(&velocity, &pressure, &Arc::new(Rule::simplex(3, 5)), &conditions, 1.0).unwrap();
+    let mut solver =
+        FlowSolver::new(&velocity, &pressure, &Arc::new(Rule::simplex(3, 5)), &conditions, 1.0)
+            .unwrap();
     let mut state = solver.at_rest();
     let still = |_: &Point<3>, _: f64| V::zeros();
     solver.step(&stokes(&still), &mut state).unwrap();

@@ -1,4 +1,5 @@
-//! What a scene can ask of the flow, against exact solutions: forces, walls, periodic sides, expressions with time, shapes.
+//! What a scene can ask of the flow, against exact solutions: forces, walls, periodic sides,
+//! expressions with time, shapes.
 
 use crate::case::{Case, V};
 use immersa::fem::{Basis, Cells, integrate};
@@ -14,7 +15,8 @@ fn heavy_fluid_at_rest_has_the_hydrostatic_pressure() {
     let case = Case::new(closed).run();
     assert!(case.largest_error(|_, _| V::zeros()) < 1e-10);
     assert!(case.pressure_error(|x| 0.6 * (x[0] - 1.0) - 2.0 * (x[1] - 0.5)) < 1e-10);
-    // The box bears the weight of the fluid, which acts at its centre: by the residual and by the stress.
+    // The box bears the weight of the fluid, which acts at its centre: by the residual and by the
+    // stress.
     for (column, exact) in [("x", 1.2), ("y", -4.0), ("moment", -4.6)] {
         assert!((case.get(&format!("box_{column}")) - exact).abs() < 1e-10, "{column}");
         assert!((case.get(&format!("box_stress_{column}")) - exact).abs() < 1e-10, "{column}");
@@ -30,7 +32,9 @@ fn heavy_fluid_at_rest_has_the_hydrostatic_pressure() {
     assert!(case.largest_error(|_, _| V::zeros()) < 1e-10);
     assert!(case.pressure_error(|x| 2.0 * (1.0 - x[1])) < 1e-10);
     // The fluid weighs 2 x 2 x 1 on its bed; about the left corner that turns clockwise.
-    for (column, exact) in [("bed_stress_x", 0.0), ("bed_stress_y", -4.0), ("bed_stress_moment", -4.0)] {
+    for (column, exact) in
+        [("bed_stress_x", 0.0), ("bed_stress_y", -4.0), ("bed_stress_moment", -4.0)]
+    {
         assert!((case.get(column) - exact).abs() < 1e-10, "{column}");
     }
 }
@@ -68,20 +72,26 @@ fn taylor_green_vortices_in_a_box_that_slips() {
     let error = |n: usize, step: f64| {
         let case = Case::new(&format!(
             "mesh.rectangle = {{ min = [0, 0], max = [1, 1], cells = [{n}, {n}] }}
-            fluid = {{ viscosity = 0.02, initial_velocity = [\"sin(pi*x)*cos(pi*y)\", \"-cos(pi*x)*sin(pi*y)\"] }}
+            fluid = {{ viscosity = 0.02, initial_velocity = \
+            [\"sin(pi*x)*cos(pi*y)\", \"-cos(pi*x)*sin(pi*y)\"] }}
             boundary.walls.slip = true
             time = {{ end = 0.5, step = {step} }}"
         ))
         .run();
         // The scheme may take energy, and gives none.
-        assert!((-0.03..1e-4).contains(&case.get("energy_balance")), "{}", case.get("energy_balance"));
+        assert!(
+            (-0.03..1e-4).contains(&case.get("energy_balance")),
+            "{}",
+            case.get("energy_balance")
+        );
         case.error(exact)
     };
     let (coarse, fine) = (error(8, 0.05), error(16, 0.025));
     assert!(fine < 1.5e-3 && coarse / fine > 3.4, "{coarse:e} {fine:e}");
 }
 
-/// Stokes' second problem: a wall that swings in its own plane drags the fluid along. The far wall has the exact velocity too.
+/// Stokes' second problem: a wall that swings in its own plane drags the fluid along. The far wall
+/// has the exact velocity too.
 #[test]
 fn a_swinging_wall_is_given_by_an_expression_of_time() {
     let (nu, omega): (f64, f64) = (0.1, 2.0 * PI);
@@ -103,7 +113,8 @@ fn a_swinging_wall_is_given_by_an_expression_of_time() {
     assert!(fine < 5e-3 && coarse / fine > 3.4, "{coarse:e} {fine:e}");
 }
 
-/// The pressure of an open end is zero on average, and falls along the channel as Poiseuille's does.
+/// The pressure of an open end is zero on average, and falls along the channel as Poiseuille's
+/// does.
 #[test]
 fn an_open_outlet_sets_the_level_of_the_pressure() {
     let case = Case::new(
@@ -123,11 +134,18 @@ fn an_open_outlet_sets_the_level_of_the_pressure() {
     )
     .run();
     // dp/dx = -2 mu for u = y (1 - y).
-    assert!((case.get("a") - case.get("b") - 1.5).abs() < 1e-5, "{}", case.get("a") - case.get("b"));
+    assert!(
+        (case.get("a") - case.get("b") - 1.5).abs() < 1e-5,
+        "{}",
+        case.get("a") - case.get("b")
+    );
     // What the stress-free end adds is a fraction of mu U / H.
     assert!((case.get("b") - 2.0).abs() < 0.05, "{}", case.get("b"));
     assert!((case.get("v_x") - 0.1875).abs() < 1e-5 && case.get("v_y").abs() < 1e-5);
-    assert!((case.get("inflow") + 1.0 / 6.0).abs() < 1e-10 && (case.get("outflow") - 1.0 / 6.0).abs() < 1e-10);
+    assert!(
+        (case.get("inflow") + 1.0 / 6.0).abs() < 1e-10
+            && (case.get("outflow") - 1.0 / 6.0).abs() < 1e-10
+    );
     // The kinetic energy that enters and leaves is in the balance.
     assert!(case.get("energy_balance").abs() < 1e-3, "{}", case.get("energy_balance"));
     // A profile of the velocity has a column for each component.
@@ -136,7 +154,8 @@ fn an_open_outlet_sets_the_level_of_the_pressure() {
     assert!((profile[0].1[1] - 0.1875).abs() < 1e-5 && profile[1].1.iter().all(|v| v.abs() < 1e-5));
 }
 
-/// A lid does not blow through the walls at its ends: no fluid leaves the cavity there, and it keeps none either.
+/// A lid does not blow through the walls at its ends: no fluid leaves the cavity there, and it
+/// keeps none either.
 #[test]
 fn the_driven_cavity_is_watertight() {
     let case = Case::new(
@@ -165,7 +184,8 @@ fn the_driven_cavity_is_watertight() {
     assert!((case.get("inflow") + 1.0).abs() < 1e-12 && (case.get("outflow") - 1.0).abs() < 1e-10);
 }
 
-/// Once around a periodic channel: the membrane is carried through the side and comes back to where it started.
+/// Once around a periodic channel: the membrane is carried through the side and comes back to where
+/// it started.
 #[test]
 fn a_membrane_passes_a_periodic_side() {
     let mut case = Case::new(
@@ -180,22 +200,33 @@ fn a_membrane_passes_a_periodic_side() {
         area.linear = { modulus = 1 }",
     );
     let start = [case.get("m.area"), case.get("m.perimeter")];
-    assert!((start[0] / (0.0625 * PI) - 1.0).abs() < 1e-4 && (start[1] / (0.5 * PI) - 1.0).abs() < 1e-4);
-    // Half-way through the side: area and perimeter are those of both parts, which have no common centre.
+    assert!(
+        (start[0] / (0.0625 * PI) - 1.0).abs() < 1e-4 && (start[1] / (0.5 * PI) - 1.0).abs() < 1e-4
+    );
+    // Half-way through the side: area and perimeter are those of both parts, which have no common
+    // centre.
     case.steps(6);
     assert!(case.get("m.centre_x").is_nan() && case.get("m.axis_1").is_nan());
     assert!((case.get("m.area") / start[0] - 1.0).abs() < 1e-3);
     assert!((case.get("m.perimeter") / start[1] - 1.0).abs() < 1e-3);
     let case = case.run();
-    assert!((case.get("m.centre_x") - 1.7).abs() < 1e-3 && (case.get("m.centre_y") - 0.5).abs() < 1e-3);
+    assert!(
+        (case.get("m.centre_x") - 1.7).abs() < 1e-3 && (case.get("m.centre_y") - 0.5).abs() < 1e-3
+    );
     assert!((case.get("m.area") / start[0] - 1.0).abs() < 1e-3);
-    assert!((case.get("m.axis_1") / 0.25 - 1.0).abs() < 5e-3 && (case.get("m.axis_2") / 0.25 - 1.0).abs() < 5e-3);
+    assert!(
+        (case.get("m.axis_1") / 0.25 - 1.0).abs() < 5e-3
+            && (case.get("m.axis_2") / 0.25 - 1.0).abs() < 5e-3
+    );
     assert!(case.largest_error(|_, _| V::new(1.0, 0.0)) < 1e-2);
 }
 
 fn ellipse_perimeter(a: f64, b: f64) -> f64 {
     let k = 2000;
-    (0..k).map(|i| 2.0 * PI * i as f64 / k as f64).map(|t| (a * t.sin()).hypot(b * t.cos()) * 2.0 * PI / k as f64).sum()
+    (0..k)
+        .map(|i| 2.0 * PI * i as f64 / k as f64)
+        .map(|t| (a * t.sin()).hypot(b * t.cos()) * 2.0 * PI / k as f64)
+        .sum()
 }
 
 /// Every shape that a scene can name: area and perimeter at the start, and that it runs.
@@ -217,9 +248,14 @@ fn shapes_have_their_areas_and_perimeters() {
             [0.48 - (4.0 - PI) * 0.0225, 2.8 - (8.0 - 2.0 * PI) * 0.15],
             1e-3,
         ),
-        ("polygon = { points = [[0.6, 0.7], [1.4, 0.7], [1.4, 1.3], [0.6, 1.3]] }", [0.48, 2.8], 6e-3),
         (
-            "union = [{ circle = { centre = [0.85, 1], radius = 0.3 } }, { circle = { centre = [1.15, 1], radius = 0.3 } }]",
+            "polygon = { points = [[0.6, 0.7], [1.4, 0.7], [1.4, 1.3], [0.6, 1.3]] }",
+            [0.48, 2.8],
+            6e-3,
+        ),
+        (
+            "union = [{ circle = { centre = [0.85, 1], radius = 0.3 } }, \
+             { circle = { centre = [1.15, 1], radius = 0.3 } }]",
             lens,
             6e-3,
         ),
@@ -258,17 +294,19 @@ fn ellipses(membranes: &str) -> Case {
 
 #[test]
 fn two_membranes_share_a_flow() {
-    let [left, right] = [("a", "[0.75, 0.75]", 0), ("b", "[2.25, 0.75]", 90)].map(|(name, centre, angle)| {
-        format!(
-            "[[membrane]]
+    let [left, right] =
+        [("a", "[0.75, 0.75]", 0), ("b", "[2.25, 0.75]", 90)].map(|(name, centre, angle)| {
+            format!(
+                "[[membrane]]
             name = \"{name}\"
             shape.ellipse = {{ centre = {centre}, semi_axes = [0.4, 0.3], angle = {angle} }}
             stretch = 1.3
             area.linear = {{ modulus = 1 }}
             "
-        )
-    });
-    let (one, other, both) = (ellipses(&left), ellipses(&right), ellipses(&format!("{left}{right}")));
+            )
+        });
+    let (one, other, both) =
+        (ellipses(&left), ellipses(&right), ellipses(&format!("{left}{right}")));
     let sum = one.get("energy_elastic") + other.get("energy_elastic");
     assert!((both.get("energy_elastic") / sum - 1.0).abs() < 1e-12);
     let both = both.run();
@@ -277,13 +315,18 @@ fn two_membranes_share_a_flow() {
         assert!((get("area") / (0.12 * PI) - 1.0).abs() < 1e-3);
         assert!(get("axis_1") < 0.4 && get("axis_2") > 0.3);
     }
-    // Mirror images of one another, but for the diagonals of the mesh and the distances of the walls.
+    // Mirror images of one another, but for the diagonals of the mesh and the distances of the
+    // walls.
     assert!((both.get("a.axis_1") - both.get("b.axis_1")).abs() < 5e-3);
-    assert!((both.get("a.centre_x") - 0.75).abs() < 1e-3 && (both.get("b.centre_x") - 2.25).abs() < 1e-3);
+    assert!(
+        (both.get("a.centre_x") - 0.75).abs() < 1e-3
+            && (both.get("b.centre_x") - 2.25).abs() < 1e-3
+    );
     assert!(both.get("energy_balance").abs() < 5e-3, "{}", both.get("energy_balance"));
 }
 
-/// A membrane with mass in a box without walls: its mass is that at rest, and the momentum of all stays what it was.
+/// A membrane with mass in a box without walls: its mass is that at rest, and the momentum of all
+/// stays what it was.
 #[test]
 fn a_heavy_membrane_keeps_mass_and_momentum() {
     let mut case = Case::new(
@@ -301,7 +344,8 @@ fn a_heavy_membrane_keeps_mass_and_momentum() {
     let totals = |case: &Case| {
         let sim = &case.model.simulation;
         let density = sim.density();
-        let basis = Basis::new(sim.space(), &std::sync::Arc::new(immersa::fem::Rule::simplex(2, 8)));
+        let basis =
+            Basis::new(sim.space(), &std::sync::Arc::new(immersa::fem::Rule::simplex(2, 8)));
         integrate(&basis, Cells::All, |at| {
             let rho = density(at.cell, &at.barycentric);
             let u = basis.value(at, case.velocity());
@@ -334,9 +378,13 @@ fn a_band_that_reaches_a_wall_is_refused_and_one_that_reaches_a_periodic_side_is
             area.tension = {{ tension = 1 }}"
         )
     };
-    let parse = |text: &str| immersa::scene::Scene::parse(text, std::path::Path::new("scene.toml")).unwrap();
+    let parse = |text: &str| {
+        immersa::scene::Scene::parse(text, std::path::Path::new("scene.toml")).unwrap()
+    };
     let refused =
-        immersa::scene::ImmersedFlow::<2>::new(&parse(&scene("boundary.walls.no_slip = true"))).err().unwrap();
+        immersa::scene::ImmersedFlow::<2>::new(&parse(&scene("boundary.walls.no_slip = true")))
+            .err()
+            .unwrap();
     assert!(refused.to_string().contains("reaches the boundary"), "{refused}");
     Case::new(&scene("boundary.walls.no_slip = true\nboundary.left.periodic = \"right\"")).steps(2);
 }

@@ -49,7 +49,10 @@ fn a_level_set_is_measured_by_every_delta_function_that_is_asked_for() {
         assert!(series(&run).column(absent).is_err(), "{absent}");
     }
     let resolved = std::fs::read_to_string(run.join("scene.toml")).unwrap();
-    assert!(resolved.contains(r#"deltas = ["smereka1", "smereka2", "towers", "smeared"]"#), "{resolved}");
+    assert!(
+        resolved.contains(r#"deltas = ["smereka1", "smereka2", "towers", "smeared"]"#),
+        "{resolved}"
+    );
     let fields = std::fs::read(run.join("fields/000002.vtu")).unwrap();
     assert!(fields.windows(16).any(|w| w == b"\"disc.curvature\""));
 }
@@ -101,10 +104,13 @@ fn in_space_there_are_gauss_curvatures_and_curves() {
         let found = last(&run, column);
         assert!((found / exact - 1.0).abs() < tolerance, "{column}: {found} {exact}");
     }
-    assert!(last(&run, "other.curvature_mean") > 4.0 && last(&run, "ring_torsion_mean").abs() < 0.2);
+    assert!(
+        last(&run, "other.curvature_mean") > 4.0 && last(&run, "ring_torsion_mean").abs() < 0.2
+    );
 }
 
-/// With the hat and the l1 norm the energy is that of a band whose weight is the perimeter, too, and the run differs from the default.
+/// With the hat and the l1 norm the energy is that of a band whose weight is the perimeter, too,
+/// and the run differs from the default.
 #[test]
 fn the_band_of_a_membrane_has_the_cut_off_function_and_the_norm_of_the_scene() {
     let scene = r#"
@@ -128,11 +134,16 @@ pictures = false
     let mut energies = Vec::new();
     for (kernel, width) in [("cosine", "l2"), ("cosine", "l1"), ("hat", "l2"), ("hat", "l1")] {
         let folder =
-            folder_with(&scene.replace("[output]", &format!("kernel = \"{kernel}\"\nwidth = \"{width}\"\n[output]")));
+            folder_with(&scene.replace(
+                "[output]",
+                &format!("kernel = \"{kernel}\"\nwidth = \"{width}\"\n[output]"),
+            ));
         immersa(folder.path(), &["run", "scene.toml", "--out", "run", "--quiet"]).expect(0, &[]);
         let run = folder.path().join("run");
-        let (energy, length) =
-            (series(&run).column("energy_elastic").unwrap()[0], series(&run).column("membrane.perimeter").unwrap()[0]);
+        let (energy, length) = (
+            series(&run).column("energy_elastic").unwrap()[0],
+            series(&run).column("membrane.perimeter").unwrap()[0],
+        );
         assert!((energy / length - 1.0).abs() < 5e-3, "{kernel} {width}: {energy} {length}");
         assert!(last(&run, "energy_elastic") < energy);
         energies.push(last(&run, "energy_elastic"));
@@ -153,8 +164,18 @@ fn what_cannot_be_measured_is_refused_with_a_remedy() {
     };
     wrong(PLANE, "\"towers\"", "\"tower\"", &["`tower` is not a value", "towers"]);
     wrong(PLANE, "\"towers\"", "\"smereka1\"", &["twice"]);
-    wrong(PLANE, "curvature = true", "curves.a = { of = [\"disc\", \"disc\"] }", &["plane", "leave output.curves out"]);
-    wrong(SPACE, "\"other\", \"ball\"", "\"other\", \"drop\"", &["no interface `drop`", "ball, other"]);
+    wrong(
+        PLANE,
+        "curvature = true",
+        "curves.a = { of = [\"disc\", \"disc\"] }",
+        &["plane", "leave output.curves out"],
+    );
+    wrong(
+        SPACE,
+        "\"other\", \"ball\"",
+        "\"other\", \"drop\"",
+        &["no interface `drop`", "ball, other"],
+    );
     wrong(SPACE, "\"other\", \"ball\"", "\"other\", \"other\"", &["two interfaces that differ"]);
     wrong(SPACE, "curves.ring", "curves.ball", &["`ball` is taken"]);
     wrong(SPACE, "\"hat\"", "\"cap\"", &["`cap` is not a value", "hat"]);

@@ -17,7 +17,11 @@ fn spread(cells: usize, diagonals: Diagonals, element: Element) -> [f64; 2] {
     let rule = Rule::simplex(2, 4);
     let mut unknowns = Vec::new();
     for c in 0..mesh.cell_count() {
-        numbering.cell_unknowns(velocity.cell_nodes(c), Some(pressure.cell_nodes(c)), &mut unknowns);
+        numbering.cell_unknowns(
+            velocity.cell_nodes(c),
+            Some(pressure.cell_nodes(c)),
+            &mut unknowns,
+        );
         let (of_velocity, of_pressure) = unknowns.split_at(12);
         let map = mesh.map(c);
         for (l, w) in rule.points.iter().zip(&rule.weights) {
@@ -25,7 +29,8 @@ fn spread(cells: usize, diagonals: Diagonals, element: Element) -> [f64; 2] {
             let values = element.values::<2>(l);
             for (i, &p) in of_pressure.iter().enumerate().filter(|(_, p)| **p != NONE) {
                 for (a, &u) in of_velocity.iter().enumerate().filter(|(_, u)| **u != NONE) {
-                    b[(p as usize - first, u as usize)] += w * map.volume * values[i] * gradients[a / 2][a % 2];
+                    b[(p as usize - first, u as usize)] +=
+                        w * map.volume * values[i] * gradients[a / 2][a % 2];
                 }
             }
         }

@@ -16,7 +16,8 @@ fn joined(path: &[String], name: &str) -> Name {
 fn read(folder: &Path, module: &Name, sources: &mut Sources) {
     for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         let name = path.file_stem().unwrap().to_str().unwrap();
-        let inner = if ["mod", "lib"].contains(&name) { module.clone() } else { joined(module, name) };
+        let inner =
+            if ["mod", "lib"].contains(&name) { module.clone() } else { joined(module, name) };
         if path.is_dir() && name != "tests" {
             read(&path, &inner, sources);
         } else if path.extension().is_some_and(|e| e == "rs")
@@ -34,7 +35,8 @@ fn read(folder: &Path, module: &Name, sources: &mut Sources) {
 fn named(text: &str) -> Vec<(Name, String)> {
     let mut found = Vec::new();
     for start in ["use ", "crate::", "super::", "self::"] {
-        let inside = |k: usize| text[..k].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':');
+        let inside =
+            |k: usize| text[..k].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':');
         for (k, _) in text.match_indices(start).filter(|(k, _)| !inside(*k)) {
             let before = found.len();
             tree(text[k..].trim_start_matches("use "), &[], &mut found);
@@ -52,26 +54,31 @@ fn tree<'a>(text: &'a str, path: &[String], found: &mut Vec<(Name, String)>) -> 
     let word = |text: &'a str| text.split_at(text.find(|c| !is_word(c)).unwrap_or(text.len()));
     if let Some(mut rest) = text.strip_prefix('{') {
         while !rest.starts_with('}') {
-            let next = tree(rest.trim_start(), path, found).trim_start().trim_start_matches(',').trim_start();
+            let next = tree(rest.trim_start(), path, found)
+                .trim_start()
+                .trim_start_matches(',')
+                .trim_start();
             assert!(next.len() < rest.len(), "`use` that cannot be read: {text}");
             rest = next;
         }
         return &rest[1..];
     }
     let (first, rest) = word(text);
-    let path = if first == "self" && !path.is_empty() { path.to_vec() } else { joined(path, first) };
+    let path =
+        if first == "self" && !path.is_empty() { path.to_vec() } else { joined(path, first) };
     match rest.strip_prefix("::") {
         Some(next) if next.starts_with(|c| is_word(c) || c == '{') => tree(next, &path, found),
         _ => {
-            let (given, rest) = rest.strip_prefix(" as ").map_or((path[path.len() - 1].as_str(), rest), word);
+            let (given, rest) =
+                rest.strip_prefix(" as ").map_or((path[path.len() - 1].as_str(), rest), word);
             found.push((path.clone(), given.to_owned()));
             rest
         }
     }
 }
 
-/// The module in which a path that stands in `from` ends; none in another crate. What is imported is followed to where it comes
-/// from, but what a layer exports again is its own.
+/// The module in which a path that stands in `from` ends; none in another crate. What is imported
+/// is followed to where it comes from, but what a layer exports again is its own.
 fn resolve(sources: &Sources, from: &Name, path: &[String]) -> Option<Name> {
     let mut at = from.clone();
     for (k, name) in path.iter().enumerate() {
@@ -96,8 +103,10 @@ fn resolve(sources: &Sources, from: &Name, path: &[String]) -> Option<Name> {
 fn arrows() -> BTreeSet<(Name, Name)> {
     let mut sources = Sources::new();
     read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &Name::new(), &mut sources);
-    let names = sources.iter().flat_map(|(from, names)| names.iter().map(move |(path, _)| (from, path)));
-    let arrows = names.filter_map(|(from, path)| Some((from.clone(), resolve(&sources, from, path)?)));
+    let names =
+        sources.iter().flat_map(|(from, names)| names.iter().map(move |(path, _)| (from, path)));
+    let arrows =
+        names.filter_map(|(from, path)| Some((from.clone(), resolve(&sources, from, path)?)));
     arrows.collect()
 }
 
@@ -111,18 +120,25 @@ fn every_module_uses_only_what_the_table_of_the_architecture_allows() {
         let k = rows.iter().position(|row| row[1] == from);
         let k = k.unwrap_or_else(|| panic!("{from} has no row in the table"));
         // A row may name only rows above it.
-        let above = |name: &&str| rows[..k].iter().any(|row| name.split("::").next() == Some(&row[1]));
+        let above =
+            |name: &&str| rows[..k].iter().any(|row| name.split("::").next() == Some(&row[1]));
         let mut allowed = rows[k][3].split(", ").filter(above).chain(["base", from]);
         allowed.any(|name| to == name || to.starts_with(&format!("{name}::")))
     };
     for (from, to) in arrows().iter().filter(|(from, _)| !from.is_empty()) {
-        assert!(allows(&from[0], &to.join("::")), "{} may not use {}", from.join("::"), to.join("::"));
+        assert!(
+            allows(&from[0], &to.join("::")),
+            "{} may not use {}",
+            from.join("::"),
+            to.join("::")
+        );
     }
 }
 
 #[test]
 fn no_modules_use_each_other_in_a_circle() {
-    // What lies beside each other in the innermost folder that holds both: a file and the folder of its name are one.
+    // What lies beside each other in the innermost folder that holds both: a file and the folder of
+    // its name are one.
     let beside = |(a, b): (Name, Name)| {
         let k = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
         (a.len() > k && b.len() > k).then(|| (a[..=k].join("::"), b[..=k].join("::")))

@@ -1,7 +1,8 @@
 //! Meshes of gmsh: all formats give the same mesh, which is also what another reader finds.
 //!
-//! `tests/data/gmsh` holds recorded files (its `make.sh` says how they were made), so that no test needs gmsh. One test
-//! also meshes the sources in `meshes/` afresh; without gmsh it compares nothing and says so.
+//! `tests/data/gmsh` holds recorded files (its `make.sh` says how they were made), so that no test
+//! needs gmsh. One test also meshes the sources in `meshes/` afresh; without gmsh it compares
+//! nothing and says so.
 
 use immersa::base::Warning;
 use immersa::mesh::gmsh::{self, MshData};
@@ -90,7 +91,11 @@ fn all_formats_give_the_same_mesh_in_space() {
     assert_eq!(sizes(first.regions()), [("all", 155), ("ball", 9)]);
     assert_eq!(sizes(first.boundaries()), [("left", 14), ("right", 14)]);
     for &f in first.boundary("right").unwrap() {
-        assert!(first.facet_points(&first.facets()[f as usize]).all(|v| first.points()[v as usize][0] == 1.0));
+        assert!(
+            first
+                .facet_points(&first.facets()[f as usize])
+                .all(|v| first.points()[v as usize][0] == 1.0)
+        );
     }
     for variant in VARIANTS {
         assert_same(&first, &parse::<3>(&recorded(&format!("cube-{variant}")), variant).0, variant);
@@ -109,7 +114,8 @@ fn files_with_all_elements_or_with_partitions_hold_the_same_cells() {
         (0..mesh.cell_count()).map(cell).collect()
     };
     let (plain, _) = parse::<2>(&recorded("pieces-41.msh"), "plain");
-    for name in ["pieces-41-bin-all.msh", "pieces-41-partitioned.msh", "pieces-22-partitioned.msh"] {
+    for name in ["pieces-41-bin-all.msh", "pieces-41-partitioned.msh", "pieces-22-partitioned.msh"]
+    {
         let (mesh, _) = parse::<2>(&recorded(name), name);
         assert_eq!(sorted(&plain), sorted(&mesh), "{name}");
         assert_eq!(sizes(plain.regions()), sizes(mesh.regions()), "{name}");
@@ -143,10 +149,15 @@ fn compare_with_mshio<const D: usize>(name: &str) {
     };
     let mut members: BTreeMap<i32, usize> = BTreeMap::new();
     let mut c = 0;
-    for block in theirs.elements.unwrap().element_blocks.iter().filter(|b| b.element_type == wanted) {
+    for block in theirs.elements.unwrap().element_blocks.iter().filter(|b| b.element_type == wanted)
+    {
         for element in &block.elements {
             for (v, tag) in mesh.cell(c).iter().zip(&element.nodes) {
-                assert_eq!(mesh.points()[*v as usize].as_slice(), &points[tag][..D], "{name}, cell {c}");
+                assert_eq!(
+                    mesh.points()[*v as usize].as_slice(),
+                    &points[tag][..D],
+                    "{name}, cell {c}"
+                );
             }
             c += 1;
         }
@@ -188,7 +199,10 @@ fn meshes_that_come_with_the_program_are_sound_and_named() {
     let read = |name: &str| root().join("meshes").join(name);
     let (square, w) = gmsh::read::<2>(&read("box.msh")).unwrap();
     assert!(w.is_empty() && (square.volume() - 4.0).abs() < 1e-12);
-    assert_eq!(square.boundaries().keys().collect::<Vec<_>>(), ["bottom", "left", "right", "top", "walls"]);
+    assert_eq!(
+        square.boundaries().keys().collect::<Vec<_>>(),
+        ["bottom", "left", "right", "top", "walls"]
+    );
     let (channel, w) = gmsh::read::<2>(&read("channel.msh")).unwrap();
     assert!(w.is_empty() && channel.boundaries().len() == 4);
     // A polygon inscribed in the cylinder is cut out.
@@ -200,7 +214,10 @@ fn meshes_that_come_with_the_program_are_sound_and_named() {
     let (ball, w) = gmsh::read::<3>(&read("ball.msh")).unwrap();
     assert!(w.is_empty() && (ball.volume() - 8.0).abs() < 1e-12 && ball.regions().len() == 2);
     for (quality, warnings) in [check(&square), check(&channel), check(&disc)] {
-        assert!(warnings.is_empty() && quality.smallest_angle.value > 30.0 && quality.parts == 1, "{warnings:?}");
+        assert!(
+            warnings.is_empty() && quality.smallest_angle.value > 30.0 && quality.parts == 1,
+            "{warnings:?}"
+        );
     }
     let (quality, warnings) = check(&ball);
     assert!(warnings.is_empty() && quality.smallest_angle.value > 15.0, "{warnings:?}");
@@ -213,12 +230,14 @@ fn a_ball_in_a_box_is_fine_about_the_sphere_alone() {
     let names: Vec<&str> = mesh.boundaries().keys().map(String::as_str).collect();
     assert_eq!(names, ["back", "bottom", "front", "left", "right", "top", "walls"]);
     assert_eq!(mesh.boundary("walls").unwrap().len(), mesh.facets().len());
-    let centre = |c: usize| mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]).sum::<Point<3>>() / 4.0;
+    let centre =
+        |c: usize| mesh.cell(c).iter().map(|&v| mesh.points()[v as usize]).sum::<Point<3>>() / 4.0;
     let ball = &mesh.regions()["ball"];
     assert!(ball.iter().all(|&c| centre(c as usize).norm() < 0.5));
     assert_eq!(ball.len() + mesh.regions()["fluid"].len(), mesh.cell_count());
     // A polyhedron with its corners on the sphere.
-    let volume: f64 = ball.iter().map(|&c| mesh.map(c as usize).volume).sum::<f64>() / (std::f64::consts::PI / 6.0);
+    let volume: f64 = ball.iter().map(|&c| mesh.map(c as usize).volume).sum::<f64>()
+        / (std::f64::consts::PI / 6.0);
     assert!((0.97..1.0).contains(&volume), "{volume}");
     for c in 0..mesh.cell_count() {
         if (centre(c).norm() - 0.5).abs() < 0.05 {
@@ -238,20 +257,26 @@ fn walks_round_the_cylinder_of_the_channel_agree_with_the_grid() {
     let mut runner = TestRunner::new(Config::with_cases(5000));
     let outcome = runner.run(&strategy, |(c, (a, b), (x, y))| {
         let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
-        let from = mesh.point_at(&Location { cell: c as u32, barycentric: [1.0 - a - b, a, b, 0.0] });
+        let from =
+            mesh.point_at(&Location { cell: c as u32, barycentric: [1.0 - a - b, a, b, 0.0] });
         let to = Point::<2>::new(x, y);
         let (end, arrived) = mesh.walk(c as u32, &from, &to);
         let p = mesh.point_at(&end);
         let direction = (to - from).normalize();
         // The end lies on the segment, and what is before it is inside.
-        prop_assert!((p - from).perp(&direction).abs() < 1e-12 && (p - from).dot(&direction) > -1e-12);
+        prop_assert!(
+            (p - from).perp(&direction).abs() < 1e-12 && (p - from).dot(&direction) > -1e-12
+        );
         for i in 0..20 {
-            prop_assert!(locator.locate(&mesh, &(from + (p - from) * (f64::from(i) / 20.0))).is_some());
+            prop_assert!(
+                locator.locate(&mesh, &(from + (p - from) * (f64::from(i) / 20.0))).is_some()
+            );
         }
         if arrived {
             prop_assert!((p - to).norm() < 1e-12 && locator.locate(&mesh, &to).is_some());
         } else {
-            // The boundary is left there. Parts that the segment misses by less than 1e-7 cannot be told from touched ones.
+            // The boundary is left there. Parts that the segment misses by less than 1e-7 cannot be
+            // told from touched ones.
             let beyond = p + direction * 1e-7;
             prop_assert!(end.barycentric[..3].iter().any(|&l| l < 1e-12));
             prop_assert!(locator.locate(&mesh, &beyond).is_none() || (to - p).norm() < 1e-7);
@@ -264,7 +289,8 @@ fn walks_round_the_cylinder_of_the_channel_agree_with_the_grid() {
 /// Meshes a source with the gmsh of this machine; `None` if there is none.
 fn meshed(source: &Path, options: &[&str], folder: &Path) -> Option<Vec<u8>> {
     let out = folder.join("out.msh");
-    let run = Command::new("gmsh").arg(source).args(options).args(["-v", "1", "-o"]).arg(&out).output();
+    let run =
+        Command::new("gmsh").arg(source).args(options).args(["-v", "1", "-o"]).arg(&out).output();
     let output = match run {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return None,
         run => run.unwrap(),
@@ -277,9 +303,12 @@ fn meshed(source: &Path, options: &[&str], folder: &Path) -> Option<Vec<u8>> {
 #[expect(clippy::print_stderr, reason = "a test that has nothing to compare must say so")]
 fn the_gmsh_of_this_machine_gives_the_same_mesh_in_all_formats() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, dimension) in [("box", "-2"), ("channel", "-2"), ("disc", "-2"), ("ball", "-3"), ("ball-in-box", "-3")] {
+    for (name, dimension) in
+        [("box", "-2"), ("channel", "-2"), ("disc", "-2"), ("ball", "-3"), ("ball-in-box", "-3")]
+    {
         let source = root().join("meshes").join(format!("{name}.geo"));
-        let formats: [&[&str]; 5] = [&["msh41"], &["msh41", "-bin"], &["msh22"], &["msh22", "-bin"], &["msh40"]];
+        let formats: [&[&str]; 5] =
+            [&["msh41"], &["msh41", "-bin"], &["msh22"], &["msh22", "-bin"], &["msh40"]];
         let mut files = Vec::new();
         for format in formats {
             let options: Vec<&str> = [&[dimension, "-format"], format].concat();

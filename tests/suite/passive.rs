@@ -1,4 +1,5 @@
-//! Scenes with a prescribed velocity, passive level sets, markers, and composed transport in scenes.
+//! Scenes with a prescribed velocity, passive level sets, markers, and composed transport in
+//! scenes.
 
 use super::case::{Built, Case, refused};
 use super::program::immersa;
@@ -49,9 +50,12 @@ transport = "composed"
 fn a_prescribed_velocity_leaves_the_flow_out() {
     let mut case = Case::<Advected>::of(VORTEX, &[]);
     let plan = case.model.plan().unwrap();
-    for line in
-        ["no flow: the velocity is prescribed as", "no matrix of a flow", "500 markers follow it", "backward map"]
-    {
+    for line in [
+        "no flow: the velocity is prescribed as",
+        "no matrix of a flow",
+        "500 markers follow it",
+        "backward map",
+    ] {
         assert!(plan.contains(line), "{line} is missing in\n{plan}");
     }
     let facts = case.model.facts();
@@ -88,7 +92,10 @@ fn what_has_no_meaning_with_a_prescribed_velocity_is_refused() {
         ("level_set.0.markers=2", "out of range"),
         ("level_set.0.marker=2", "did you mean `markers`?"),
         ("fluid.prescribed_velocity=['1/(x - 0.5)', 0]", "no finite value everywhere"),
-        ("level_set.0.shape={ circle = { centre = [2, 0.5], radius = 0.1 } }", "does not lie inside"),
+        (
+            "level_set.0.shape={ circle = { centre = [2, 0.5], radius = 0.1 } }",
+            "does not lie inside",
+        ),
         ("numerics.remap=0", "must be positive"),
     ] {
         let shown = refused(VORTEX, &[set]);
@@ -107,15 +114,22 @@ fn composed_transport_is_refused_where_fluid_comes_in() {
     refused(VORTEX, &["fluid.prescribed_velocity=['max(t - 0.9, 0)', 0]"]);
     for set in ["boundary.left={ velocity = ['y*(2 - y)', 0] }", "boundary.left={ open = true }"] {
         assert!(
-            refused(MEMBRANE, &[set, "boundary.right={ open = true }", "boundary.walls={ no_slip = true }"])
-                .contains("boundary `left`")
+            refused(
+                MEMBRANE,
+                &[set, "boundary.right={ open = true }", "boundary.walls={ no_slip = true }"]
+            )
+            .contains("boundary `left`")
         );
     }
     // A lid only moves along itself.
-    Case::with(MEMBRANE, &["boundary.top={ velocity = [1, 0] }", "boundary.walls={ no_slip = true }"]);
+    Case::with(
+        MEMBRANE,
+        &["boundary.top={ velocity = [1, 0] }", "boundary.walls={ no_slip = true }"],
+    );
 }
 
-/// The state is saved, read and gone on with in a new model: every bit is the same, the chain of submaps and the markers included.
+/// The state is saved, read and gone on with in a new model: every bit is the same, the chain of
+/// submaps and the markers included.
 #[test]
 fn a_composed_run_goes_on_bit_by_bit() {
     fn check<P: Built>(text: &str, half: usize, passive: usize) {
@@ -137,18 +151,26 @@ fn a_composed_run_goes_on_bit_by_bit() {
 fn a_membrane_moves_as_well_by_composed_as_by_nodal_transport() {
     let run = |transport: &str| Case::with(MEMBRANE, &[transport, "fluid.viscosity=0.05"]).run();
     let (composed, nodal) = (run("numerics.transport=composed"), run("numerics.transport=nodal"));
-    for column in
-        ["membrane.axis_1", "membrane.axis_2", "membrane.area", "dye.area", "dye.perimeter", "dye.markers_length"]
-    {
+    for column in [
+        "membrane.axis_1",
+        "membrane.axis_2",
+        "membrane.area",
+        "dye.area",
+        "dye.perimeter",
+        "dye.markers_length",
+    ] {
         let [a, b] = [&composed, &nodal].map(|c| c.get(column));
         assert!((a / b - 1.0).abs() < 5e-3, "{column}: composed {a}, nodal {b}");
     }
     assert!(composed.get("energy_balance").abs() < 0.02);
     assert!((composed.get("dye.area") / (PI * 0.04) - 1.0).abs() < 1e-3);
-    assert!((composed.get("dye.markers_length") / composed.get("dye.perimeter") - 1.0).abs() < 2e-3);
+    assert!(
+        (composed.get("dye.markers_length") / composed.get("dye.perimeter") - 1.0).abs() < 2e-3
+    );
 }
 
-/// A uniform stream carries a disc once through the mesh and back to its place: displacements are unwrapped at the sides.
+/// A uniform stream carries a disc once through the mesh and back to its place: displacements are
+/// unwrapped at the sides.
 #[test]
 fn a_stream_through_periodic_sides_brings_everything_back() {
     let set = [
@@ -169,7 +191,8 @@ fn a_stream_through_periodic_sides_brings_everything_back() {
     assert!(case.get("map_error") < 1e-12);
 }
 
-/// The interface is cut from the map, not from what its values at the nodes of a coarse mesh make of it.
+/// The interface is cut from the map, not from what its values at the nodes of a coarse mesh make
+/// of it.
 #[test]
 fn a_filament_thinner_than_the_mesh_keeps_its_area() {
     let set = ["time.end=4", "mesh.rectangle.cells=[24, 24]", "time.step=0.0625"];
@@ -200,19 +223,22 @@ picture = { field = "vorticity", size = 200 }
 film = false
 "#;
 
-/// A rigid rotation has the vorticity of twice its angular velocity. Zero is in the middle of the colours though all fluid turns one way.
+/// A rigid rotation has the vorticity of twice its angular velocity. Zero is in the middle of the
+/// colours though all fluid turns one way.
 #[test]
 fn vorticity_is_measured_and_shown_with_its_sign() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     // Grey levels of the ends of the colours, blue and red, of ColorBrewer's RdBu.
-    for (out, sign, velocity, grey) in
-        [("clockwise", -1.0, "['y - 0.5', '0.5 - x']", 0.160), ("counter", 1.0, "['0.5 - y', 'x - 0.5']", 0.135)]
-    {
+    for (out, sign, velocity, grey) in [
+        ("clockwise", -1.0, "['y - 0.5', '0.5 - x']", 0.160),
+        ("counter", 1.0, "['0.5 - y', 'x - 0.5']", 0.135),
+    ] {
         let run = path.join(out);
         fs::write(path.join("scene.toml"), TURN).unwrap();
         let set = format!("fluid.prescribed_velocity={velocity}");
-        immersa(path, &["run", "scene.toml", "--quiet", "--out", out, "--set", &set]).expect(0, &[]);
+        immersa(path, &["run", "scene.toml", "--quiet", "--out", out, "--set", &set])
+            .expect(0, &[]);
         let is = |values: &[f64]| values.iter().all(|v| (v - 2.0 * sign).abs() < 1e-12);
         assert!(is(Series::read(&run.join("series.csv")).unwrap().column("turn").unwrap()));
         let profile = Series::read(&run.join("profiles/line.csv")).unwrap();

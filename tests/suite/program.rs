@@ -9,7 +9,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A membrane in a box whose lid begins to move: small, but with every kind of output except pictures.
+/// A membrane in a box whose lid begins to move: small, but with every kind of output except
+/// pictures.
 pub const SCENE: &str = r#"title = "A membrane under a lid"
 [mesh]
 rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16], diagonals = "union-jack" }
@@ -84,11 +85,15 @@ pub fn immersa(folder: &Path, arguments: &[&str]) -> Ended {
     Ended::of(command(folder, arguments).output().unwrap())
 }
 
-/// The same with a limit on the size of files, in blocks of 512 bytes, that is an error as on a full disk.
+/// The same with a limit on the size of files, in blocks of 512 bytes, that is an error as on a
+/// full disk.
 pub fn immersa_within(folder: &Path, blocks: u64, arguments: &[&str]) -> Ended {
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
     let mut command = Command::new("sh");
-    command.current_dir(folder).args(["-c", &script, env!("CARGO_BIN_EXE_immersa")]).args(arguments);
+    command
+        .current_dir(folder)
+        .args(["-c", &script, env!("CARGO_BIN_EXE_immersa")])
+        .args(arguments);
     Ended::of(command.output().unwrap())
 }
 
@@ -122,7 +127,8 @@ pub fn resume(folder: &Path, out: &str) -> Ended {
     immersa(folder, &["run", "scene.toml", "--resume", "--out", out])
 }
 
-/// Interrupts runs of the scene with Ctrl-C until one of them had not ended before the signal came, at about row `row`.
+/// Interrupts runs of the scene with Ctrl-C until one of them had not ended before the signal came,
+/// at about row `row`.
 pub fn interrupted(folder: &Path, out: &str, row: usize) -> Ended {
     for _ in 0..10 {
         let run = folder.join(out);
@@ -139,8 +145,8 @@ pub fn interrupted(folder: &Path, out: &str, row: usize) -> Ended {
     panic!("every run ended before it was interrupted");
 }
 
-/// Runs `scene.toml` of a folder at once, and again with an interruption after the first step from which it goes on; both must end with the words
-/// `done`. The two run folders.
+/// Runs `scene.toml` of a folder at once, and again with an interruption after the first step from
+/// which it goes on; both must end with the words `done`. The two run folders.
 pub fn run_whole_and_in_parts(folder: &Path, done: &str) -> [PathBuf; 2] {
     immersa(folder, &["run", "scene.toml", "--out", "whole"]).expect(0, &[done]);
     interrupted(folder, "parts", 2).expect(130, &["interrupted", "--resume"]);
@@ -150,7 +156,8 @@ pub fn run_whole_and_in_parts(folder: &Path, done: &str) -> [PathBuf; 2] {
 
 /// Rows of the series of a run folder, its header not counted; 0 before there is one.
 pub fn rows(run: &Path) -> usize {
-    fs::read(run.join("series.csv")).map_or(0, |s| s.iter().filter(|b| **b == b'\n').count().saturating_sub(1))
+    fs::read(run.join("series.csv"))
+        .map_or(0, |s| s.iter().filter(|b| **b == b'\n').count().saturating_sub(1))
 }
 
 /// All files below a folder by their path in it.
@@ -181,7 +188,8 @@ pub fn summary(run: &Path) -> Value {
     serde_json::from_slice(&fs::read(run.join("summary.json")).unwrap()).unwrap()
 }
 
-/// Two run folders hold the same files with the same bytes, apart from the seconds that the runs took.
+/// Two run folders hold the same files with the same bytes, apart from the seconds that the runs
+/// took.
 pub fn assert_same(a: &Path, b: &Path) {
     let (first, second) = (files(a), files(b));
     let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
@@ -192,7 +200,12 @@ pub fn assert_same(a: &Path, b: &Path) {
             "checkpoint/latest.bin" => assert_eq!(checkpoint(content), checkpoint(&second[name])),
             // It prints the seconds; all else in it comes from the other files.
             "report.html" => {}
-            _ => assert!(*content == second[name], "{name} differs in {} and {}", a.display(), b.display()),
+            _ => assert!(
+                *content == second[name],
+                "{name} differs in {} and {}",
+                a.display(),
+                b.display()
+            ),
         }
     }
 }

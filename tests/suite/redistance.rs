@@ -45,13 +45,15 @@ method = "exact"
 every = 4
 "#;
 
-/// Mean slope on the interface of level set number `k`, and its root mean square deviation from the mean.
+/// Mean slope on the interface of level set number `k`, and its root mean square deviation from the
+/// mean.
 fn slope<P: Built>(case: &Case<P>, k: usize) -> [f64; 2] {
     let (space, phi) = (case.model.space(), case.model.level_set(k));
     let contour = Contour::new(space, &phi).unwrap();
     let gradient = |c: u32, l: &[f64; 4]| space.gradient(&phi, c as usize, l).norm();
     let mean = contour.integrate(space, &phi, |c, l, _| gradient(c, l)) / contour.perimeter();
-    let square = contour.integrate(space, &phi, |c, l, _| (gradient(c, l) - mean).powi(2)) / contour.perimeter();
+    let square = contour.integrate(space, &phi, |c, l, _| (gradient(c, l) - mean).powi(2))
+        / contour.perimeter();
     [mean, square.sqrt()]
 }
 
@@ -63,19 +65,26 @@ fn the_slope_is_one_again_and_the_plan_says_so() {
     };
     assert!(without[1] > 0.3, "{without:?}");
     for method in METHODS {
-        let mut case = Case::<Advected>::of(VORTEX, &[&format!("numerics.redistance.method={method}")]);
+        let mut case =
+            Case::<Advected>::of(VORTEX, &[&format!("numerics.redistance.method={method}")]);
         let plan = case.model.plan().unwrap();
         assert!(
-            plan.contains("level sets redistanced after every step") && !plan.contains("redistancing: the slope"),
+            plan.contains("level sets redistanced after every step")
+                && !plan.contains("redistancing: the slope"),
             "{plan}"
         );
         let with = slope(&case.run(), 0);
-        // The tip of the filament is thinner than a cell, and fast marching is of first order: its slopes keep an error.
-        assert!((with[0] - 1.0).abs() < 0.2 && with[1] < 0.5 * without[1], "{method}: {with:?}, without {without:?}");
+        // The tip of the filament is thinner than a cell, and fast marching is of first order: its
+        // slopes keep an error.
+        assert!(
+            (with[0] - 1.0).abs() < 0.2 && with[1] < 0.5 * without[1],
+            "{method}: {with:?}, without {without:?}"
+        );
     }
 }
 
-/// Between two redistancings transport alone acts; at one, what the cut interface encloses is what it was.
+/// Between two redistancings transport alone acts; at one, what the cut interface encloses is what
+/// it was.
 #[test]
 fn the_count_of_steps_decides_and_the_area_is_kept() {
     let set = ["numerics.redistance.every=4", "numerics.redistance.volume=true"];
@@ -146,9 +155,11 @@ fn a_ball_in_space_is_redistanced() {
         }
         let (space, phi) = (model.advection.space(), model.advection.level_set(0));
         let surface = immersa::levelset::Isosurface::new(space, &phi).unwrap();
-        let slope = surface.integrate(space, &phi, |p| space.gradient(&phi, p.at.cell, &p.at.barycentric).norm());
+        let slope = surface
+            .integrate(space, &phi, |p| space.gradient(&phi, p.at.cell, &p.at.barycentric).norm());
         assert!((slope / surface.area() - 1.0).abs() < 0.1, "{method}: {}", slope / surface.area());
-        let volume = surface.measures().unwrap().volume / (4.0 / 3.0 * std::f64::consts::PI * 0.25f64.powi(3));
+        let volume = surface.measures().unwrap().volume
+            / (4.0 / 3.0 * std::f64::consts::PI * 0.25f64.powi(3));
         assert!((volume - 1.0).abs() < 0.02, "{method}: {volume}");
     }
 }
@@ -167,16 +178,22 @@ fn what_redistancing_would_destroy_is_refused() {
         let error = refused(text, &[set]);
         assert!(error.contains(word) && error.contains("redistance"), "{set}: {error}");
     }
-    let (before, after) = (VORTEX.split("[[level_set]]").next().unwrap(), VORTEX.split("[time]").nth(1).unwrap());
-    let alone = format!("{before}[time]{after}")
-        .replace("prescribed_velocity = [\"-sin(pi*x)^2*sin(2*pi*y)\", \"sin(2*pi*x)*sin(pi*y)^2\"]", "viscosity = 1");
+    let (before, after) =
+        (VORTEX.split("[[level_set]]").next().unwrap(), VORTEX.split("[time]").nth(1).unwrap());
+    let alone = format!("{before}[time]{after}").replace(
+        "prescribed_velocity = [\"-sin(pi*x)^2*sin(2*pi*y)\", \"sin(2*pi*x)*sin(pi*y)^2\"]",
+        "viscosity = 1",
+    );
     assert!(refused(&alone, &[]).contains("no interface"));
 }
 
 #[test]
 fn the_scene_writes_what_it_read() {
     for method in METHODS {
-        let set = [format!("numerics.redistance.method={method}"), "numerics.redistance.volume=true".to_string()];
+        let set = [
+            format!("numerics.redistance.method={method}"),
+            "numerics.redistance.volume=true".to_string(),
+        ];
         let scene = Scene::parse_with(DROP, Path::new("scene.toml"), &set).unwrap();
         let again = Scene::parse(&scene.to_toml(), Path::new("scene.toml")).unwrap();
         assert_eq!(scene.numerics, again.numerics);

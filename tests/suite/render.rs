@@ -42,7 +42,8 @@ fn a_run_is_rendered_whole_and_the_same_every_time() {
     ];
     let pictures = (0..5).map(|k| format!("pictures/{k:06}.png"));
     let others =
-        ["film.gif", "charts/probe-inside.svg", "charts/profile-pressure.svg", "report.html"].map(String::from);
+        ["film.gif", "charts/probe-inside.svg", "charts/profile-pressure.svg", "report.html"]
+            .map(String::from);
     for name in pictures.chain(charts.map(|c| format!("charts/{c}.svg"))).chain(others) {
         assert!(first.contains_key(&name), "{name} was not made");
         assert!(made.files.contains(&run.join(&name)), "{name} is not among the files");
@@ -68,14 +69,25 @@ fn a_run_is_rendered_whole_and_the_same_every_time() {
 fn report_is_complete(page: &str) {
     let alarm = page.find(run_folder::ALARM).expect("the alarm is on the page");
     assert!(alarm < page.find("class=\"numbers\"").unwrap(), "the alarm comes first");
-    let headings =
-        ["Pictures", "Charts", "Balances", "Numbers", "What was computed", "Settings", "Files in this folder"];
-    for text in
-        headings.iter().chain(&["ParaView", "membrane.level_set", "circle of the same area", "stretch = 1.2625316"])
-    {
+    let headings = [
+        "Pictures",
+        "Charts",
+        "Balances",
+        "Numbers",
+        "What was computed",
+        "Settings",
+        "Files in this folder",
+    ];
+    for text in headings.iter().chain(&[
+        "ParaView",
+        "membrane.level_set",
+        "circle of the same area",
+        "stretch = 1.2625316",
+    ]) {
         assert!(page.contains(text), "{text} is missing");
     }
-    // Nothing is fetched: every address is one that holds its data, and names of drawings are on the page itself.
+    // Nothing is fetched: every address is one that holds its data, and names of drawings are on
+    // the page itself.
     for at in ["src=\"", "href=\"", "url("] {
         for address in page.split(at).skip(1) {
             assert!(address.starts_with("data:") || address.starts_with('#'), "{at}{address:.60}");
@@ -93,14 +105,24 @@ fn the_program_renders_a_run_and_refuses_what_is_none() {
     let run = dir.path().join("run");
     run_folder::write(&run, 8, 4, 2);
     let program = || assert_cmd::Command::cargo_bin("immersa").unwrap();
-    let good = program().arg("render").arg(&run).args(["--set", "output.picture.size=300"]).assert().code(0);
+    let good = program()
+        .arg("render")
+        .arg(&run)
+        .args(["--set", "output.picture.size=300"])
+        .assert()
+        .code(0);
     let said = String::from_utf8_lossy(&good.get_output().stdout).into_owned();
     assert!(said.contains("report.html") && run.join("report.html").is_file(), "{said}");
 
-    fs::write(run.join("fields/000001.vtu"), &fs::read(run.join("fields/000001.vtu")).unwrap()[..3000]).unwrap();
-    for (folder, texts) in
-        [(&run, ["000001.vtu", "cut off"]), (&dir.path().to_path_buf(), ["no scene.toml", "immersa run"])]
-    {
+    fs::write(
+        run.join("fields/000001.vtu"),
+        &fs::read(run.join("fields/000001.vtu")).unwrap()[..3000],
+    )
+    .unwrap();
+    for (folder, texts) in [
+        (&run, ["000001.vtu", "cut off"]),
+        (&dir.path().to_path_buf(), ["no scene.toml", "immersa run"]),
+    ] {
         let bad = program().arg("render").arg(folder).assert().code(3);
         let said = String::from_utf8_lossy(&bad.get_output().stderr).into_owned();
         assert!(texts.iter().all(|t| said.contains(t)), "{said}");

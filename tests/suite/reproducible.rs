@@ -11,7 +11,9 @@ use nalgebra::SVector;
 use std::sync::Arc;
 
 /// A drop with a stretched skin that falls: every part of the step is at work.
-fn simulation((transport, coupling, order, force): (Method, Coupling, usize, Force)) -> Simulation<2> {
+fn simulation(
+    (transport, coupling, order, force): (Method, Coupling, usize, Force),
+) -> Simulation<2> {
     let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [24; 2], Diagonals::UnionJack).unwrap());
     let space = Space::new(&mesh, Element::P2);
     let shape = Ellipse::new(Point::<2>::new(1.0, 1.1), Point::<2>::new(0.6, 0.4), 20.0).unwrap();
@@ -63,8 +65,14 @@ fn one_thread_and_several_give_the_same_bits() {
             pool.install(|| steps(&mut simulation(case), 10))
         };
         let one = run(1);
-        // A drop of another viscosity: the matrix changes in each step, and an older factor must be among the bits.
-        assert!(State::<2>::from_bytes(&one, 0).unwrap().factored.is_some_and(|f| f.solve_cost.solves >= 1.0));
+        // A drop of another viscosity: the matrix changes in each step, and an older factor must be
+        // among the bits.
+        assert!(
+            State::<2>::from_bytes(&one, 0)
+                .unwrap()
+                .factored
+                .is_some_and(|f| f.solve_cost.solves >= 1.0)
+        );
         assert!(run(2) == one && run(3) == one, "{case:?}");
     }
 }

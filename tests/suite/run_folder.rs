@@ -60,7 +60,8 @@ profiles.pressure = {{ from = [0, 1], to = [2, 1], of = "pressure", times = [{},
 }
 
 fn simulation(cells: usize) -> Simulation<2> {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
+    let mesh =
+        Arc::new(rectangle([0.0, 0.0], [2.0, 2.0], [cells, cells], Diagonals::UnionJack).unwrap());
     let space = immersa::fem::Space::new(&mesh, immersa::fem::Element::P2);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), AXES.into(), 0.0).unwrap();
     let settings = SimulationSettings {
@@ -110,15 +111,23 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
     let contour = Contour::new(space, phi).unwrap();
     let m = contour.measures().unwrap();
     let centre = Point::<2>::new(1.0, 1.0);
-    let chord = |x, y| contour.half_chord(space, phi, &centre, &SVector::<f64, 2>::new(x, y)).unwrap();
+    let chord =
+        |x, y| contour.half_chord(space, phi, &centre, &SVector::<f64, 2>::new(x, y)).unwrap();
     let e = state.energies;
     let limit = sim.structures()[0].step_limit(0.01, 0.1);
     let at = Locator::new(space.mesh()).locate(space.mesh(), &centre).unwrap();
     let u = space.value(&state.flow.u, at.cell as usize, &at.barycentric);
     let p = sim.flow().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);
-    let mut row = vec![m.area, m.perimeter, m.centroid[0], m.centroid[1], m.axis_1, m.axis_2, m.angle];
+    let mut row =
+        vec![m.area, m.perimeter, m.centroid[0], m.centroid[1], m.axis_1, m.axis_2, m.angle];
     row.extend([m.extent_x, m.extent_y, chord(1.0, 0.0), chord(0.0, 1.0)]);
-    row.extend([e.kinetic, e.elastic, e.dissipation + e.grad_div, state.balance.residual(&e), state.balance.work]);
+    row.extend([
+        e.kinetic,
+        e.elastic,
+        e.dissipation + e.grad_div,
+        state.balance.residual(&e),
+        state.balance.work,
+    ]);
     row.extend([sim.largest_speed(), e.divergence, sim.courant(), STEP / limit, u[0], u[1], p]);
     row
 }
@@ -138,7 +147,8 @@ fn abscissas() -> Vec<f64> {
     (0..200).map(|k| 2.0 * f64::from(k) / 199.0).collect()
 }
 
-/// Computes `steps` steps on `cells x cells x 2` triangles with fields every `pictures` steps, and writes the run folder.
+/// Computes `steps` steps on `cells x cells x 2` triangles with fields every `pictures` steps, and
+/// writes the run folder.
 pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
     fs::create_dir_all(folder.join("fields")).unwrap();
     fs::create_dir_all(folder.join("profiles")).unwrap();
@@ -181,7 +191,8 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
 
 fn summary(sim: &Simulation<2>, first_area: f64, largest_rise: f64) -> String {
     let now = row(sim);
-    let last: serde_json::Map<_, _> = COLUMNS.iter().zip(&now).map(|(k, v)| (k.to_string(), (*v).into())).collect();
+    let last: serde_json::Map<_, _> =
+        COLUMNS.iter().zip(&now).map(|(k, v)| (k.to_string(), (*v).into())).collect();
     let u = sim.state().flow.u.len();
     let summary = serde_json::json!({
         "title": "Relaxing elliptical membrane",
@@ -194,7 +205,8 @@ fn summary(sim: &Simulation<2>, first_area: f64, largest_rise: f64) -> String {
         "seconds": { "assembly": 0.5, "factorisation": 1.25, "transport": 0.375 },
         "alarms": [ALARM],
         "warnings": ["the mesh has no region names"],
-        "plan": "Navier-Stokes, P2-P1, BDF2, convection by characteristics.\nOne membrane, linear law.\n\nLeft out: backward characteristics (no shear), curvature, redistancing.",
+        "plan": "Navier-Stokes, P2-P1, BDF2, convection by characteristics.\nOne membrane, linear \
+         law.\n\nLeft out: backward characteristics (no shear), curvature, redistancing.",
         "balance": {
             "energy": sim.state().balance.residual(&sim.state().energies),
             "largest_rise": largest_rise / sim.state().balance.initial,

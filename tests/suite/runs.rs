@@ -1,5 +1,5 @@
-//! Runs through the program: interrupted and killed at any moment, resumed, on one thread and on two; what they say and what
-//! they refuse.
+//! Runs through the program: interrupted and killed at any moment, resumed, on one thread and on
+//! two; what they say and what they refuse.
 
 use super::program::*;
 use std::fs;
@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A folder with `scene.toml` and the folder `whole` of its run, which nothing disturbed; and how long that took.
+/// A folder with `scene.toml` and the folder `whole` of its run, which nothing disturbed; and how
+/// long that took.
 fn with_run(scene: &str) -> (TempDir, PathBuf, Duration) {
     let folder = folder_with(scene);
     let start = Instant::now();
@@ -21,8 +22,10 @@ fn with_run(scene: &str) -> (TempDir, PathBuf, Duration) {
 
 /// The scene on a mesh that is made anew at every look.
 fn adapted() -> String {
-    let scene = SCENE
-        .replace("[fluid]", "[mesh.adapt]\nevery = 0.05\nedge = 0.1\nfields = [\"pressure\"]\nerror = 0.05\n[fluid]");
+    let scene = SCENE.replace(
+        "[fluid]",
+        "[mesh.adapt]\nevery = 0.05\nedge = 0.1\nfields = [\"pressure\"]\nerror = 0.05\n[fluid]",
+    );
     scene.replace("thickness = 0.2", "thickness = 0.25")
 }
 
@@ -61,14 +64,22 @@ checkpoint = 0
 
 #[test]
 fn runs_that_were_interrupted_end_as_if_they_had_not_been() {
-    for scene in [SCENE.to_string(), SCENE.replace("checkpoint = 0", "checkpoint = false"), adapted(), MOVING.into()] {
+    for scene in [
+        SCENE.to_string(),
+        SCENE.replace("checkpoint = 0", "checkpoint = false"),
+        adapted(),
+        MOVING.into(),
+    ] {
         let (folder, whole, _) = with_run(&scene);
         let meshes = summary(&whole)["meshes"].as_array().map_or(0, Vec::len);
         assert_eq!(meshes > 2, scene.contains("mesh.adapt"), "{meshes} meshes");
         for row in [0, 1, 7, 15] {
             let out = format!("interrupted-{row}");
             let ended = interrupted(folder.path(), &out, row);
-            ended.expect(130, &["interrupted", "at: time ", &format!("go on with --resume --out {out}")]);
+            ended.expect(
+                130,
+                &["interrupted", "at: time ", &format!("go on with --resume --out {out}")],
+            );
             let run = folder.path().join(&out);
             assert_eq!(summary(&run)["status"], "interrupted");
             assert!(summary(&run)["error"].is_null());
@@ -84,7 +95,8 @@ fn runs_that_were_interrupted_end_as_if_they_had_not_been() {
 fn a_second_ctrl_c_stops_at_once_also_while_pictures_are_drawn() {
     let folder = TempDir::new().unwrap();
     let pictures = "pictures = 0.01\npicture = { size = 4000 }";
-    fs::write(folder.path().join("scene.toml"), SCENE.replace("pictures = false", pictures)).unwrap();
+    fs::write(folder.path().join("scene.toml"), SCENE.replace("pictures = false", pictures))
+        .unwrap();
     let run = folder.path().join("run");
     let mut child = start(folder.path(), &["run", "scene.toml", "--out", "run"]);
     wait_until(&mut child, || run.join("pictures").exists());
@@ -109,11 +121,12 @@ fn runs_that_were_killed_again_and_again_end_as_if_they_had_not_been() {
     let mut seed = 1;
     for session in 0..60 {
         let mut child = start(folder.path(), &["run", "scene.toml", "--resume", "--out", "killed"]);
-        // The first ones while the model is built, the others at any moment of the steps that follow: computing takes about
-        // as long as writing, so many of them are amid a file.
+        // The first ones while the model is built, the others at any moment of the steps that
+        // follow: computing takes about as long as writing, so many of them are amid a file.
         let (mut target, mut delay) = (0, 0.1 * random(&mut seed));
         if session >= 3 {
-            (target, delay) = (rows(&run) + 1 + (3.0 * random(&mut seed)) as usize, 0.03 * random(&mut seed));
+            (target, delay) =
+                (rows(&run) + 1 + (3.0 * random(&mut seed)) as usize, 0.03 * random(&mut seed));
         }
         wait_until(&mut child, || rows(&run) >= target);
         std::thread::sleep(time.mul_f64(delay));
@@ -149,20 +162,31 @@ fn the_seconds_of_all_sessions_are_counted() {
     let before = ["setup", "steps", "output"].map(seconds);
     resume(folder.path(), "whole").expect(0, &[]);
     let after = ["setup", "steps", "output"].map(seconds);
-    assert!(after[0] > before[0] && after[1] == before[1] && after[2] >= before[2], "{before:?} {after:?}");
+    assert!(
+        after[0] > before[0] && after[1] == before[1] && after[2] >= before[2],
+        "{before:?} {after:?}"
+    );
 }
 
 #[test]
 fn nothing_of_a_run_is_lost_by_running_it_again() {
     let (folder, whole, _) = with_run(SCENE);
     let before = files(&whole);
-    let run =
-        |arguments: &[&str]| immersa(folder.path(), &[&["run", "scene.toml", "--out", "whole"], arguments].concat());
+    let run = |arguments: &[&str]| {
+        immersa(folder.path(), &[&["run", "scene.toml", "--out", "whole"], arguments].concat())
+    };
     let out = ["the folder holds a run already", "at: whole", "--resume", "--out"];
     run(&[]).expect(3, &out);
     run(&["--set", "time.step=0.02"]).expect(3, &out);
-    run(&["--resume", "--set", "time.step=0.02"])
-        .expect(2, &["started with another scene", "whole/scene.toml", "`step = 0.01` became `step = 0.02`", "--set"]);
+    run(&["--resume", "--set", "time.step=0.02"]).expect(
+        2,
+        &[
+            "started with another scene",
+            "whole/scene.toml",
+            "`step = 0.01` became `step = 0.02`",
+            "--set",
+        ],
+    );
     assert!(before == files(&whole), "a refused run has changed the folder");
 
     // A run that has ended is drawn again, and that is all.
@@ -200,7 +224,8 @@ fn damaged_checkpoints_are_noticed_and_nothing_is_changed() {
     fs::remove_file(whole.join("series.csv")).unwrap();
     resume(folder.path(), "whole").expect(3, &["series.csv", "No such file"]);
     fs::write(whole.join("series.csv"), "time\n0.0\n").unwrap();
-    resume(folder.path(), "whole").expect(3, &["columns of the series", "whole/series.csv", "--out"]);
+    resume(folder.path(), "whole")
+        .expect(3, &["columns of the series", "whole/series.csv", "--out"]);
 }
 
 #[test]
@@ -208,7 +233,8 @@ fn one_thread_and_two_give_the_same_bits() {
     let folder = TempDir::new().unwrap();
     // More cells than a chunk of a parallel loop holds, and both kinds of transport.
     for (transport, coupling) in [("nodal", "implicit"), ("projected", "explicit")] {
-        let numerics = format!("thickness = 0.2\ntransport = \"{transport}\"\ncoupling = \"{coupling}\"");
+        let numerics =
+            format!("thickness = 0.2\ntransport = \"{transport}\"\ncoupling = \"{coupling}\"");
         let scene = SCENE.replace("thickness = 0.2", &numerics).replace("[16, 16]", "[24, 24]");
         fs::write(folder.path().join("scene.toml"), scene).unwrap();
         same_on_two_threads(folder.path(), transport);
@@ -222,7 +248,8 @@ fn same_on_two_threads(folder: &Path, name: &str) {
     let [one, two] = ["1", "2"].map(|threads| {
         let out = format!("{name}-{threads}");
         let options = ["--threads", threads, "--out", &out, "--set", "time.end=0.1"];
-        immersa(folder, &[&["run", "scene.toml"][..], &options].concat()).expect(0, &["done: 10 steps"]);
+        immersa(folder, &[&["run", "scene.toml"][..], &options].concat())
+            .expect(0, &["done: 10 steps"]);
         folder.join(out)
     });
     assert_same(&one, &two);
@@ -243,8 +270,13 @@ fn the_book_s_case_without_grad_div_raises_the_alarm() {
     let folder = TempDir::new().unwrap();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/listing/scene.toml");
     let run = |out: &str, more: &[&str]| {
-        let set =
-            ["numerics.coupling=explicit", "time.order=1", "time.step=5e-3", "time.end=0.4", "output.pictures=false"];
+        let set = [
+            "numerics.coupling=explicit",
+            "time.order=1",
+            "time.step=5e-3",
+            "time.end=0.4",
+            "output.pictures=false",
+        ];
         let set = set.iter().chain(more).flat_map(|s| ["--set", *s]);
         let arguments: Vec<&str> = ["run", scene, "--out", out].into_iter().chain(set).collect();
         let ended = immersa(folder.path(), &arguments);

@@ -43,7 +43,11 @@ const BROKEN: [Broken; 50] = [
     ("modulus", "lambda", &["membrane.0.area.linear.lambda", "valid keys here: modulus"]),
     ("step", "stop", &["time.stop", "did you mean `step`?"]),
     ("of = ", "off = ", &["output.probes.p.off", "did you mean `of`?"]),
-    ("[output]", "[numerics]\nthikness = 1\n[output]", &["numerics.thikness", "did you mean `thickness`?"]),
+    (
+        "[output]",
+        "[numerics]\nthikness = 1\n[output]",
+        &["numerics.thikness", "did you mean `thickness`?"],
+    ),
     // Kinds of values, and units.
     ("0.01", "\"0.01 Pa s\"", &["fluid.viscosity", "0.01 Pa s", "without quotes or units"]),
     ("end = 1", "end = 1 s", &["scene.toml:16:7", "1 s", "not valid TOML", "key = value"]),
@@ -68,12 +72,20 @@ const BROKEN: [Broken; 50] = [
     ("step = 0.1", "step = 0.3", &["time.end", "not a multiple", "0.9 and 1.2"]),
     ("step = 0.1", "step = 0.1\norder = 3", &["time.order", "3", "from 1 to 2"]),
     ("[20, 20]", "[0, 20]", &["mesh.rectangle.cells.0", "0", "from 1"]),
-    ("max = [2, 2]", "max = [2, 0]", &["mesh.rectangle.max", "[2, 0]", "larger than min", "exchange"]),
+    (
+        "max = [2, 2]",
+        "max = [2, 0]",
+        &["mesh.rectangle.max", "[2, 0]", "larger than min", "exchange"],
+    ),
     ("radius = 0.5", "radius = -1", &["shape.circle.radius", "-1", "> 0"]),
     ("modulus = 1", "modulus = -1", &["area.linear.modulus", "-1", ">= 0"]),
     ("[fluid]", "[fluid]\ndensity = -1", &["fluid.density", "-1", ">= 0"]),
     // Vectors.
-    ("centre = [1, 1]", "centre = [1, 1, 1]", &["shape.circle.centre", "[1, 1, 1]", "3 components", "2"]),
+    (
+        "centre = [1, 1]",
+        "centre = [1, 1, 1]",
+        &["shape.circle.centre", "[1, 1, 1]", "3 components", "2"],
+    ),
     ("\"sin(pi*x)\", 0", "0", &["boundary.top.velocity", "[0]", "1 component", "2"]),
     ("[fluid]", "[fluid]\ngravity = 9.81", &["fluid.gravity", "9.81", "brackets"]),
     // Exactly one of several.
@@ -82,23 +94,48 @@ const BROKEN: [Broken; 50] = [
         "shape.polygon = { points = [[0, 0], [1, 0], [0, 1]] }\narea.linear",
         &["polygon", "keep exactly one"],
     ),
-    ("shape.circle = { centre = [1, 1], radius = 0.5 }\n", "", &["`shape` is missing", "membrane.0", "shape.circle ="]),
+    (
+        "shape.circle = { centre = [1, 1], radius = 0.5 }\n",
+        "",
+        &["`shape` is missing", "membrane.0", "shape.circle ="],
+    ),
     ("area.linear = { modulus = 1 }\n", "", &["`area` is missing", "area.linear ="]),
     ("viscosity = 0.01\n", "", &["`viscosity` is missing", "fluid.viscosity", "viscosity = 0.01"]),
-    ("no_slip = true", "sticky = true", &["boundary.walls.sticky", "velocity, no_slip, slip, open, periodic"]),
-    ("no_slip = true", "no_slip = true\nopen = true", &["boundary.walls.open", "beside `no_slip`", "keep exactly one"]),
-    ("rectangle =", "file = \"a.msh\"\nrectangle =", &["mesh.rectangle", "beside `file`", "keep exactly one"]),
+    (
+        "no_slip = true",
+        "sticky = true",
+        &["boundary.walls.sticky", "velocity, no_slip, slip, open, periodic"],
+    ),
+    (
+        "no_slip = true",
+        "no_slip = true\nopen = true",
+        &["boundary.walls.open", "beside `no_slip`", "keep exactly one"],
+    ),
+    (
+        "rectangle =",
+        "file = \"a.msh\"\nrectangle =",
+        &["mesh.rectangle", "beside `file`", "keep exactly one"],
+    ),
     // Boundaries and names.
-    ("velocity = [\"sin(pi*x)\", 0]", "periodic = \"top\"", &["boundary.top.periodic", "with itself", "pair"]),
+    (
+        "velocity = [\"sin(pi*x)\", 0]",
+        "periodic = \"top\"",
+        &["boundary.top.periodic", "with itself", "pair"],
+    ),
     (
         "[output]",
-        "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\narea.linear = { modulus = 1 }\n[output]",
+        "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\narea.linear = \
+         { modulus = 1 }\n[output]",
         &["two interfaces are named `membrane`", "name of its own"],
     ),
     ("probes.p", "probes.membrane", &["output.probes.membrane", "taken", "name of its own"]),
     ("\"pressure\"", "\"presure\"", &["output.probes.p.of", "presure", "did you mean `pressure`?"]),
     // Expressions.
-    ("\"sin(pi*x)\"", "\"sin(pi*q)\"", &["scene.toml:11:21", "`q` is not known", "known names: x, y, z, t, pi, R"]),
+    (
+        "\"sin(pi*x)\"",
+        "\"sin(pi*q)\"",
+        &["scene.toml:11:21", "`q` is not known", "known names: x, y, z, t, pi, R"],
+    ),
     ("\"sin(pi*x)\"", "\"sin(pi*x\"", &["scene.toml:11:17", "never closed", "add `)`"]),
     ("R = 0.5", "R = \"1/0\"", &["constants.R", "no finite value", "division by zero"]),
     // TOML itself.
@@ -136,7 +173,12 @@ fn broken_scenes_are_refused_with_place_value_and_remedy() {
         assert!(GOOD.contains(from), "{from}");
         let scene = GOOD.replacen(from, to, 1);
         assert_message(scene.as_bytes(), &["explain", "scene.toml"], 2, parts);
-        assert_message(scene.as_bytes(), &["run", "scene.toml"], 2, &["= at: scene.toml:", "= remedy: "]);
+        assert_message(
+            scene.as_bytes(),
+            &["run", "scene.toml"],
+            2,
+            &["= at: scene.toml:", "= remedy: "],
+        );
     }
 }
 
@@ -146,14 +188,17 @@ fn the_semi_implicit_coupling_is_refused_at_order_2_and_without_inertia() {
     let scene = GOOD.replace("[output]", "[numerics]\ncoupling = \"semi-implicit\"\n[output]");
     let explain = ["explain", "scene.toml"];
     let place = "scene.toml:19:12, key numerics.coupling";
-    let parts = [place, "(3.62)-(3.64) is of order 1", "order 2", "time.order = 1", "implicit coupling"];
+    let parts =
+        [place, "(3.62)-(3.64) is of order 1", "order 2", "time.order = 1", "implicit coupling"];
     assert_message(scene.as_bytes(), &explain, 2, &parts);
     let first = scene.replace("step = 0.1", "step = 0.1\norder = 1");
-    let massless = first.replace("viscosity = 0.01", "viscosity = 0.01\ndensity = { inside = 0, outside = 1 }");
+    let massless = first
+        .replace("viscosity = 0.01", "viscosity = 0.01\ndensity = { inside = 0, outside = 1 }");
     let parts = ["numerics.coupling", "needs inertia", "density 0", "take densities above 0"];
     assert_message(massless.as_bytes(), &explain, 2, &parts);
     let sharp = first.replace("[[membrane]]", "[[membrane]]\nforce = \"sharp\"");
-    let parts = ["numerics.coupling", "a sharp one has none", "force = \"smeared\"", "take implicit"];
+    let parts =
+        ["numerics.coupling", "a sharp one has none", "force = \"smeared\"", "take implicit"];
     assert_message(sharp.as_bytes(), &explain, 2, &parts);
     // Without a membrane there is nothing to couple.
     let fluid = GOOD.split_once("[[membrane]]").zip(scene.split_once("[time]"));
@@ -177,9 +222,19 @@ fn the_caret_stands_under_the_wrong_name_of_an_expression() {
 #[test]
 fn files_that_are_no_scene_are_refused() {
     let explain = ["explain", "scene.toml"];
-    assert_message(b"title = \"\xff\xfe\"", &explain, 2, &["scene.toml:1:10", "byte 0xff", "UTF-8"]);
+    assert_message(
+        b"title = \"\xff\xfe\"",
+        &explain,
+        2,
+        &["scene.toml:1:10", "byte 0xff", "UTF-8"],
+    );
     assert_message(&[0, 159, 146, 150, 1, 2, 3], &explain, 2, &["UTF-8", "byte 0x9f"]);
-    assert_message(b"\x00\x01\x02", &explain, 2, &["scene.toml:1:4", "not valid TOML", "nothing is written"]);
+    assert_message(
+        b"\x00\x01\x02",
+        &explain,
+        2,
+        &["scene.toml:1:4", "not valid TOML", "nothing is written"],
+    );
     assert_message(b"", &explain, 2, &["`mesh` is missing", "write [mesh]"]);
     assert_message(b"", &["explain", "no.toml"], 2, &["cannot be read", "no.toml", "immersa new"]);
     assert_message(b"", &["explain", "."], 2, &["cannot be read", "value: .", "immersa new"]);
@@ -189,8 +244,12 @@ fn files_that_are_no_scene_are_refused() {
 
 #[test]
 fn a_mesh_file_that_cannot_be_read_is_an_input_error() {
-    let scene = GOOD.replace("rectangle = { min = [0, 0], max = [2, 2], cells = [20, 20] }", "file = \"sub/box.msh\"");
-    let parts = ["scene.toml:5:8", "box.msh", "cannot be read", "relative to the folder of the scene"];
+    let scene = GOOD.replace(
+        "rectangle = { min = [0, 0], max = [2, 2], cells = [20, 20] }",
+        "file = \"sub/box.msh\"",
+    );
+    let parts =
+        ["scene.toml:5:8", "box.msh", "cannot be read", "relative to the folder of the scene"];
     for command in ["run", "explain"] {
         assert_message(scene.as_bytes(), &[command, "scene.toml"], 3, &parts);
     }

@@ -39,11 +39,14 @@ struct Images {
 fn images() -> Images {
     let folder = TempDir::new().unwrap();
     let at = |k: usize| [(k % SIZE) as f64 + 0.5, (SIZE - k / SIZE) as f64 - 0.5];
-    let inside = |k: usize| [[12.5, 26.0], [36.0, 21.0]].iter().any(|c| (at(k)[0] - c[0]).hypot(at(k)[1] - c[1]) < 8.0);
+    let inside = |k: usize| {
+        [[12.5, 26.0], [36.0, 21.0]].iter().any(|c| (at(k)[0] - c[0]).hypot(at(k)[1] - c[1]) < 8.0)
+    };
     let ripple = |k: usize| 0.1 * (((7 * k) % 5) as f64 - 2.0);
     let levels = |level: &dyn Fn(usize) -> f64| (0..SIZE * SIZE).map(level).collect::<Vec<f64>>();
     let write = |name: &str, levels| {
-        fs::write(folder.path().join(name), GreyImage::new(SIZE, levels).unwrap().png().unwrap()).unwrap();
+        fs::write(folder.path().join(name), GreyImage::new(SIZE, levels).unwrap().png().unwrap())
+            .unwrap();
     };
     write("discs.png", levels(&|k| if inside(k) { 0.7 } else { 0.3 } + ripple(k)));
     write("mask.png", levels(&|k| f64::from(u8::from(inside(k)))));
@@ -66,7 +69,10 @@ impl Images {
         match made {
             Ok(()) => panic!("{set:?} was not refused"),
             Err(e) => {
-                assert!(!e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(), "{set:?}: {e}");
+                assert!(
+                    !e.place().is_empty() && !e.wrong_value().is_empty() && !e.advice().is_empty(),
+                    "{set:?}: {e}"
+                );
                 e.to_string()
             }
         }
@@ -76,14 +82,19 @@ impl Images {
 #[test]
 fn one_circle_falls_apart_into_two_discs_and_the_energy_falls() {
     let images = images();
-    for mesh in ["title=plain", "mesh.rectangle={ min = [0, 0], max = [48, 48], cells = [32, 32] }"] {
+    for mesh in ["title=plain", "mesh.rectangle={ min = [0, 0], max = [48, 48], cells = [32, 32] }"]
+    {
         let mut case = images.case(&[mesh]);
         let first = case.get("energy");
         let mut before = first;
         for _ in 0..case.scene.time.steps() {
             case.steps(1);
             let energy = case.get("energy");
-            assert!(energy <= before * (1.0 + 1e-12), "{mesh}, t = {}: {before} {energy}", case.time());
+            assert!(
+                energy <= before * (1.0 + 1e-12),
+                "{mesh}, t = {}: {before} {energy}",
+                case.time()
+            );
             before = energy;
         }
         assert_eq!(case.get("components"), 2.0, "{mesh}");
@@ -112,7 +123,9 @@ fn the_side_of_a_pixel_is_a_unit_of_length() {
         "time.step=10",
     ];
     let halves = images.case(&halves).run();
-    for (column, power) in [("discs.area", 2), ("discs.perimeter", 1), ("energy", 2), ("c1", 0), ("misclassified", 0)] {
+    for (column, power) in
+        [("discs.area", 2), ("discs.perimeter", 1), ("energy", 2), ("c1", 0), ("misclassified", 0)]
+    {
         let [a, b] = [pixels.get(column) * 0.5f64.powi(power), halves.get(column)];
         assert!((a / b - 1.0).abs() < 1e-9, "{column}: {a} {b}");
     }
@@ -136,15 +149,20 @@ fn a_segmentation_goes_on_bit_by_bit() {
 #[test]
 fn delta_functions_and_curvatures_measure_the_contour() {
     let images = images();
-    let set = ["output.deltas=['smeared', 'smereka1', 'smereka2', 'towers']", "output.curvature=true"];
+    let set =
+        ["output.deltas=['smeared', 'smereka1', 'smereka2', 'towers']", "output.curvature=true"];
     let case = images.case(&[&set[..], &["time.end=800"]].concat()).run();
     let written = Scene::parse(&case.scene.to_toml(), Path::new("scene.toml")).unwrap();
     assert_eq!(written.to_toml(), case.scene.to_toml());
-    for (measure, deltas) in
-        [("perimeter", &["smeared", "smereka1", "smereka2", "towers"][..]), ("area", &["smeared", "towers"])]
-    {
+    for (measure, deltas) in [
+        ("perimeter", &["smeared", "smereka1", "smereka2", "towers"][..]),
+        ("area", &["smeared", "towers"]),
+    ] {
         for delta in deltas {
-            let [a, b] = [case.get(&format!("discs.{measure}_{delta}")), case.get(&format!("discs.{measure}"))];
+            let [a, b] = [
+                case.get(&format!("discs.{measure}_{delta}")),
+                case.get(&format!("discs.{measure}")),
+            ];
             assert!((a / b - 1.0).abs() < 0.02, "{measure}_{delta}: {a} {b}");
         }
     }
@@ -152,7 +170,10 @@ fn delta_functions_and_curvatures_measure_the_contour() {
     let [least, most] = ["min", "max"].map(|end| case.get(&format!("discs.curvature_{end}")));
     let mean = case.get("discs.curvature_mean");
     let curves = mean * case.get("discs.perimeter") / std::f64::consts::TAU;
-    assert!(least < mean && mean < most && (curves - case.get("components")).abs() < 0.02, "{least} {mean} {most}");
+    assert!(
+        least < mean && mean < most && (curves - case.get("components")).abs() < 0.02,
+        "{least} {mean} {most}"
+    );
 }
 
 #[test]
@@ -165,17 +186,26 @@ fn what_means_nothing_beside_an_image_is_refused() {
             "membrane=[{ shape.circle = { centre = [20, 20], radius = 5 }, area.linear = { modulus = 1 } }]",
             "`membrane` means",
         ),
-        ("drop=[{ shape.circle = { centre = [20, 20], radius = 5 }, tension = 1 }]", "`drop` means nothing"),
+        (
+            "drop=[{ shape.circle = { centre = [20, 20], radius = 5 }, tension = 1 }]",
+            "`drop` means nothing",
+        ),
         ("exact.velocity=[0, 0]", "`exact` means"),
         ("level_set=[]", "one level set segments the image, and the scene has 0"),
         ("level_set.0.markers=10", "markers are carried by a flow"),
         ("mesh.box={ min = [0, 0, 0], max = [9, 9, 9], cells = [2, 2, 2] }", "an image is plane"),
-        ("mesh.rectangle={ min = [0, 0], max = [49, 48], cells = [4, 4] }", "the mesh reaches beyond the image"),
+        (
+            "mesh.rectangle={ min = [0, 0], max = [49, 48], cells = [4, 4] }",
+            "the mesh reaches beyond the image",
+        ),
         ("time.tolerance=0.01", "`time.tolerance` means nothing"),
         ("numerics.transport=composed", "`numerics.transport` means nothing"),
         ("numerics.surface_tension=baensch2001", "`numerics.surface_tension` means nothing"),
         ("numerics.pressure='P1+P0'", "`numerics.pressure` means nothing"),
-        ("numerics.redistance={ method = 'exact' }", "leave numerics.redistance out, or give image.rebuild"),
+        (
+            "numerics.redistance={ method = 'exact' }",
+            "leave numerics.redistance out, or give image.rebuild",
+        ),
         ("output.backward_map=true", "`output.backward_map` means nothing"),
         ("output.fluxes.f={ boundary = 'left' }", "`output.fluxes` means nothing"),
         ("output.probes.p={ at = [1, 1], of = 'speed' }", "nothing flows"),
@@ -189,19 +219,26 @@ fn what_means_nothing_beside_an_image_is_refused() {
         ("image.length=-1", "positive or zero"),
         ("image.fidelity=0", "must be positive"),
         ("image.lenght=1", "did you mean `length`?"),
-        ("level_set.0.shape={ circle = { centre = [24, 24], radius = 30 } }", "does not lie inside"),
+        (
+            "level_set.0.shape={ circle = { centre = [24, 24], radius = 30 } }",
+            "does not lie inside",
+        ),
     ] {
         let shown = images.refused(&[set]);
         assert!(shown.contains(part), "{set}: {shown}");
     }
-    let without =
-        SCENE.replace("[[level_set]]\nname = \"discs\"\nshape.circle = { centre = [24, 24], radius = 14 }\n", "");
+    let without = SCENE.replace(
+        "[[level_set]]\nname = \"discs\"\nshape.circle = { centre = [24, 24], radius = 14 }\n",
+        "",
+    );
     let e = Scene::parse_with(&without, &images.folder.path().join("scene.toml"), &[]).unwrap_err();
     assert!(e.to_string().contains("no contour to start from"), "{e}");
     let small = GreyImage::new(8, vec![1.0; 64]).unwrap().png().unwrap();
     fs::write(images.folder.path().join("mask.png"), small).unwrap();
     assert!(images.refused(&[]).contains("the mask and the image differ in size"));
-    let flow = "[mesh]\nrectangle = { min = [0, 0], max = [1, 1], cells = [4, 4] }\n[fluid]\nviscosity = 1\n[time]\nend = 1\nstep = 1\n[output]\npicture = { field = \"image\" }\n";
+    let flow = "[mesh]\nrectangle = \
+        { min = [0, 0], max = [1, 1], cells = [4, 4] }\n[fluid]\nviscosity = 1\n[time]\nend = \
+        1\nstep = 1\n[output]\npicture = { field = \"image\" }\n";
     let e = Scene::parse_with(flow, Path::new("scene.toml"), &[]).unwrap_err();
     assert!(e.to_string().contains("no [image]"), "{e}");
 }
@@ -214,7 +251,8 @@ fn a_run_leaves_contours_and_images_and_is_drawn_again_without_them() {
     let run = folder.join("run");
     let series = Series::read(&run.join("series.csv")).unwrap();
     let last = |column: &str| *series.column(column).unwrap().last().unwrap();
-    // The polygons enclose the area; rows grow downwards, so that what is counter-clockwise is so in the scene.
+    // The polygons enclose the area; rows grow downwards, so that what is counter-clockwise is so
+    // in the scene.
     let contours = Series::read(&run.join("contours.csv")).unwrap();
     let column = |name: &str| contours.column(name).unwrap();
     let (id, x, y) = (column("contour"), column("column"), column("row"));
@@ -242,11 +280,16 @@ fn a_run_leaves_contours_and_images_and_is_drawn_again_without_them() {
     ] {
         assert!(page.contains(text), "{text} is missing");
     }
-    assert!(!page.contains("Largest speed") && !page.contains("no fluid crosses") && !page.contains("Enclosed area"));
+    assert!(
+        !page.contains("Largest speed")
+            && !page.contains("no fluid crosses")
+            && !page.contains("Enclosed area")
+    );
     // Without the image the run can still be drawn.
     fs::remove_file(folder.join("discs.png")).unwrap();
     immersa(folder, &["render", "run"]).expect(0, &[]);
-    immersa(folder, &["explain", "run/scene.toml"]).expect(3, &["the image cannot be read", "discs.png"]);
+    immersa(folder, &["explain", "run/scene.toml"])
+        .expect(3, &["the image cannot be read", "discs.png"]);
 }
 
 #[test]
@@ -255,8 +298,15 @@ fn the_image_of_the_example_is_what_its_program_draws() {
     let drawn = shapes::draw(shapes::NOISE, shapes::SEED).unwrap();
     for (image, name) in drawn.iter().zip(["shapes.png", "shapes-mask.png"]) {
         let kept = GreyImage::read(&folder.join(name)).unwrap();
-        let far =
-            kept.levels().iter().zip(image.levels()).filter(|(a, b)| (*a - b.clamp(0.0, 1.0)).abs() > 0.51 / 255.0);
-        assert_eq!((kept.width(), kept.height(), far.count()), (shapes::SIZE, shapes::SIZE, 0), "{name}");
+        let far = kept
+            .levels()
+            .iter()
+            .zip(image.levels())
+            .filter(|(a, b)| (*a - b.clamp(0.0, 1.0)).abs() > 0.51 / 255.0);
+        assert_eq!(
+            (kept.width(), kept.height(), far.count()),
+            (shapes::SIZE, shapes::SIZE, 0),
+            "{name}"
+        );
     }
 }

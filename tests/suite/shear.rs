@@ -47,30 +47,51 @@ fn last(run: &Path, column: &str) -> f64 {
 #[test]
 fn a_sheared_sphere_runs_goes_on_bit_by_bit_and_is_drawn() {
     for coupling in ["explicit", "implicit"] {
-        let scene = SPHERE.replace("thickness = 0.5", &format!("thickness = 0.5\ncoupling = \"{coupling}\""));
+        let scene = SPHERE
+            .replace("thickness = 0.5", &format!("thickness = 0.5\ncoupling = \"{coupling}\""));
         let folder = folder_with(&scene);
         let [whole, parts] = run_whole_and_in_parts(folder.path(), "done: 3 steps");
         if coupling == "implicit" {
             assert_same(&whole, &parts);
         } else {
-            // A factor that is made once is made again: the counts of the two runs differ, their results do not.
+            // A factor that is made once is made again: the counts of the two runs differ, their
+            // results do not.
             for file in ["series.csv", "fields/000003.vtu"] {
-                assert!(fs::read(whole.join(file)).unwrap() == fs::read(parts.join(file)).unwrap(), "{file}");
+                assert!(
+                    fs::read(whole.join(file)).unwrap() == fs::read(parts.join(file)).unwrap(),
+                    "{file}"
+                );
             }
         }
-        // Twisted on a sphere, with no change of area: Z2 = 1 + pi^2 r^4/(2 R^2), and r^4 is 8/15 R^4 in the mean.
+        // Twisted on a sphere, with no change of area: Z2 = 1 + pi^2 r^4/(2 R^2), and r^4 is 8/15
+        // R^4 in the mean.
         let first = |c: &str| series(&whole).column(c).unwrap()[0];
-        assert!((first("sphere.shear_mean") - (1.0 + 4.0 / 15.0 * (PI * 0.45).powi(2))).abs() < 5e-3);
+        assert!(
+            (first("sphere.shear_mean") - (1.0 + 4.0 / 15.0 * (PI * 0.45).powi(2))).abs() < 5e-3
+        );
         assert!(first("sphere.area_change_max") < 1.3 && first("determinant_error") < 1e-14);
-        assert!((first("sphere.equator_radius") - 0.45).abs() < 2e-3 && first("sphere.equator_mode_4") < 2e-3);
-        assert!(last(&whole, "energy_kinetic") > 1e-4 && last(&whole, "energy_balance").abs() < 0.02);
-        assert!(last(&whole, "sphere.determinant_error") < 1e-2 && last(&whole, "determinant_error") > 1e-8);
+        assert!(
+            (first("sphere.equator_radius") - 0.45).abs() < 2e-3
+                && first("sphere.equator_mode_4") < 2e-3
+        );
+        assert!(
+            last(&whole, "energy_kinetic") > 1e-4 && last(&whole, "energy_balance").abs() < 0.02
+        );
+        assert!(
+            last(&whole, "sphere.determinant_error") < 1e-2
+                && last(&whole, "determinant_error") > 1e-8
+        );
         assert!(whole.join("pictures/000003.png").exists());
         for field in ["shear", "area_change", "speed"] {
             let field = format!("output.picture.field={field}");
             immersa(folder.path(), &["render", "whole", "--set", &field]).expect(0, &[]);
         }
-        let slice = ["--set", "output.picture.field=pressure", "--set", "output.picture.slice={ axis = \"y\" }"];
+        let slice = [
+            "--set",
+            "output.picture.field=pressure",
+            "--set",
+            "output.picture.slice={ axis = \"y\" }",
+        ];
         immersa(folder.path(), &[&["render", "whole"], &slice[..]].concat()).expect(0, &[]);
     }
 }
@@ -88,8 +109,17 @@ fn a_level_set_from_the_map_moves_as_the_carried_one() {
     ];
     for (k, way) in ways.into_iter().enumerate() {
         let out = format!("run{k}");
-        let more = ["--quiet", "--set", "output.fields=false", "--set", "output.pictures=false", "--set", way];
-        immersa(folder.path(), &[&["run", "scene.toml", "--out", &out], &more[..]].concat()).expect(0, &[]);
+        let more = [
+            "--quiet",
+            "--set",
+            "output.fields=false",
+            "--set",
+            "output.pictures=false",
+            "--set",
+            way,
+        ];
+        immersa(folder.path(), &[&["run", "scene.toml", "--out", &out], &more[..]].concat())
+            .expect(0, &[]);
         let run = folder.path().join(out);
         found.push(["sphere.axis_1", "sphere.volume", "energy_kinetic"].map(|c| last(&run, c)));
     }
@@ -105,12 +135,18 @@ fn a_level_set_from_the_map_moves_as_the_carried_one() {
 fn scenes_with_shear_come_back_from_what_they_are_written_as() {
     for (from, to) in [
         ("", ""),
-        ("shear.linear = { modulus = 0.1 }", "shear.neo_hookean = { modulus = 0.1 }\nlevel_set = \"mapped\""),
+        (
+            "shear.linear = { modulus = 0.1 }",
+            "shear.neo_hookean = { modulus = 0.1 }\nlevel_set = \"mapped\"",
+        ),
         (
             "area.linear = { modulus = 1.0 }\nshear.linear = { modulus = 0.1 }",
             "law.skalak = { modulus = 0.1, area_ratio = 3 }\narea_change = \"map\"",
         ),
-        ("area.linear = { modulus = 1.0 }\nshear.linear = { modulus = 0.1 }", "law.neo_hookean = { modulus = 0.1 }"),
+        (
+            "area.linear = { modulus = 1.0 }\nshear.linear = { modulus = 0.1 }",
+            "law.neo_hookean = { modulus = 0.1 }",
+        ),
         (
             "picture.field = \"checkerboard\"",
             "picture = { field = \"shear\", view = [10, 20], slice = { axis = \"x\" } }",
@@ -133,12 +169,28 @@ fn what_cannot_be_sheared_is_refused_where_it_is_written() {
         "force = \"sharp\"\nshear.linear = { modulus = 1 }",
         &["carries the stretch", "smeared"],
     );
-    refused("shear.linear = { modulus = 0.1 }\n", "", &["for membranes that resist shear", "membrane.0.map"]);
-    refused("area.linear", "law.neo_hookean = { modulus = 1 }\narea.linear", &["on top of it", "`law` alone"]);
+    refused(
+        "shear.linear = { modulus = 0.1 }\n",
+        "",
+        &["for membranes that resist shear", "membrane.0.map"],
+    );
+    refused(
+        "area.linear",
+        "law.neo_hookean = { modulus = 1 }\narea.linear",
+        &["on top of it", "`law` alone"],
+    );
     refused("modes = [4, 8]", "modes = [3]", &["even"]);
     refused("\"z\"]", "\"z + t\"]", &["depends on time"]);
-    refused("thickness = 0.5", "thickness = 0.5\ncoupling = \"semi-implicit\"", &["nothing of shear", "implicit"]);
-    refused("no_slip = true", "no_slip = true\n[boundary.left]\nperiodic = \"right\"", &["periodic sides", "map"]);
+    refused(
+        "thickness = 0.5",
+        "thickness = 0.5\ncoupling = \"semi-implicit\"",
+        &["nothing of shear", "implicit"],
+    );
+    refused(
+        "no_slip = true",
+        "no_slip = true\n[boundary.left]\nperiodic = \"right\"",
+        &["periodic sides", "map"],
+    );
     let plane = SPHERE.replace(
         "box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }",
         "rectangle = { min = [-1, -1], max = [1, 1], cells = [6, 6] }",
@@ -173,8 +225,16 @@ pictures = false
     immersa(folder.path(), &["run", "scene.toml", "--out", "run", "--quiet"]).expect(0, &[]);
     let run = folder.path().join("run");
     // 1 + t^2 r^4/(2 R^2): 1 + 4/15 R^2 in the mean, 1 + R^2/2 at the equator.
-    assert!((last(&run, "ball.shear_mean") - (1.0 + 1.0 / 15.0)).abs() < 1e-3, "{}", last(&run, "ball.shear_mean"));
-    assert!((last(&run, "ball.shear_max") - 1.125).abs() < 1e-2, "{}", last(&run, "ball.shear_max"));
+    assert!(
+        (last(&run, "ball.shear_mean") - (1.0 + 1.0 / 15.0)).abs() < 1e-3,
+        "{}",
+        last(&run, "ball.shear_mean")
+    );
+    assert!(
+        (last(&run, "ball.shear_max") - 1.125).abs() < 1e-2,
+        "{}",
+        last(&run, "ball.shear_max")
+    );
     let area = ["min", "max"].map(|end| last(&run, &format!("ball.area_change_{end}")));
     assert!(area.iter().all(|z| (z - 1.0).abs() < 5e-2), "{area:?}");
     assert!(last(&run, "ball.determinant_error") < 5e-3);
@@ -182,8 +242,8 @@ pictures = false
     assert!(run.join("pictures/000010.png").exists());
 }
 
-/// Of a membrane with an area law the strain is that since it was at rest; a map of composed transport through periodic sides is refused, as it
-/// would jump.
+/// Of a membrane with an area law the strain is that since it was at rest; a map of composed
+/// transport through periodic sides is refused, as it would jump.
 #[test]
 fn backward_characteristics_can_be_asked_for_without_shear() {
     let scene = r#"
@@ -209,16 +269,28 @@ pictures = false
     immersa(folder.path(), &["run", "scene.toml", "--out", "run", "--quiet"]).expect(0, &[]);
     let table = series(&folder.path().join("run"));
     let first = |c: &str| table.column(c).unwrap()[0];
-    assert!((first("membrane.area_change_max") - 1.3).abs() < 1e-9 && (first("membrane.shear_max") - 1.0).abs() < 1e-9);
+    assert!(
+        (first("membrane.area_change_max") - 1.3).abs() < 1e-9
+            && (first("membrane.shear_max") - 1.0).abs() < 1e-9
+    );
     let periodic = scene
         .replace("[[membrane]]", "[boundary.left]\nperiodic = \"right\"\n[[membrane]]")
         .replace("thickness = 0.5", "thickness = 0.5\ntransport = \"composed\"")
-        .replace("[time]", "[boundary.bottom]\nno_slip = true\n[boundary.top]\nno_slip = true\n[boundary.front]\nno_slip = true\n[boundary.back]\nno_slip = true\n[time]");
+        .replace(
+            "[time]",
+            "[boundary.bottom]\nno_slip = true\n[boundary.top]\nno_slip = \
+             true\n[boundary.front]\nno_slip = true\n[boundary.back]\nno_slip = true\n[time]",
+        );
     let folder = folder_with(&periodic);
     immersa(folder.path(), &["explain", "scene.toml"]).expect(2, &["periodic sides", "nodal"]);
 }
 
-fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt: f64) -> Simulation<3> {
+fn sphere(
+    law: SurfaceLaw,
+    map: Option<Arc<RestMap<3>>>,
+    coupling: Coupling,
+    dt: f64,
+) -> Simulation<3> {
     let mut mesh = box_mesh([-1.0; 3], [1.0; 3], [6; 3]).unwrap();
     mesh.set_boundary("walls", (0..mesh.facets().len() as u32).collect());
     let mesh = Arc::new(mesh);
@@ -243,11 +315,13 @@ fn sphere(law: SurfaceLaw, map: Option<Arc<RestMap<3>>>, coupling: Coupling, dt:
     Simulation::new(&mesh, settings, vec![structure], |_| SVector::zeros()).unwrap()
 }
 
-const LAW: SurfaceLaw =
-    SurfaceLaw::Split { area: AreaLaw::Linear { modulus: 1.0 }, shear: ShearLaw::NeoHookean { modulus: 0.5 } };
+const LAW: SurfaceLaw = SurfaceLaw::Split {
+    area: AreaLaw::Linear { modulus: 1.0 },
+    shear: ShearLaw::NeoHookean { modulus: 0.5 },
+};
 
-/// A membrane at rest, here or turned as a whole, pulls at nothing: what moves is the error of the level set's slope (a smooth distance is not
-/// a P2 function).
+/// A membrane at rest, here or turned as a whole, pulls at nothing: what moves is the error of the
+/// level set's slope (a smooth distance is not a P2 function).
 #[test]
 fn a_membrane_at_rest_stays_at_rest_however_it_was_turned() {
     let turn: Arc<RestMap<3>> = Arc::new(|x: &Point<3>| {
@@ -273,7 +347,8 @@ fn one_thread_and_two_shear_a_sphere_to_the_same_bits() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let twist: Arc<RestMap<3>> = Arc::new(|x: &Point<3>| Point::<3>::new(x[0] + 0.3 * x[2], x[1], x[2]));
+            let twist: Arc<RestMap<3>> =
+                Arc::new(|x: &Point<3>| Point::<3>::new(x[0] + 0.3 * x[2], x[1], x[2]));
             let mut sim = sphere(LAW, Some(twist), Coupling::Implicit, 0.02);
             (0..3).for_each(|_| assert!(sim.step().is_ok()));
             sim.state().to_bytes(0)

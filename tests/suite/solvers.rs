@@ -1,4 +1,5 @@
-//! The ways of solving for the flow in space: each comes to the solution of the direct one, by what fits into the memory.
+//! The ways of solving for the flow in space: each comes to the solution of the direct one, by what
+//! fits into the memory.
 
 use immersa::base::Cause;
 use immersa::elastic::{AreaLaw, Membrane};
@@ -39,7 +40,8 @@ fn solver(case: &Case, solving: SolverOptions) -> FlowSolver<3> {
     let mesh = Arc::new(box_mesh([0.0; 3], [1.0; 3], [case.cells; 3]).unwrap());
     let [velocity, pressure] = [Element::P2, Element::P1].map(|e| Arc::new(Space::new(&mesh, e)));
     let rule = Arc::new(Rule::simplex(3, 4));
-    let mut solver = FlowSolver::new(&velocity, &pressure, &rule, &case.conditions, case.grad_div).unwrap();
+    let mut solver =
+        FlowSolver::new(&velocity, &pressure, &rule, &case.conditions, case.grad_div).unwrap();
     solver.set_materials(case.density.clone(), case.viscosity.clone());
     solver.solve_by(solving);
     solver
@@ -54,8 +56,13 @@ fn swirl(x: &Point<3>) -> V {
     V::new(x[1] - 0.5, 0.5 - x[0], 0.3 * (x[0] - x[1])) * (16.0 * bump)
 }
 
-/// One step from a swirl, with a force that no potential has. Returns the flow, the iterations and the residual.
-fn step(solver: &mut FlowSolver<3>, case: &Case, terms: &[&dyn MomentumTerm<3>]) -> (FlowState<3>, usize, f64) {
+/// One step from a swirl, with a force that no potential has. Returns the flow, the iterations and
+/// the residual.
+fn step(
+    solver: &mut FlowSolver<3>,
+    case: &Case,
+    terms: &[&dyn MomentumTerm<3>],
+) -> (FlowState<3>, usize, f64) {
     let u = solver.velocity().space().interpolate(swirl);
     let history = [History { weight: 1.0, u: &u, feet: None }];
     let force = |x: &Point<3>, _: f64| V::new(x[2] * x[2], (3.0 * x[0]).sin(), x[0] * x[1]);
@@ -92,7 +99,10 @@ fn all_ways_agree(name: &str, case: &Case) {
             iterations > 0 && iterations <= most && residual <= 1e-10,
             "{name}, {kind}: {iterations}, {residual:e}"
         );
-        assert!(u < 1e-7 && p < 1e-5, "{name}, {kind}: velocity {u:e}, pressure {p:e}, {iterations} iterations");
+        assert!(
+            u < 1e-7 && p < 1e-5,
+            "{name}, {kind}: velocity {u:e}, pressure {p:e}, {iterations} iterations"
+        );
     }
 }
 
@@ -106,13 +116,21 @@ fn every_way_of_solving_gives_the_direct_solution() {
 #[test]
 fn every_way_of_solving_takes_every_boundary_condition() {
     let given = |f: fn(&Point<3>) -> V| Condition::Velocity(Arc::new(move |x, _| f(x)));
-    let lid =
-        vec![("walls".into(), Condition::NoSlip), ("top".into(), given(|x| V::new(x[0] * (1.0 - x[0]), 0.0, 0.0)))];
+    let lid = vec![
+        ("walls".into(), Condition::NoSlip),
+        ("top".into(), given(|x| V::new(x[0] * (1.0 - x[0]), 0.0, 0.0))),
+    ];
     all_ways_agree("moving lid", &Case { conditions: lid, ..closed(4) });
-    let slip =
-        vec![("walls".into(), Condition::NoSlip), ("top".into(), Condition::Slip), ("left".into(), Condition::Slip)];
+    let slip = vec![
+        ("walls".into(), Condition::NoSlip),
+        ("top".into(), Condition::Slip),
+        ("left".into(), Condition::Slip),
+    ];
     all_ways_agree("slip", &Case { conditions: slip, ..closed(4) });
-    let periodic = vec![("walls".into(), Condition::NoSlip), ("left".into(), Condition::Periodic("right".into()))];
+    let periodic = vec![
+        ("walls".into(), Condition::NoSlip),
+        ("left".into(), Condition::Periodic("right".into())),
+    ];
     all_ways_agree("periodic", &Case { conditions: periodic, ..closed(4) });
     let open = vec![
         ("walls".into(), Condition::NoSlip),
@@ -120,14 +138,18 @@ fn every_way_of_solving_takes_every_boundary_condition() {
         ("left".into(), given(|x| V::new(x[1] * (1.0 - x[1]) * x[2] * (1.0 - x[2]), 0.0, 0.0))),
     ];
     all_ways_agree("channel", &Case { conditions: open.clone(), ..closed(4) });
-    all_ways_agree("channel without inertia", &Case { conditions: open, inertia: 0.0, grad_div: 0.01, ..closed(4) });
+    all_ways_agree(
+        "channel without inertia",
+        &Case { conditions: open, inertia: 0.0, grad_div: 0.01, ..closed(4) },
+    );
 }
 
 #[test]
 fn every_way_of_solving_takes_fluids_that_differ() {
     let case = closed(4);
     let blank = solver(&case, SolverOptions::default());
-    let (points, cells) = (blank.velocity().rule().len(), blank.velocity().space().mesh().cell_count());
+    let (points, cells) =
+        (blank.velocity().rule().len(), blank.velocity().space().mesh().cell_count());
     let ball = |inside: f64, outside: f64| {
         let value = |k: usize| {
             let x = blank.velocity().at(k / points, k % points).x;
@@ -156,9 +178,11 @@ fn old_factors_of_every_kind_serve_a_matrix_that_changes() {
             let u = space.interpolate(swirl);
             let history = [History { weight: 1.0, u: &u, feet: None }];
             let step = Step { terms: &[&membrane], ..Step::backward_euler(5e-3, 5e-3, &history) };
-            let mut state = FlowState { u: u.clone(), p: vec![0.0; solver.pressure().space().len()] };
+            let mut state =
+                FlowState { u: u.clone(), p: vec![0.0; solver.pressure().space().len()] };
             let report = solver.step(&step, &mut state).unwrap();
-            (factored, iterations) = (factored + usize::from(report.refactored), iterations + report.solve.iterations);
+            (factored, iterations) =
+                (factored + usize::from(report.refactored), iterations + report.solve.iterations);
             assert!(report.solve.residual <= 1e-10, "{kind}: {report:?}");
             last = Some(state);
         }
@@ -184,18 +208,23 @@ fn the_way_of_solving_is_the_first_that_fits() {
         let mut solver = solver(&case, solving);
         solver.analyse(case.inertia).map(|()| solver.solver_size().unwrap())
     };
-    let bytes = [SolverKind::Direct, SolverKind::Single, SolverKind::Schur].map(|kind| size(by(kind)).unwrap().1.bytes);
+    let bytes = [SolverKind::Direct, SolverKind::Single, SolverKind::Schur]
+        .map(|kind| size(by(kind)).unwrap().1.bytes);
     assert!(bytes[0] > bytes[1] && bytes[1] > bytes[2], "{bytes:?}");
-    for (limit, kind) in
-        [(bytes[0], SolverKind::Direct), (bytes[0] - 1, SolverKind::Single), (bytes[1] - 1, SolverKind::Schur)]
-    {
+    for (limit, kind) in [
+        (bytes[0], SolverKind::Direct),
+        (bytes[0] - 1, SolverKind::Single),
+        (bytes[1] - 1, SolverKind::Schur),
+    ] {
         assert_eq!(size(SolverOptions { kind: None, memory: Some(limit) }).unwrap().0, kind);
     }
-    let refused = size(SolverOptions { kind: None, memory: Some(bytes[2] - 1) }).unwrap_err().to_string();
+    let refused =
+        size(SolverOptions { kind: None, memory: Some(bytes[2] - 1) }).unwrap_err().to_string();
     for part in ["by direct", "by single", "by schur", "may be taken", "unknowns by schur"] {
         assert!(refused.contains(part), "{part}: {refused}");
     }
-    let refused = size(SolverOptions { kind: Some(SolverKind::Direct), memory: Some(bytes[2]) }).unwrap_err();
+    let refused =
+        size(SolverOptions { kind: Some(SolverKind::Direct), memory: Some(bytes[2]) }).unwrap_err();
     assert_eq!(refused.cause(), Some(Cause::SolverMemory), "{refused}");
 }
 

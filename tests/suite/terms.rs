@@ -1,4 +1,5 @@
-//! Momentum terms and unknowns of a structure's own, against exact solutions of the Stokes equations.
+//! Momentum terms and unknowns of a structure's own, against exact solutions of the Stokes
+//! equations.
 
 use immersa::fem::{At, Cells, Condition, Element, Rule, Space, VectorForm};
 use immersa::flow::block::Block;
@@ -26,13 +27,17 @@ impl Square {
         let mesh = Arc::new(mesh);
         let (velocity, pressure) = (Space::new(&mesh, Element::P2), Space::new(&mesh, Element::P1));
         let (velocity, pressure) = (Arc::new(velocity), Arc::new(pressure));
-        let walls = vec![("walls".to_string(), Condition::Velocity(Arc::new(move |x, _| given(x))))];
+        let walls =
+            vec![("walls".to_string(), Condition::Velocity(Arc::new(move |x, _| given(x))))];
         let rule = Arc::new(Rule::simplex(2, 5));
         let solver = FlowSolver::new(&velocity, &pressure, &rule, &walls, 1.0).unwrap();
         let state = solver.at_rest();
         Square { velocity, solver, state }
     }
-    fn step<'a>(terms: &'a [&'a dyn MomentumTerm<2>], blocks: &'a [&'a dyn Block<2>]) -> Step<'a, 2> {
+    fn step<'a>(
+        terms: &'a [&'a dyn MomentumTerm<2>],
+        blocks: &'a [&'a dyn Block<2>],
+    ) -> Step<'a, 2> {
         Step { weight: 0.0, terms, blocks, ..Step::backward_euler(1.0, 1.0, &[]) }
     }
     /// Solves the Stokes equations; the relative residual.
@@ -102,12 +107,16 @@ fn a_penalty_holds_a_disc_still_and_the_walls_bear_its_moment() {
             .disc(A)
             .iter()
             .map(|p| {
-                let u = square.velocity.value(&square.state.u, p.cell, &p.barycentric) * hold.strength;
+                let u =
+                    square.velocity.value(&square.state.u, p.cell, &p.barycentric) * hold.strength;
                 p.weight * (p.x[0] * u[1] - p.x[1] * u[0])
             })
             .sum();
         let (force, moment) = square.walls(&[&hold], &[]);
-        assert!(force.norm() < 1e-8 && (moment / held - 1.0).abs() < 1e-8, "{force} {moment} {held}");
+        assert!(
+            force.norm() < 1e-8 && (moment / held - 1.0).abs() < 1e-8,
+            "{force} {moment} {held}"
+        );
         (moment / exact - 1.0).abs()
     });
     // A cell that the edge of the disc cuts is held as a whole: of first order.
@@ -150,7 +159,8 @@ fn a_force_at_a_point_makes_a_stokeslet_and_the_walls_bear_it() {
         assert!((force + term.1).norm() < 1e-10, "the walls bear {force}");
         let angles = (0..12).map(|k| PI * f64::from(k) / 6.0);
         let ring = angles.map(|t| place + V::new(t.cos(), t.sin()) * 0.4);
-        ring.map(|x| (square.at(x) - stokeslet(&x)).norm() / stokeslet(&x).norm()).fold(0.0, f64::max)
+        ring.map(|x| (square.at(x) - stokeslet(&x)).norm() / stokeslet(&x).norm())
+            .fold(0.0, f64::max)
     });
     assert!(errors[2] < 2e-3 && errors[2] < 0.3 * errors[0], "{errors:?}");
 }
@@ -179,17 +189,25 @@ fn two_multipliers_hold_the_mean_velocity_of_a_disc_at_zero() {
     let held = MeanHeld(square.disc(A));
     assert!(square.solve(&[], &[&held]) < 1e-12);
     let space = &square.velocity;
-    let flow: V = held.0.iter().map(|p| space.value(&square.state.u, p.cell, &p.barycentric) * p.weight).sum();
+    let flow: V = held
+        .0
+        .iter()
+        .map(|p| space.value(&square.state.u, p.cell, &p.barycentric) * p.weight)
+        .sum();
     assert!(flow.norm() < 1e-13, "{flow}");
     // The multipliers are the force per area that holds the disc, and the walls bear it.
     let area: f64 = held.0.iter().map(|p| p.weight).sum();
     let values = &square.solver.block_values()[0];
     let (force, _) = square.walls(&[], &[&held]);
     let held_by = V::new(values[0], values[1]) * area;
-    assert!(force.norm() > 1.0 && (force - held_by).norm() < 1e-9 * force.norm(), "{force} {held_by}");
+    assert!(
+        force.norm() > 1.0 && (force - held_by).norm() < 1e-9 * force.norm(),
+        "{force} {held_by}"
+    );
 }
 
-/// Tension of an inextensible interface: P1 functions of the cut cells, `b(s, v) = int s P : grad v`.
+/// Tension of an inextensible interface: P1 functions of the cut cells, `b(s, v) = int s P : grad
+/// v`.
 struct Tension {
     space: Arc<Space<2>>,
     /// Points on the interface with normals, and after those of each cell one for the whole cell.
@@ -244,8 +262,9 @@ impl Tension {
         let on = self.points.iter().zip(&self.normals).filter(|(_, n)| n.is_some());
         let (sum, length) = on.fold((0.0, 0.0), |(s, l), (p, _)| {
             let cell = self.space.mesh().cell(p.cell);
-            let value: f64 =
-                (0..3).map(|k| p.barycentric[k] * values[self.number[cell[k] as usize].unwrap() as usize]).sum();
+            let value: f64 = (0..3)
+                .map(|k| p.barycentric[k] * values[self.number[cell[k] as usize].unwrap() as usize])
+                .sum();
             (s + p.weight * weight(&p.x) * value, l + p.weight)
         });
         sum / length

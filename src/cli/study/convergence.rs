@@ -31,14 +31,15 @@ pub(in crate::cli) struct Arguments {
     /// Halve mesh size and time step: what is done when nothing else is asked for
     #[arg(long)]
     both: bool,
-    /// Halve the half-width of the band, and with it the mesh size, so that the band stays as many edges wide; --thickness=alone
-    /// keeps the mesh
+    /// Halve the half-width of the band, and with it the mesh size, so that the band stays as many
+    /// edges wide; --thickness=alone keeps the mesh
     #[arg(long, value_name = "HOW", num_args = 0..=1, require_equals = true, default_missing_value = "scaled")]
     thickness: Option<Thickness>,
     /// Take these mesh files, from coarse to fine, instead of halving
     #[arg(long, value_name = "FILES", value_delimiter = ',', conflicts_with_all = ["space", "time", "both", "thickness", "levels"])]
     meshes: Vec<PathBuf>,
-    /// Columns of series.csv, or `interface` for the distances of the interfaces from level to level
+    /// Columns of series.csv, or `interface` for the distances of the interfaces from level to
+    /// level
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     quantity: Vec<String>,
     /// Times at which they are taken; the end of the scene without it
@@ -62,7 +63,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let nothing = !(a.space || a.time || a.both || a.thickness.is_some()) && a.meshes.is_empty();
     let settings = Convergence {
         halved: Halved {
-            space: a.space || a.both || nothing || a.thickness == Some(Thickness::Scaled) || !a.meshes.is_empty(),
+            space: a.space
+                || a.both
+                || nothing
+                || a.thickness == Some(Thickness::Scaled)
+                || !a.meshes.is_empty(),
             time: a.time || a.both || nothing,
             thickness: a.thickness.is_some(),
         },

@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 pub(super) enum Study {
     /// Halve mesh size, time step or thickness, and say what the numbers tend to
     Convergence(convergence::Arguments),
-    /// The largest stable time step, by bisection, beside the formula (1.54); or which other values are stable
+    /// The largest stable time step, by bisection, beside the formula (1.54); or which other values
+    /// are stable
     Stability(stability::Arguments),
     /// Cost of accuracy: error against CPU time for methods, meshes and steps
     Precision(Box<precision::Arguments>),
@@ -38,7 +39,8 @@ pub(super) fn study(study: &Study) -> Result<()> {
 pub(super) struct Common {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// The folder of the study; studies/NAME-STUDY without it. Runs that it holds already are not made again
+    /// The folder of the study; studies/NAME-STUDY without it. Runs that it holds already are not
+    /// made again
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the findings as JSON
@@ -54,7 +56,11 @@ pub(super) struct Common {
 
 impl Common {
     /// Does the study `kind` in its folder, writes its findings there and prints them.
-    pub(super) fn conduct(&self, kind: &str, study: impl FnOnce(&mut Campaign<'_>) -> Result<Page>) -> Result<()> {
+    pub(super) fn conduct(
+        &self,
+        kind: &str,
+        study: impl FnOnce(&mut Campaign<'_>) -> Result<Page>,
+    ) -> Result<()> {
         self.conduct_with(&self.scene.load()?, kind, study).map(drop)
     }
     /// The same with a scene that was read already; gives what was found.
@@ -65,7 +71,10 @@ impl Common {
         study: impl FnOnce(&mut Campaign<'_>) -> Result<Page>,
     ) -> Result<Page> {
         set_threads(Some(self.threads))?;
-        let folder = self.out.clone().unwrap_or_else(|| Path::new("studies").join(format!("{}-{kind}", scene.name())));
+        let folder = self
+            .out
+            .clone()
+            .unwrap_or_else(|| Path::new("studies").join(format!("{}-{kind}", scene.name())));
         let mut runs = Runs::new(self.quiet);
         let found = study(&mut Campaign::new(scene, &folder, stop_on_interrupt(), &mut runs));
         runs.finish();

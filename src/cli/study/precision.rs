@@ -11,7 +11,8 @@ use std::num::NonZeroUsize;
 pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// A method, as in "BDF2 implicit: time.order=2 numerics.coupling=implicit"; steps=0.01,0.005 or cells=30 there are its own
+    /// A method, as in "BDF2 implicit: time.order=2 numerics.coupling=implicit"; steps=0.01,0.005
+    /// or cells=30 there are its own
     #[arg(long, value_name = "NAME: KEY=VALUE ...")]
     method: Vec<Method>,
     /// Values that a key takes in turn, as in numerics.grad_div=1,5; all are combined
@@ -23,10 +24,12 @@ pub(in crate::cli) struct Arguments {
     /// Time steps, as in 0.02,0.01
     #[arg(long, value_name = "DT1,DT2", value_delimiter = ',', value_parser = positive)]
     steps: Vec<f64>,
-    /// A column of series.csv at a time, the end without it; of several the largest relative error counts
+    /// A column of series.csv at a time, the end without it; of several the largest relative error
+    /// counts
     #[arg(long, value_name = "COLUMN[@T]", required = true)]
     quantity: Vec<Measurement>,
-    /// The run that errors are taken against, as in "cells=120 step=0.0025 time.order=2"; it should be the finest of all
+    /// The run that errors are taken against, as in "cells=120 step=0.0025 time.order=2"; it should
+    /// be the finest of all
     #[arg(long, value_name = "KEY=VALUE ...")]
     reference: Option<String>,
     /// The exact value of a quantity; once for each, in their order
@@ -38,7 +41,8 @@ pub(in crate::cli) struct Arguments {
     /// Run the FreeFEM twin, twin.edp beside the scene, on the same meshes with the same steps
     #[arg(long)]
     twin: bool,
-    /// The same with settings of its own, as in "FreeFEM, thin: cells=60 steps=0.005 numerics.thickness=0.05"; once for each
+    /// The same with settings of its own, as in "FreeFEM, thin: cells=60 steps=0.005
+    /// numerics.thickness=0.05"; once for each
     #[arg(long, value_name = "NAME: KEY=VALUE ...")]
     twin_method: Vec<Method>,
     /// Repetitions of all runs; of the times the least counts

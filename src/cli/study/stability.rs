@@ -6,7 +6,8 @@ use crate::output::Page;
 use crate::studies::{Axis, Campaign, stability};
 use std::num::NonZeroUsize;
 
-/// The largest stable time step, by bisection, beside the formula (1.54); or, with --scan, which other values are stable.
+/// The largest stable time step, by bisection, beside the formula (1.54); or, with --scan, which
+/// other values are stable.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     #[command(flatten)]
@@ -53,7 +54,8 @@ impl Arguments {
     }
 
     fn study(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
-        let mut axes = self.scan.iter().map(|t| Axis::parse(t, "--scan")).collect::<Result<Vec<_>>>()?;
+        let mut axes =
+            self.scan.iter().map(|t| Axis::parse(t, "--scan")).collect::<Result<Vec<_>>>()?;
         let both = ["explicit".to_string(), "implicit".to_string()];
         match (&self.coupling[..], axes.is_empty()) {
             ([], true) => axes.push(Axis::coupling(&both)),
@@ -72,7 +74,8 @@ impl Arguments {
         }
         let tolerance = self.growth;
         if !self.scan.is_empty() {
-            return stability::Scan { axes, steps: self.steps.map(NonZeroUsize::get), tolerance }.conduct(campaign);
+            return stability::Scan { axes, steps: self.steps.map(NonZeroUsize::get), tolerance }
+                .conduct(campaign);
         }
         let (least, most, accuracy) = (self.min_step, self.max_step, self.accuracy);
         let steps = self.steps.map_or(STEPS, NonZeroUsize::get);
@@ -85,11 +88,18 @@ impl Arguments {
             Err(Error::scene(what).at(option).value(value).remedy(remedy))
         };
         let positive = |v: f64| v > 0.0 && v.is_finite();
-        for (option, value) in
-            [("--min-step", self.min_step), ("--max-step", self.max_step), ("--growth", Some(self.growth))]
-        {
+        for (option, value) in [
+            ("--min-step", self.min_step),
+            ("--max-step", self.max_step),
+            ("--growth", Some(self.growth)),
+        ] {
             if let Some(v) = value.filter(|v| !positive(*v)) {
-                return wrong("a positive number is wanted", option, v, &format!("write {option} 0.01"));
+                return wrong(
+                    "a positive number is wanted",
+                    option,
+                    v,
+                    &format!("write {option} 0.01"),
+                );
             }
         }
         if let (Some(least), Some(most)) = (self.min_step, self.max_step)

@@ -18,7 +18,11 @@ impl<const D: usize> FlowSolver<D> {
         let mut r = std::mem::take(&mut self.work.residual);
         let mut scratch = std::mem::take(&mut self.work.vectors);
         self.find_reaction(step, state, Cells::Some(&self.boundary_cells), &mut r, &mut scratch);
-        let power = self.numbering.prescribed_nodes().map(|n| r[n as usize].dot(&state.u[n as usize])).sum();
+        let power = self
+            .numbering
+            .prescribed_nodes()
+            .map(|n| r[n as usize].dot(&state.u[n as usize]))
+            .sum();
         (self.work.residual, self.work.vectors) = (r, scratch);
         power
     }
@@ -26,7 +30,12 @@ impl<const D: usize> FlowSolver<D> {
     /// Residual of the momentum equation, `a(u, v) - (p, div v) - F(v)`, for all `v` supported in
     /// `cells`. At nodes on a wall it is the force of the wall on the fluid. Valid after
     /// [`step`](Self::step) with the same data.
-    pub fn reaction(&self, step: &Step<'_, D>, state: &FlowState<D>, cells: Cells<'_>) -> Vec<SVector<f64, D>> {
+    pub fn reaction(
+        &self,
+        step: &Step<'_, D>,
+        state: &FlowState<D>,
+        cells: Cells<'_>,
+    ) -> Vec<SVector<f64, D>> {
         let mut r = self.work.load.clone();
         self.find_reaction(step, state, cells, &mut r, &mut Vec::new());
         r
@@ -60,7 +69,9 @@ impl<const D: usize> FlowSolver<D> {
         });
         for term in step.terms.iter().filter(|t| t.is_implicit()) {
             let space = velocity.space();
-            add_point_vector(space, term.support().points(), r, |at| stiffness_of(*term, space, at, &state.u));
+            add_point_vector(space, term.support().points(), r, |at| {
+                stiffness_of(*term, space, at, &state.u)
+            });
         }
         self.add_block_forces(step.blocks, r);
     }

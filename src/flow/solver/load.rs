@@ -2,7 +2,10 @@
 
 use super::{FlowSolver, Work};
 use crate::base::{Cause, Error, Phase, Result};
-use crate::fem::{At, Cells, Space, VectorForm, add_point_vector, assemble_scalar, assemble_source, assemble_vector};
+use crate::fem::{
+    At, Cells, Space, VectorForm, add_point_vector, assemble_scalar, assemble_source,
+    assemble_vector,
+};
 use crate::flow::step::Step;
 use crate::flow::term::{MomentumTerm, Support};
 use crate::mesh::Mesh;
@@ -69,7 +72,11 @@ impl<const D: usize> FlowSolver<D> {
 
     /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`.
     /// With a closed boundary the mean of `div g`, an interpolation error, is subtracted.
-    pub(super) fn bring_in_boundary_values(&mut self, step: &Step<'_, D>, work: &mut Work<D>) -> Result<()> {
+    pub(super) fn bring_in_boundary_values(
+        &mut self,
+        step: &Step<'_, D>,
+        work: &mut Work<D>,
+    ) -> Result<()> {
         let space = self.velocity.space();
         self.numbering.lift(space, step.time, &mut work.lift);
         if let Some(n) = work.lift.iter().position(|g| g.iter().any(|v| !v.is_finite())) {
@@ -123,7 +130,9 @@ impl<const D: usize> FlowSolver<D> {
 }
 
 /// Implicit terms on cells, part of the form of every cell.
-pub(super) fn cell_terms<'a, const D: usize>(step: &Step<'a, D>) -> impl Iterator<Item = &'a dyn MomentumTerm<D>> {
+pub(super) fn cell_terms<'a, const D: usize>(
+    step: &Step<'a, D>,
+) -> impl Iterator<Item = &'a dyn MomentumTerm<D>> {
     let on_cells = |t: &&dyn MomentumTerm<D>| matches!(t.support(), Support::Cells(_));
     step.terms.iter().copied().filter(|t| t.is_implicit()).filter(on_cells)
 }
@@ -145,7 +154,11 @@ fn plus<const D: usize>(a: VectorForm<D>, b: VectorForm<D>) -> VectorForm<D> {
 
 /// Integrals of `|g . n|` and `|g|` over the boundary, by the mean over the nodes of each facet:
 /// scales for the net flux.
-fn boundary_flow<const D: usize>(mesh: &Mesh<D>, space: &Space<D>, g: &[SVector<f64, D>]) -> [f64; 2] {
+fn boundary_flow<const D: usize>(
+    mesh: &Mesh<D>,
+    space: &Space<D>,
+    g: &[SVector<f64, D>],
+) -> [f64; 2] {
     let mut flow = [0.0; 2];
     for f in mesh.facets() {
         let (n, size) = mesh.facet_normal(f);

@@ -2,9 +2,13 @@
 
 use super::FlowSolver;
 use crate::base::{Error, Phase, Result};
-use crate::fem::{At, Cells, VectorForm, add_point_matrix, assemble_flow_matrix, assemble_scalar_matrix};
+use crate::fem::{
+    At, Cells, VectorForm, add_point_matrix, assemble_flow_matrix, assemble_scalar_matrix,
+};
 use crate::flow::term::{MomentumTerm, Support};
-use crate::linalg::{CONSTRAINED, Change, LaggedFactor, Multipliers, Saddle, SolveCost, SymmetricMatrix};
+use crate::linalg::{
+    CONSTRAINED, Change, LaggedFactor, Multipliers, Saddle, SolveCost, SymmetricMatrix,
+};
 use nalgebra::{SMatrix, SVector};
 
 /// Diagonal entry that fixes a pressure at zero.
@@ -32,12 +36,17 @@ impl<const D: usize> FlowSolver<D> {
         self.phases.begin();
         self.assemble_base(weight)?;
         self.phases.end(Phase::Assembly);
-        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
+        let Some((base, _)) = &self.base else {
+            return Err(Error::internal("the flow matrix is missing"));
+        };
         if self.factor.is_none() {
-            let multipliers =
-                Multipliers { first: self.numbering.first_pressure(), first_late: self.numbering.first_constant() };
+            let multipliers = Multipliers {
+                first: self.numbering.first_pressure(),
+                first_late: self.numbering.first_constant(),
+            };
             let saddle = || self.saddle(weight);
-            let factor = LaggedFactor::choose(base, multipliers, self.options, self.tolerance, saddle)?;
+            let factor =
+                LaggedFactor::choose(base, multipliers, self.options, self.tolerance, saddle)?;
             self.factor = Some(factor);
             self.factor_is_base = false;
         }
@@ -81,7 +90,9 @@ impl<const D: usize> FlowSolver<D> {
                     operator.add_group(&[unknown], &[FIXED])?;
                 }
             }
-            assemble_scalar_matrix(&self.pressure, &free, operator, |at| (0.0, 1.0 / (weight * density.at(at))))?;
+            assemble_scalar_matrix(&self.pressure, &free, operator, |at| {
+                (0.0, 1.0 / (weight * density.at(at)))
+            })?;
         }
         Ok(())
     }
@@ -111,16 +122,24 @@ impl<const D: usize> FlowSolver<D> {
     }
 
     /// Updates the matrix for the step. Returns the change since the factorisation.
-    pub(super) fn prepare(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>]) -> Result<Change> {
+    pub(super) fn prepare(
+        &mut self,
+        weight: f64,
+        terms: &[&dyn MomentumTerm<D>],
+    ) -> Result<Change> {
         let implicit = terms.iter().any(|t| t.is_implicit());
         self.analyse(weight)?;
         if self.factor_is_base && !implicit {
             return Ok(Change::None);
         }
-        let Some((base, _)) = &self.base else { return Err(Error::internal("the flow matrix is missing")) };
+        let Some((base, _)) = &self.base else {
+            return Err(Error::internal("the flow matrix is missing"));
+        };
         self.matrix.copy_values_from(base)?;
         for term in terms.iter().filter(|t| t.is_implicit()) {
-            let form = |at: &At<D>, u: &SVector<f64, D>, grad: &SMatrix<f64, D, D>| term.stiffness(at, u, grad);
+            let form = |at: &At<D>, u: &SVector<f64, D>, grad: &SMatrix<f64, D, D>| {
+                term.stiffness(at, u, grad)
+            };
             match term.support() {
                 Support::Cells(cells) => assemble_flow_matrix(
                     &self.velocity,
@@ -155,9 +174,16 @@ impl<const D: usize> FlowSolver<D> {
     ///
     /// # Errors
     /// A factorisation that fails.
-    pub fn restore_factor(&mut self, weight: f64, terms: &[&dyn MomentumTerm<D>], solve_cost: SolveCost) -> Result<()> {
+    pub fn restore_factor(
+        &mut self,
+        weight: f64,
+        terms: &[&dyn MomentumTerm<D>],
+        solve_cost: SolveCost,
+    ) -> Result<()> {
         self.prepare(weight, terms)?;
-        let Some(factor) = &mut self.factor else { return Err(Error::internal("the flow matrix was not analysed")) };
+        let Some(factor) = &mut self.factor else {
+            return Err(Error::internal("the flow matrix was not analysed"));
+        };
         self.factored_weight = weight;
         self.factored_plain = terms.iter().all(|t| !t.is_implicit());
         factor.restore(&self.matrix, solve_cost)

@@ -61,7 +61,11 @@ fn groups_of<const D: usize>(blocks: &[&dyn Block<D>]) -> Vec<(u32, Vec<u32>)> {
 
 impl BlockSystem {
     /// A system without values for the cells of `flow` and `count` unknowns of blocks.
-    fn new<const D: usize>(flow: &FlowSolver<D>, groups: Vec<(u32, Vec<u32>)>, count: usize) -> Result<BlockSystem> {
+    fn new<const D: usize>(
+        flow: &FlowSolver<D>,
+        groups: Vec<(u32, Vec<u32>)>,
+        count: usize,
+    ) -> Result<BlockSystem> {
         let (numbering, order) = (&flow.numbering, flow.numbering.order());
         let (velocity, pressure) = (flow.velocity.space(), flow.pressure.space());
         let cells = (0..velocity.mesh().cell_count()).map(|c| {
@@ -157,7 +161,13 @@ impl<const D: usize> FlowSolver<D> {
         self.numbering.scatter(&system.x[..order], &work.lift, &mut state.u, &mut state.p);
         self.keep_block_values(step.blocks, &system.x[order..]);
         self.blocks = Some(system);
-        Ok(LaggedReport { solve, refactored: true, given_up: false, substitutions: 1 + solve.refinements, factoring })
+        Ok(LaggedReport {
+            solve,
+            refactored: true,
+            given_up: false,
+            substitutions: 1 + solve.refinements,
+            factoring,
+        })
     }
 
     /// Pattern of the factor of a matrix with blocks, whose unknowns come late in the order.

@@ -95,7 +95,9 @@ mod tests {
             let mut volume = 0.0;
             for part in parts(&space, c) {
                 volume += part.volume;
-                for (i, j) in (0..=D).flat_map(|i| (0..=D).map(move |j| (i, j))).filter(|(i, j)| i != j) {
+                for (i, j) in
+                    (0..=D).flat_map(|i| (0..=D).map(move |j| (i, j))).filter(|(i, j)| i != j)
+                {
                     if near(part.nodes[i]) {
                         let e = edge(&space, c, part.nodes[i], part.nodes[j]);
                         let key = e.iter().map(|e| (e * 1000.0).round() as i64).collect();

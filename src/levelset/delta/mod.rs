@@ -53,7 +53,12 @@ impl Delta {
     ///
     /// # Errors
     /// Those of [`Delta::points`].
-    pub fn integrate<const D: usize>(&self, space: &Space<D>, phi: &[f64], f: impl Fn(&At<D>) -> f64) -> Result<f64> {
+    pub fn integrate<const D: usize>(
+        &self,
+        space: &Space<D>,
+        phi: &[f64],
+        f: impl Fn(&At<D>) -> f64,
+    ) -> Result<f64> {
         Ok(self.points(space, phi)?.iter().map(|at| at.weight * f(at)).sum())
     }
     /// Length (in the plane) or area (in space) of the interface.
@@ -84,7 +89,11 @@ impl Delta {
 
 /// Points at the nodes with these nonzero weights, in the order of the nodes, each in the first of
 /// its `cells`.
-fn at_nodes<const D: usize>(space: &Space<D>, cells: impl Iterator<Item = usize>, weights: &[f64]) -> Vec<At<D>> {
+fn at_nodes<const D: usize>(
+    space: &Space<D>,
+    cells: impl Iterator<Item = usize>,
+    weights: &[f64],
+) -> Vec<At<D>> {
     let mut points = Vec::new();
     let mut seen = vec![false; weights.len()];
     for cell in cells {
@@ -92,7 +101,10 @@ fn at_nodes<const D: usize>(space: &Space<D>, cells: impl Iterator<Item = usize>
             let node = n as usize;
             if !std::mem::replace(&mut seen[node], true) && weights[node] != 0.0 {
                 let barycentric = space.element().node(a, D);
-                points.push((n, At { cell, q: 0, barycentric, x: space.nodes()[node], weight: weights[node] }));
+                points.push((
+                    n,
+                    At { cell, q: 0, barycentric, x: space.nodes()[node], weight: weights[node] },
+                ));
             }
         }
     }

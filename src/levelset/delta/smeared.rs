@@ -47,7 +47,11 @@ impl Smeared {
         bounds.meet(slope * self.thickness)
     }
 
-    pub(super) fn points<const D: usize>(&self, space: &Space<D>, phi: &[f64]) -> Result<Vec<At<D>>> {
+    pub(super) fn points<const D: usize>(
+        &self,
+        space: &Space<D>,
+        phi: &[f64],
+    ) -> Result<Vec<At<D>>> {
         cut_cells(space, phi)?;
         let rule = Rule::simplex(D, self.degree);
         let mut points = Vec::new();
@@ -55,8 +59,11 @@ impl Smeared {
             let own = space.on_cell(phi, cell);
             let map = space.mesh().map(cell);
             for (l, w) in rule.points.iter().zip(&rule.weights) {
-                let g = map.inverse.tr_mul(&own.reference_gradient(&Element::P2.reference_gradients::<D>(l)));
-                let delta = self.kernel.weight(own.value(l), self.slope(&g), self.thickness) * g.norm();
+                let g = map
+                    .inverse
+                    .tr_mul(&own.reference_gradient(&Element::P2.reference_gradients::<D>(l)));
+                let delta =
+                    self.kernel.weight(own.value(l), self.slope(&g), self.thickness) * g.norm();
                 if delta > 0.0 {
                     let weight = w * map.volume * delta;
                     let x = space.mesh().point_at(&Location { cell: cell as u32, barycentric: *l });
@@ -79,8 +86,11 @@ impl Smeared {
             let at = |(l, w): (&[f64; 4], &f64)| {
                 let width = self.slope(&space.gradient(phi, c, l)) * self.thickness;
                 let value = space.value(phi, c, l);
-                let outside =
-                    if value.abs() < width { self.kernel.heaviside(value / width) } else { f64::from(value >= 0.0) };
+                let outside = if value.abs() < width {
+                    self.kernel.heaviside(value / width)
+                } else {
+                    f64::from(value >= 0.0)
+                };
                 w * volume * (1.0 - outside)
             };
             [rule.points.iter().zip(&rule.weights).map(at).sum()]

@@ -27,7 +27,11 @@ use nalgebra::{SMatrix, SVector};
 ///
 /// The crossing is that of the P2 function on the edge; `n` and `grad_S n` are recovered
 /// ([`Recovered`]).
-pub(super) fn points<const D: usize>(space: &Space<D>, phi: &[f64], second: bool) -> Result<Vec<At<D>>> {
+pub(super) fn points<const D: usize>(
+    space: &Space<D>,
+    phi: &[f64],
+    second: bool,
+) -> Result<Vec<At<D>>> {
     let cells = cut_cells(space, phi)?;
     let vertices = vertices_near(space, phi, 0.0);
     let recovered = Recovered::new(&Recovery::new(space.mesh()), space, phi, &vertices);

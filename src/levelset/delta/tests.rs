@@ -8,9 +8,13 @@ use std::sync::Arc;
 /// A mesh whose inner points are moved by up to a fifth of an edge `h`, in the box from 0 to 2.
 fn moved<const D: usize>(regular: &Mesh<D>, h: f64) -> Mesh<D> {
     let inside = |x: &Point<D>| x.iter().all(|&c| c > 1e-9 && c < 2.0 - 1e-9);
-    let step = |x: &Point<D>| Point::<D>::from_fn(|i, _| 0.2 * h * (37.0 * x[(i + 1) % D] + 11.0 * x[i]).sin());
-    let points = regular.points().iter().map(|x| if inside(x) { x + step(x) } else { *x }).collect();
-    Mesh::new(points, (0..regular.cell_count()).flat_map(|c| regular.cell(c).to_vec()).collect()).unwrap()
+    let step = |x: &Point<D>| {
+        Point::<D>::from_fn(|i, _| 0.2 * h * (37.0 * x[(i + 1) % D] + 11.0 * x[i]).sin())
+    };
+    let points =
+        regular.points().iter().map(|x| if inside(x) { x + step(x) } else { *x }).collect();
+    Mesh::new(points, (0..regular.cell_count()).flat_map(|c| regular.cell(c).to_vec()).collect())
+        .unwrap()
 }
 
 fn plane(n: usize) -> Space<2> {
@@ -25,9 +29,16 @@ fn smeared(kernel: Kernel, width: Width, thickness: f64) -> Delta {
     Delta::Smeared(Smeared { kernel, width, thickness, degree: 6 })
 }
 fn all(thickness: f64) -> Vec<(Delta, f64)> {
-    let mut all = vec![(Delta::Smereka1, 0.02), (Delta::Smereka2, 0.02), (Delta::Towers, 0.02), (Delta::Cut, 1e-4)];
+    let mut all = vec![
+        (Delta::Smereka1, 0.02),
+        (Delta::Smereka2, 0.02),
+        (Delta::Towers, 0.02),
+        (Delta::Cut, 1e-4),
+    ];
     for kernel in [Kernel::Cosine, Kernel::Hat] {
-        for width in [Width::Renormalised(Norm::L2), Width::Renormalised(Norm::L1), Width::Carried(2.0)] {
+        for width in
+            [Width::Renormalised(Norm::L2), Width::Renormalised(Norm::L1), Width::Carried(2.0)]
+        {
             all.push((smeared(kernel, width, thickness), 0.02));
         }
     }
@@ -47,7 +58,10 @@ fn every_delta_measures_circles_and_spheres_on_crooked_meshes_whatever_the_slope
         assert!((moment / exact - 1.0).abs() < 2.0 * tolerance, "{delta:?}: {moment} {exact}");
         let area = delta.inside(&space, &phi).unwrap();
         assert_eq!(area.is_some(), delta.has_inside());
-        assert!(area.is_none_or(|a| (a / (PI * r * r) - 1.0).abs() < tolerance), "{delta:?}: {area:?}");
+        assert!(
+            area.is_none_or(|a| (a / (PI * r * r) - 1.0).abs() < tolerance),
+            "{delta:?}: {area:?}"
+        );
     }
     let space = solid(12);
     let phi = space.interpolate(|x| 2.0 * ((x - Point::<3>::new(1.03, 0.98, 1.01)).norm() - r));
@@ -58,7 +72,10 @@ fn every_delta_measures_circles_and_spheres_on_crooked_meshes_whatever_the_slope
         let area = delta.measure(&space, &phi).unwrap() / (4.0 * PI * r * r);
         assert!((area - 1.0).abs() < wide, "{delta:?}: {area}");
         let volume = delta.inside(&space, &phi).unwrap();
-        assert!(volume.is_none_or(|v| (v / (4.0 / 3.0 * PI * r.powi(3)) - 1.0).abs() < wide), "{delta:?}: {volume:?}");
+        assert!(
+            volume.is_none_or(|v| (v / (4.0 / 3.0 * PI * r.powi(3)) - 1.0).abs() < wide),
+            "{delta:?}: {volume:?}"
+        );
     }
 }
 
@@ -83,7 +100,8 @@ fn on_a_square_lattice_the_first_delta_of_smereka_is_his() {
     let n = 12;
     let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [n, n], Diagonals::Right).unwrap());
     let space = Space::new(&mesh, Element::P2);
-    let (h, f) = (1.0 / n as f64, |x: &Point<2>| (x - Point::<2>::new(1.03, 0.98)).norm_squared() - 0.36);
+    let (h, f) =
+        (1.0 / n as f64, |x: &Point<2>| (x - Point::<2>::new(1.03, 0.98)).norm_squared() - 0.36);
     let points = Delta::Smereka1.points(&space, &space.interpolate(f)).unwrap();
     assert!(points.len() > 50);
     for p in &points {
@@ -100,7 +118,11 @@ fn on_a_square_lattice_the_first_delta_of_smereka_is_his() {
                 let (mut low, mut high) = (0.0, h);
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
-                    if (f(&(p.x + e * middle)) < 0.0) == (inside < 0.0) { low = middle } else { high = middle }
+                    if (f(&(p.x + e * middle)) < 0.0) == (inside < 0.0) {
+                        low = middle
+                    } else {
+                        high = middle
+                    }
                 }
                 let normal = (p.x + e * low - Point::<2>::new(1.03, 0.98)).normalize();
                 sum += (h - low) * normal.dot(&e).abs();
@@ -133,9 +155,17 @@ fn kernels_have_the_integral_one_and_their_heaviside_functions() {
         for i in 0..n {
             let s = -1.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(n);
             sum += kernel.value(s) / f64::from(n);
-            assert!((kernel.heaviside(s) - 2.0 * (sum - 0.5 * kernel.value(s) / f64::from(n))).abs() < 1e-6);
+            assert!(
+                (kernel.heaviside(s) - 2.0 * (sum - 0.5 * kernel.value(s) / f64::from(n))).abs()
+                    < 1e-6
+            );
         }
-        assert!((2.0 * sum - 1.0).abs() < 1e-6 && kernel.value(1.0) == 0.0 && kernel.value(-1.5) == 0.0);
-        assert_eq!([kernel.heaviside(-2.0), kernel.heaviside(0.0), kernel.heaviside(3.0)], [0.0, 0.5, 1.0]);
+        assert!(
+            (2.0 * sum - 1.0).abs() < 1e-6 && kernel.value(1.0) == 0.0 && kernel.value(-1.5) == 0.0
+        );
+        assert_eq!(
+            [kernel.heaviside(-2.0), kernel.heaviside(0.0), kernel.heaviside(3.0)],
+            [0.0, 0.5, 1.0]
+        );
     }
 }

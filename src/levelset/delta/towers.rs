@@ -59,8 +59,11 @@ pub(super) fn inside<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<f6
             let share = part.volume / (D as f64 + 1.0);
             for a in &part.nodes[..=D] {
                 let n = own[*a] as usize;
-                sum +=
-                    share * (1.0 - nodes[n].as_ref().map_or(f64::from(phi[n] >= 0.0), |node| node.heaviside(phi[n])));
+                sum += share
+                    * (1.0
+                        - nodes[n]
+                            .as_ref()
+                            .map_or(f64::from(phi[n] >= 0.0), |node| node.heaviside(phi[n])));
             }
         }
     }
@@ -68,7 +71,10 @@ pub(super) fn inside<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<f6
 }
 
 /// The cells that the interface crosses, and the data at their nodes.
-fn nodes<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<(Vec<usize>, Vec<Option<Node<D>>>)> {
+fn nodes<const D: usize>(
+    space: &Space<D>,
+    phi: &[f64],
+) -> Result<(Vec<usize>, Vec<Option<Node<D>>>)> {
     let cells = cut_cells(space, phi)?;
     let empty = Node { mass: 0.0, gradients: [SVector::zeros(); 2], laplacians: [0.0; 2] };
     let mut nodes = vec![None; space.len()];
@@ -90,7 +96,9 @@ fn nodes<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<(Vec<usize>, V
                 node.mass += share;
                 for k in 0..2 {
                     node.gradients[k] += gradients[k];
-                    let flux = |j: usize| part.weight(i, j) * (values[k][part.nodes[j]] - values[k][part.nodes[i]]);
+                    let flux = |j: usize| {
+                        part.weight(i, j) * (values[k][part.nodes[j]] - values[k][part.nodes[i]])
+                    };
                     node.laplacians[k] += (0..=D).filter(|&j| j != i).map(flux).sum::<f64>();
                 }
             }

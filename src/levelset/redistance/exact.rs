@@ -64,7 +64,8 @@ impl<'a, const D: usize> Surface<'a, D> {
     /// The distance from `x`, not negative.
     pub(super) fn distance(&self, x: &Point<D>) -> f64 {
         let (number, difference) = self.tree.nearest(x);
-        let (image, cell) = (number / self.cells.len(), self.cells[number % self.cells.len()] as usize);
+        let (image, cell) =
+            (number / self.cells.len(), self.cells[number % self.cells.len()] as usize);
         let x = x - self.shifts[image];
         let near = self.lifted(cell, x - difference);
         let farthest = (x - near).norm();
@@ -76,7 +77,9 @@ impl<'a, const D: usize> Surface<'a, D> {
     fn lifted(&self, cell: usize, y: Point<D>) -> Point<D> {
         let mesh = self.space.mesh();
         let l = mesh.map(cell).barycentric(&y);
-        let Some(along) = self.space.gradient(self.phi, cell, &l).try_normalize(0.0) else { return y };
+        let Some(along) = self.space.gradient(self.phi, cell, &l).try_normalize(0.0) else {
+            return y;
+        };
         let step = along * mesh.diameter(cell);
         let s = Quadratic::on_line(self.space, self.phi, cell, &l, &step).roots()[0];
         // The pieces deviate by a small fraction of a cell; a root farther away is another branch.

@@ -14,14 +14,23 @@ use std::collections::BinaryHeap;
 ///
 /// First order. Limits: in a lattice simplex with an obtuse angle the least value may come from a
 /// node outside of it, and is found along an edge only.
-pub(super) fn distances<const D: usize>(surface: &Surface<'_, D>, unknowns: &(Vec<u32>, usize)) -> Vec<f64> {
+pub(super) fn distances<const D: usize>(
+    surface: &Surface<'_, D>,
+    unknowns: &(Vec<u32>, usize),
+) -> Vec<f64> {
     let space = surface.space;
     let (numbers, count) = (&unknowns.0, unknowns.1);
     let lattice = Lattice::new(space, unknowns);
-    let mut front =
-        Front { space, numbers, lattice: &lattice, value: vec![f64::INFINITY; count], heap: BinaryHeap::new() };
+    let mut front = Front {
+        space,
+        numbers,
+        lattice: &lattice,
+        value: vec![f64::INFINITY; count],
+        heap: BinaryHeap::new(),
+    };
     let mut accepted = vec![false; count];
-    let mut nodes: Vec<u32> = surface.cells().iter().flat_map(|&c| space.cell_nodes(c as usize)).copied().collect();
+    let mut nodes: Vec<u32> =
+        surface.cells().iter().flat_map(|&c| space.cell_nodes(c as usize)).copied().collect();
     nodes.sort_unstable();
     nodes.dedup();
     for &n in &nodes {
@@ -88,7 +97,9 @@ impl<const D: usize> Front<'_, D> {
             values[known] = self.value[self.unknown(simplex[j])];
             known += 1;
         }
-        (1..1usize << known).map(|subset| arrival(&ways, &values, subset)).fold(f64::INFINITY, f64::min)
+        (1..1usize << known)
+            .map(|subset| arrival(&ways, &values, subset))
+            .fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -107,7 +118,11 @@ fn arrival(ways: &[Vector3<f64>; 3], values: &Vector3<f64>, subset: usize) -> f6
     let ones = Vector3::from_fn(|k, _| if chosen(k) { 1.0 } else { 0.0 });
     let values = values.component_mul(&ones);
     // |grad| = 1 with ways . grad = t - values: a t^2 - 2 b t + c = 0.
-    let (a, b, c) = (ones.dot(&(inverse * ones)), ones.dot(&(inverse * values)), values.dot(&(inverse * values)) - 1.0);
+    let (a, b, c) = (
+        ones.dot(&(inverse * ones)),
+        ones.dot(&(inverse * values)),
+        values.dot(&(inverse * values)) - 1.0,
+    );
     let discriminant = b * b - a * c;
     if discriminant < 0.0 {
         return f64::INFINITY;

@@ -42,7 +42,9 @@ pub(super) fn straighten<const D: usize>(
     let scale = |n: usize, v: f64| v.hypot(g[n].norm().max(1.0) * spacing[n]);
     let length = |(n, v): (usize, &f64)| v / scale(n, *v) * spacing[n];
     let steps: Vec<f64> = phi.iter().enumerate().map(length).collect();
-    for (n, _) in near(space, cut, iterations.div_ceil(2)).iter().enumerate().filter(|(_, near)| **near) {
+    for (n, _) in
+        near(space, cut, iterations.div_ceil(2)).iter().enumerate().filter(|(_, near)| **near)
+    {
         phi[n] /= g[n].norm().max(1.0);
     }
     let mut next = phi.clone();
@@ -55,7 +57,9 @@ pub(super) fn straighten<const D: usize>(
                 let home = tracer.node_location(n);
                 let foot = tracer.displaced(home, -normal * steps[n]);
                 // The boundary may shorten the step.
-                let way = tracer.unwrapped(space.mesh().point_at(&foot) - space.mesh().point_at(&home)).norm();
+                let way = tracer
+                    .unwrapped(space.mesh().point_at(&foot) - space.mesh().point_at(&home))
+                    .norm();
                 *v = limited(space, phi, &foot) + way.copysign(steps[n]);
             }
         });
@@ -83,7 +87,8 @@ fn near<const D: usize>(space: &Space<D>, cut: &[u32], layers: usize) -> Vec<boo
 /// quadratic function at kinks would grow.
 fn limited<const D: usize>(space: &Space<D>, phi: &[f64], at: &Location) -> f64 {
     let nodes = space.cell_nodes(at.cell as usize).iter().map(|&n| phi[n as usize]);
-    let (low, high) = nodes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let (low, high) =
+        nodes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     space.value(phi, at.cell as usize, &at.barycentric).max(low).min(high)
 }
 
@@ -111,7 +116,10 @@ struct Gradients<'a> {
 }
 
 impl<'a> Gradients<'a> {
-    fn new<const D: usize>(space: &Space<D>, (numbers, count): &'a (Vec<u32>, usize)) -> Gradients<'a> {
+    fn new<const D: usize>(
+        space: &Space<D>,
+        (numbers, count): &'a (Vec<u32>, usize),
+    ) -> Gradients<'a> {
         let mut volumes = vec![0.0; *count];
         for c in 0..space.mesh().cell_count() {
             for &n in space.cell_nodes(c) {
@@ -129,7 +137,9 @@ impl<'a> Gradients<'a> {
                 sums[self.numbers[n as usize] as usize] += g * volume;
             }
         }
-        let mean = |&u: &u32| if u == NONE { SVector::zeros() } else { sums[u as usize] / self.volumes[u as usize] };
+        let mean = |&u: &u32| {
+            if u == NONE { SVector::zeros() } else { sums[u as usize] / self.volumes[u as usize] }
+        };
         self.numbers.iter().map(mean).collect()
     }
 }

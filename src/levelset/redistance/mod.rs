@@ -87,7 +87,14 @@ impl Redistancing {
         let unknowns = || Numbering::scalar_unknowns(space, translations);
         match self.method {
             Redistance::HamiltonJacobi { iterations } => {
-                hamilton_jacobi::straighten(tracer, &unknowns(), slope, iterations, &pieces.cells, phi);
+                hamilton_jacobi::straighten(
+                    tracer,
+                    &unknowns(),
+                    slope,
+                    iterations,
+                    &pieces.cells,
+                    phi,
+                );
             }
             Redistance::FastMarching => {
                 let surface = Surface::new(space, phi, pieces, translations);

@@ -46,7 +46,12 @@ fn a_straight_interface_gets_its_slope() {
             let d = exact(x) / 1.5;
             d.abs() < 0.2 && (x - along * d).iter().all(|c| (0.25..0.75).contains(c))
         };
-        let errors = space.nodes().iter().zip(&phi).filter(|(x, _)| near(x)).map(|(x, v)| (v - exact(x)).abs());
+        let errors = space
+            .nodes()
+            .iter()
+            .zip(&phi)
+            .filter(|(x, _)| near(x))
+            .map(|(x, v)| (v - exact(x)).abs());
         let worst = errors.fold(0.0, f64::max);
         assert!(worst < bound, "{method:?}: {worst:e}");
     }
@@ -98,7 +103,9 @@ fn distances_go_through_periodic_sides() {
         let (mut compared, mut worst) = (0, 0.0_f64);
         for (x, v) in space.nodes().iter().zip(&corner) {
             let moved = x.map(|v| (v + 0.5) % 1.0);
-            let Some(k) = space.nodes().iter().position(|y| (y - moved).norm() < 1e-9) else { continue };
+            let Some(k) = space.nodes().iter().position(|y| (y - moved).norm() < 1e-9) else {
+                continue;
+            };
             // Near the medial axis the limiter acts, and a foot on an edge belongs to either of two
             // cells, by rounding, whose values limit it.
             if matches!(method, Redistance::HamiltonJacobi { .. }) && v.abs() > 0.05 {
@@ -111,7 +118,10 @@ fn distances_go_through_periodic_sides() {
         // nearest point of the cut replaces it. The bound is measured: 1/30 of the spacing of the
         // nodes.
         let bound = if matches!(method, Redistance::HamiltonJacobi { .. }) { 1e-9 } else { 1e-3 };
-        assert!(compared > space.len() / 10 && worst < bound, "{method:?}: {compared} nodes, {worst:e}");
+        assert!(
+            compared > space.len() / 10 && worst < bound,
+            "{method:?}: {compared} nodes, {worst:e}"
+        );
     }
 }
 
@@ -122,7 +132,8 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
     for method in ALL {
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut phi = space.interpolate(|x| (x - Point::<3>::repeat(0.51)).norm_squared() - 0.1);
+            let mut phi =
+                space.interpolate(|x| (x - Point::<3>::repeat(0.51)).norm_squared() - 0.1);
             let how = Redistancing { method, volume: true };
             pool.install(|| how.apply(&Tracer::new(&space, &[]), &[], 1.0, &mut phi).unwrap());
             phi

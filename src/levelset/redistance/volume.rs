@@ -15,7 +15,12 @@ const MOST_CUTS: usize = 20;
 ///
 /// # Errors
 /// Those of the cut.
-pub(super) fn restore<const D: usize>(space: &Space<D>, wanted: f64, slope: f64, phi: &mut [f64]) -> Result<()> {
+pub(super) fn restore<const D: usize>(
+    space: &Space<D>,
+    wanted: f64,
+    slope: f64,
+    phi: &mut [f64],
+) -> Result<()> {
     let mut shifted = phi.to_vec();
     let mut last: Option<(f64, f64)> = None;
     let mut best = (f64::INFINITY, 0.0);

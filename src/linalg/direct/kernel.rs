@@ -4,7 +4,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::traits::ComplexField;
@@ -14,21 +15,31 @@ use crate::base::{Error, Result};
 use crate::linalg::substitution::Supernodes;
 use crate::linalg::{Ordering, SymmetricMatrix};
 
-pub(super) fn symbolic_factor(matrix: &SymmetricMatrix, ordering: &Ordering) -> Result<SymbolicCholesky<usize>> {
+pub(super) fn symbolic_factor(
+    matrix: &SymmetricMatrix,
+    ordering: &Ordering,
+) -> Result<SymbolicCholesky<usize>> {
     let n = matrix.order();
     if ordering.unknowns().len() != n {
         let sizes = format!("{} unknowns, ordering of {}", n, ordering.unknowns().len());
         return Err(Error::internal("an ordering does not belong to the matrix").value(sizes));
     }
     let pointers = matrix.upper().indptr();
-    let permutation = faer::perm::PermRef::new_checked(ordering.unknowns(), ordering.positions(), n);
+    let permutation =
+        faer::perm::PermRef::new_checked(ordering.unknowns(), ordering.positions(), n);
     let params = CholeskySymbolicParams {
         // Faster than the simplicial method from a few hundred unknowns on.
         supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
         ..Default::default()
     };
     let pattern = view_of_pattern(matrix, pointers.raw_storage());
-    factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Custom(permutation), params).map_err(|error| {
+    factorize_symbolic_cholesky(
+        pattern,
+        Side::Upper,
+        SymmetricOrdering::Custom(permutation),
+        params,
+    )
+    .map_err(|error| {
         Error::computation("the factor of a matrix could not be planned")
             .at(format!("{n} unknowns, {} entries", matrix.nonzeros()))
             .value(error)
@@ -67,5 +78,15 @@ pub(super) fn numeric<T: ComplexField>(
 ) -> std::result::Result<(), LdltError> {
     let matrix = SparseColMatRef::new(pattern, values);
     let (stack, rule) = (MemStack::new(scratch), LdltRegularization::default());
-    symbolic.factorize_numeric_ldlt(factor, matrix, Side::Upper, rule, Par::Seq, stack, Default::default()).map(|_| ())
+    symbolic
+        .factorize_numeric_ldlt(
+            factor,
+            matrix,
+            Side::Upper,
+            rule,
+            Par::Seq,
+            stack,
+            Default::default(),
+        )
+        .map(|_| ())
 }

@@ -38,7 +38,9 @@ fn the_solution_is_the_discrete_eigenfunction() {
     // times itself.
     let n = 25;
     let h = std::f64::consts::PI / (n as f64 + 1.0);
-    let mode: Vec<f64> = (0..n * n).map(|k| ((k % n + 1) as f64 * h).sin() * ((k / n + 1) as f64 * h).sin()).collect();
+    let mode: Vec<f64> = (0..n * n)
+        .map(|k| ((k % n + 1) as f64 * h).sin() * ((k / n + 1) as f64 * h).sin())
+        .collect();
     let a = laplacian(n, 0.0);
     let mut x = vec![0.0; n * n];
     factored(&a, Ordering::plain(&a).unwrap()).solve(&a, &mode, &mut x).unwrap();
@@ -53,7 +55,10 @@ fn saddle_points_need_no_refinement_in_their_own_ordering() {
             let (a, first) = stokes(24, mass, viscosity, penalty);
             let mut factor = factored(&a, Ordering::saddle_point(&a, first).unwrap());
             let (bare, report) = residuals(&a, &mut factor);
-            assert!(bare < 1e-13, "mass {mass}, viscosity {viscosity}, penalty {penalty:e}: {bare:e}");
+            assert!(
+                bare < 1e-13,
+                "mass {mass}, viscosity {viscosity}, penalty {penalty:e}: {bare:e}"
+            );
             assert!(report.residual < 1e-13 && report.refinements == 0, "{report:?}");
         }
     }
@@ -127,7 +132,11 @@ fn wrong_patterns_and_lengths_are_errors() {
     assert!(Factor::analyse(&b, ordering.clone()).is_err());
     let mut factor = Factor::analyse(&a, ordering).unwrap();
     let mut x = vec![0.0; 25];
-    assert_eq!(factor.solve(&a, &[1.0; 25], &mut x).unwrap_err().kind(), Kind::Internal, "not factorised");
+    assert_eq!(
+        factor.solve(&a, &[1.0; 25], &mut x).unwrap_err().kind(),
+        Kind::Internal,
+        "not factorised"
+    );
     assert_eq!(factor.refactor(&b).unwrap_err().kind(), Kind::Internal);
     factor.refactor(&a).unwrap();
     assert!(factor.solve(&b, &[1.0; 25], &mut x).is_err());

@@ -9,7 +9,8 @@ const CELLS: usize = 12;
 fn case() -> (SymmetricMatrix, usize, Saddle) {
     let (matrix, first) = stokes(CELLS, 0.0, 1.0, 0.0);
     let multipliers = matrix.order() - first;
-    let mut mass = SymmetricMatrix::from_groups(multipliers, (0..multipliers as u32).map(|i| [i])).unwrap();
+    let mut mass =
+        SymmetricMatrix::from_groups(multipliers, (0..multipliers as u32).map(|i| [i])).unwrap();
     mass.values_mut().fill(1.0 / (CELLS * CELLS) as f64);
     let components = (0..first).map(|i| u8::from(2 * i >= first)).collect();
     (matrix, first, Saddle { components, operators: vec![mass] })
@@ -25,7 +26,8 @@ fn solver(kind: SolverKind) -> (SymmetricMatrix, LaggedFactor) {
 #[test]
 fn iterations_with_every_factor_reach_the_residual_that_they_report() {
     let mut exact: Option<Vec<f64>> = None;
-    for (kind, most) in [(SolverKind::Direct, 0), (SolverKind::Single, 3), (SolverKind::Schur, 160)] {
+    for (kind, most) in [(SolverKind::Direct, 0), (SolverKind::Single, 3), (SolverKind::Schur, 160)]
+    {
         let (matrix, mut solver) = solver(kind);
         let rhs = scattered(matrix.order());
         let mut x = vec![0.0; rhs.len()];
@@ -37,7 +39,10 @@ fn iterations_with_every_factor_reach_the_residual_that_they_report() {
         let square = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
         r.iter_mut().zip(&rhs).for_each(|(r, b)| *r -= b);
         let relative = (square(&r) / square(&rhs)).sqrt();
-        assert!((relative - report.solve.residual).abs() <= 1e-14 + 1e-3 * relative, "{kind}: {relative:e}");
+        assert!(
+            (relative - report.solve.residual).abs() <= 1e-14 + 1e-3 * relative,
+            "{kind}: {relative:e}"
+        );
         let exact = exact.get_or_insert_with(|| x.clone());
         let largest = exact.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         assert!(x.iter().zip(&*exact).all(|(x, e)| (x - e).abs() < 1e-6 * largest), "{kind}");
@@ -57,7 +62,10 @@ fn an_iteration_that_does_not_converge_is_an_error() {
     let options = SolverOptions { kind: Some(SolverKind::Schur), memory: None };
     let mut solver = LaggedFactor::choose(&matrix, first, options, 1e-10, || Ok(saddle)).unwrap();
     let rhs = scattered(matrix.order());
-    let error = solver.solve(&matrix, Change::Lasting, &rhs, &mut vec![0.0; rhs.len()]).unwrap_err().to_string();
+    let error = solver
+        .solve(&matrix, Change::Lasting, &rhs, &mut vec![0.0; rhs.len()])
+        .unwrap_err()
+        .to_string();
     for part in ["did not converge", "iterations", "relative residual", "remedy"] {
         assert!(error.contains(part), "{error}");
     }
@@ -68,7 +76,8 @@ fn a_factor_in_single_precision_does_not_depend_on_the_units() {
     for unit in [1e-30, 1e30] {
         let (mut matrix, first, _) = case();
         matrix.values_mut().iter_mut().for_each(|v| *v *= unit);
-        let mut factor = Factor::plan(&matrix, Ordering::saddle_point(&matrix, first).unwrap()).unwrap();
+        let mut factor =
+            Factor::plan(&matrix, Ordering::saddle_point(&matrix, first).unwrap()).unwrap();
         factor = factor.with_precision(Precision::Single);
         factor.refactor(&matrix).unwrap();
         let rhs = scattered(matrix.order());

@@ -37,7 +37,8 @@ impl<'a> Background<'a> {
 
     fn sample(&self, at: Location) -> Sample {
         let v = self.mesh.cell(at.cell as usize);
-        let logarithm = (0..3).fold(Tensor::default(), |s, k| s + self.logarithms[v[k] as usize] * at.barycentric[k]);
+        let logarithm = (0..3)
+            .fold(Tensor::default(), |s, k| s + self.logarithms[v[k] as usize] * at.barycentric[k]);
         Sample { tensor: logarithm.exp(), at }
     }
 }

@@ -22,7 +22,8 @@ pub(super) fn collapse_short(t: &mut Triangulation) -> usize {
     for (_, [a, b]) in short {
         // Removed vertices have no triangle any more.
         let both = [a, b].iter().all(|&v| t.vertices[v as usize].triangle != NONE);
-        let ways = [(a, b), (b, a)].map(|(v, w)| if both { worst_after(t, v, w, &mut star) } else { 0.0 });
+        let ways =
+            [(a, b), (b, a)].map(|(v, w)| if both { worst_after(t, v, w, &mut star) } else { 0.0 });
         let (v, w) = if ways[0] >= ways[1] { (a, b) } else { (b, a) };
         if ways[0].max(ways[1]) > 0.0 {
             collapse(t, v, w, &mut star);

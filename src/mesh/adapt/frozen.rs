@@ -19,7 +19,8 @@ pub(super) fn relieve(metric: &mut Metric, mesh: &Mesh<2>) {
     for facet in mesh.facets() {
         let ends: Vec<usize> = mesh.facet_points(facet).map(|v| v as usize).collect();
         let &[a, b] = &ends[..] else { continue };
-        let length = measure::length(&mesh.points()[a], &tensors[a], &mesh.points()[b], &tensors[b]);
+        let length =
+            measure::length(&mesh.points()[a], &tensors[a], &mesh.points()[b], &tensors[b]);
         for v in ends {
             factors[v] = factors[v].max(length / LONG);
         }

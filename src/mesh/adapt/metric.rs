@@ -40,8 +40,10 @@ impl Metric {
     /// If the Hessian vanishes, the size is `1e6` times the smallest of all; see
     /// [`bounded`](Self::bounded).
     pub fn from_hessians(hessians: &[SMatrix<f64, 2, 2>], error: f64) -> Metric {
-        let scaled: Vec<Tensor> = hessians.iter().map(|h| Tensor::of(h) * (2.0 / (9.0 * error))).collect();
-        let greatest = scaled.iter().flat_map(Tensor::eigenvalues).fold(0.0, |m: f64, l| m.max(l.abs()));
+        let scaled: Vec<Tensor> =
+            hessians.iter().map(|h| Tensor::of(h) * (2.0 / (9.0 * error))).collect();
+        let greatest =
+            scaled.iter().flat_map(Tensor::eigenvalues).fold(0.0, |m: f64, l| m.max(l.abs()));
         let floor = if greatest > 0.0 { FLAT * greatest } else { f64::MIN_POSITIVE.sqrt() };
         Metric::of(scaled.iter().map(|t| t.map(|l| l.map(|l| l.abs().max(floor)))))
     }
@@ -72,11 +74,8 @@ impl Metric {
     /// Internal, if the two belong to different meshes.
     pub fn intersect(&self, other: &Metric) -> Result<Metric> {
         if self.tensors.len() != other.tensors.len() {
-            return Err(Error::internal("two metrics have different numbers of points").value(format!(
-                "{} and {}",
-                self.tensors.len(),
-                other.tensors.len()
-            )));
+            return Err(Error::internal("two metrics have different numbers of points")
+                .value(format!("{} and {}", self.tensors.len(), other.tensors.len())));
         }
         let pairs = self.tensors.iter().zip(&other.tensors);
         Ok(Metric::of(pairs.map(|(a, b)| Tensor::of(a).intersection(&Tensor::of(b)))))
@@ -94,7 +93,9 @@ impl Metric {
     pub fn graded(&self, mesh: &Mesh<2>, ratio: f64) -> Result<Metric> {
         self.check(mesh)?;
         if !(ratio > 1.0 && ratio.is_finite()) {
-            return Err(Error::input("the gradation of a metric must be above 1").value(ratio).remedy("1.3 is usual"));
+            return Err(Error::input("the gradation of a metric must be above 1")
+                .value(ratio)
+                .remedy("1.3 is usual"));
         }
         let (starts, others) = point_neighbours(mesh);
         let mut tensors: Vec<Tensor> = self.tensors.iter().map(Tensor::of).collect();
@@ -135,7 +136,8 @@ impl Metric {
     /// # Errors
     /// As [`check`](Self::check).
     pub fn scaled_to(&self, mesh: &Mesh<2>, vertices: usize) -> Result<Metric> {
-        let (inside, along) = (0.5 * TRIANGLES_PER_AREA * self.complexity(mesh)?, 0.5 * self.perimeter(mesh));
+        let (inside, along) =
+            (0.5 * TRIANGLES_PER_AREA * self.complexity(mesh)?, 0.5 * self.perimeter(mesh));
         // inside x^2 + along x = vertices - 1 with s = x^2.
         let wanted = (vertices as f64 - 1.0).max(1.0);
         let root = 2.0 * wanted / (along + (along * along + 4.0 * inside * wanted).sqrt());
@@ -159,10 +161,13 @@ impl Metric {
     /// As [`check`](Self::check).
     pub fn complexity(&self, mesh: &Mesh<2>) -> Result<f64> {
         self.check(mesh)?;
-        let half_traces: Vec<f64> = self.tensors.iter().map(|m| 0.5 * Tensor::of(m).determinant().ln()).collect();
+        let half_traces: Vec<f64> =
+            self.tensors.iter().map(|m| 0.5 * Tensor::of(m).determinant().ln()).collect();
         let of_cell = |c: usize| {
             let v = mesh.cell(c);
-            let at = |i: usize, j: usize| (0.5 * (half_traces[v[i] as usize] + half_traces[v[j] as usize])).exp();
+            let at = |i: usize, j: usize| {
+                (0.5 * (half_traces[v[i] as usize] + half_traces[v[j] as usize])).exp()
+            };
             mesh.map(c).volume * (at(0, 1) + at(1, 2) + at(2, 0)) / 3.0
         };
         Ok((0..mesh.cell_count()).map(of_cell).sum())
@@ -180,11 +185,8 @@ impl Metric {
     /// finite or not positive.
     pub fn check(&self, mesh: &Mesh<2>) -> Result<()> {
         if self.tensors.len() != mesh.points().len() {
-            return Err(Error::internal("a metric needs one tensor a point of the mesh").value(format!(
-                "{} tensors, {} points",
-                self.tensors.len(),
-                mesh.points().len()
-            )));
+            return Err(Error::internal("a metric needs one tensor a point of the mesh")
+                .value(format!("{} tensors, {} points", self.tensors.len(), mesh.points().len())));
         }
         let bad = |m: &SMatrix<f64, 2, 2>| {
             let t = Tensor::of(m);
@@ -202,7 +204,8 @@ impl Metric {
 
 /// The points in the order of their smallest sizes: gradation starts from the finest.
 fn fine_first(tensors: &[Tensor]) -> Vec<u32> {
-    let mut order: Vec<(f64, u32)> = tensors.iter().zip(0..).map(|(t, p)| (-t.eigenvalues()[0], p)).collect();
+    let mut order: Vec<(f64, u32)> =
+        tensors.iter().zip(0..).map(|(t, p)| (-t.eigenvalues()[0], p)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     order.into_iter().map(|(_, p)| p).collect()
 }

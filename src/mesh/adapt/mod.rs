@@ -45,7 +45,13 @@ pub struct AdaptOptions {
 
 impl Default for AdaptOptions {
     fn default() -> AdaptOptions {
-        AdaptOptions { sweeps: 30, h_min: 0.0, h_max: f64::INFINITY, keep_boundary: false, most_vertices: 2_000_000 }
+        AdaptOptions {
+            sweeps: 30,
+            h_min: 0.0,
+            h_max: f64::INFINITY,
+            keep_boundary: false,
+            most_vertices: 2_000_000,
+        }
     }
 }
 
@@ -143,7 +149,10 @@ fn bounds(mesh: &Mesh<2>, options: &AdaptOptions) -> Result<(f64, f64)> {
         return Ok((h_min, h_max));
     }
     Err(Error::input("the bounds of the sizes of triangles are not in order")
-        .value(format!("h_min = {}, h_max = {} in a domain of extent {extent}", options.h_min, options.h_max))
+        .value(format!(
+            "h_min = {}, h_max = {} in a domain of extent {extent}",
+            options.h_min, options.h_max
+        ))
         .remedy("give 0 <= h_min <= h_max, h_min less than the extent of the domain"))
 }
 
@@ -155,9 +164,11 @@ fn too_many(expected: f64, options: &AdaptOptions) -> Error {
 
 fn report(t: &Triangulation, sweeps: usize) -> AdaptReport {
     let lengths = t.sides().map(|s| t.ends(s)).map(|[a, b]| t.length(a, b));
-    let (edges, unit) = lengths.fold((0, 0), |(n, unit), l| (n + 1, unit + usize::from((SHORT..=LONG).contains(&l))));
+    let (edges, unit) = lengths
+        .fold((0, 0), |(n, unit), l| (n + 1, unit + usize::from((SHORT..=LONG).contains(&l))));
     let qualities = t.alive().map(|c| t.quality(t.triangles[c as usize].vertices));
-    let (worst, sum, triangles) = qualities.fold((1.0f64, 0.0, 0), |(w, s, n), q| (w.min(q), s + q, n + 1));
+    let (worst, sum, triangles) =
+        qualities.fold((1.0f64, 0.0, 0), |(w, s, n), q| (w.min(q), s + q, n + 1));
     AdaptReport {
         vertices: t.vertex_count(),
         triangles,

@@ -34,7 +34,10 @@ impl Parts {
     }
 
     /// The members of every name again, from the numbers of the sets of items.
-    pub fn members(&self, marks: impl Iterator<Item = u32>) -> impl Iterator<Item = (String, Vec<u32>)> {
+    pub fn members(
+        &self,
+        marks: impl Iterator<Item = u32>,
+    ) -> impl Iterator<Item = (String, Vec<u32>)> {
         let mut members = vec![Vec::new(); self.names.len()];
         for (i, mark) in (0..).zip(marks) {
             self.sets[mark as usize].iter().for_each(|&name| members[name as usize].push(i));

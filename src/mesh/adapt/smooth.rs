@@ -13,8 +13,11 @@ const POOR: f64 = 0.7;
 
 /// Marks the vertices of poor triangles for a move.
 pub(super) fn mark_poor(t: &mut Triangulation) {
-    let poor: Vec<[u32; 3]> =
-        t.alive().map(|c| t.triangles[c as usize].vertices).filter(|v| t.quality(*v) < POOR).collect();
+    let poor: Vec<[u32; 3]> = t
+        .alive()
+        .map(|c| t.triangles[c as usize].vertices)
+        .filter(|v| t.quality(*v) < POOR)
+        .collect();
     poor.into_iter().flatten().for_each(|v| t.vertices[v as usize].pending = true);
 }
 
@@ -40,7 +43,8 @@ fn smooth(t: &mut Triangulation, v: u32, star: &mut Vec<Side>) -> bool {
     }
     t.star(v, star);
     let before = mean_quality(t, star);
-    let Some(wanted) = (if old.kind == Freedom::Free { balance(t, v, star) } else { balance_on_line(t, v, star) })
+    let Some(wanted) =
+        (if old.kind == Freedom::Free { balance(t, v, star) } else { balance_on_line(t, v, star) })
     else {
         return false;
     };

@@ -70,7 +70,12 @@ fn halve(t: &mut Triangulation, side: Side, m: u32) -> [Side; 2] {
     let old = t.triangles[side.triangle as usize];
     let (c, a, b) = (side.opposite, (side.opposite + 1) % 3, (side.opposite + 2) % 3);
     let beyond = t.twin(Side { triangle: side.triangle, opposite: a });
-    let new = |vertices, sides| Triangle { vertices, neighbours: [crate::mesh::NONE; 3], sides, region: old.region };
+    let new = |vertices, sides| Triangle {
+        vertices,
+        neighbours: [crate::mesh::NONE; 3],
+        sides,
+        region: old.region,
+    };
     let [pc, pa, pb] = [c, a, b].map(|k| old.vertices[k]);
     let [sc, sa, sb] = [c, a, b].map(|k| old.sides[k]);
     let kept = t.twin(Side { triangle: side.triangle, opposite: b });
@@ -78,6 +83,9 @@ fn halve(t: &mut Triangulation, side: Side, m: u32) -> [Side; 2] {
     let other = t.add(new([pc, m, pb], [sc, sa, 0]));
     t.link(Side { triangle: side.triangle, opposite: 2 }, kept);
     t.link(Side { triangle: other, opposite: 1 }, beyond);
-    t.link(Side { triangle: side.triangle, opposite: 1 }, Some(Side { triangle: other, opposite: 2 }));
+    t.link(
+        Side { triangle: side.triangle, opposite: 1 },
+        Some(Side { triangle: other, opposite: 2 }),
+    );
     [side.triangle, other].map(|triangle| Side { triangle, opposite: 0 })
 }

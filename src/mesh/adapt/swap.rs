@@ -31,7 +31,9 @@ fn swap(t: &mut Triangulation, side: Side) -> bool {
         return false;
     }
     let Some(twin) = t.twin(side) else { return false };
-    let corners = |s: Side| [0, 1, 2].map(|k| t.triangles[s.triangle as usize].vertices[(s.opposite + k) % 3]);
+    let corners = |s: Side| {
+        [0, 1, 2].map(|k| t.triangles[s.triangle as usize].vertices[(s.opposite + k) % 3])
+    };
     let ([c, a, b], [d, ..]) = (corners(side), corners(twin));
     let before = t.quality([c, a, b]).min(t.quality([d, b, a]));
     if t.quality([c, a, d]).min(t.quality([d, b, c])) <= before * GAIN {

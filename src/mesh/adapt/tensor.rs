@@ -85,7 +85,11 @@ impl Tensor {
             yy: q * q * other.xx + 2.0 * q * r * other.xy + r * r * other.yy,
         };
         let s = reduced.map(|mu| mu.map(|m| m.max(1.0)));
-        Tensor { xx: a * a * s.xx, xy: a * (b * s.xx + c * s.xy), yy: b * b * s.xx + 2.0 * b * c * s.xy + c * c * s.yy }
+        Tensor {
+            xx: a * a * s.xx,
+            xy: a * (b * s.xx + c * s.xy),
+            yy: b * b * s.xx + 2.0 * b * c * s.xy + c * c * s.yy,
+        }
     }
 }
 

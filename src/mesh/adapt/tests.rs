@@ -19,7 +19,11 @@ fn tensor(n: Point<2>, across: f64, along: f64) -> SMatrix<f64, 2, 2> {
 }
 
 /// Adapts until the mesh that carries the metric is the one that fits it, as a user does.
-fn adapted_to(mut mesh: Mesh<2>, times: usize, metric: impl Fn(&Point<2>) -> SMatrix<f64, 2, 2>) -> Adapted {
+fn adapted_to(
+    mut mesh: Mesh<2>,
+    times: usize,
+    metric: impl Fn(&Point<2>) -> SMatrix<f64, 2, 2>,
+) -> Adapted {
     let mut report = None;
     for _ in 0..times {
         let given = Metric { tensors: mesh.points().iter().map(&metric).collect() };
@@ -38,7 +42,8 @@ fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
         let (mut area, mut moment) = (0.0, Point::<2>::zeros());
         for &c in cells {
             let v = mesh.cell(c as usize);
-            let centre = (0..3).fold(Point::<2>::zeros(), |s, k| s + mesh.points()[v[k] as usize]) / 3.0;
+            let centre =
+                (0..3).fold(Point::<2>::zeros(), |s, k| s + mesh.points()[v[k] as usize]) / 3.0;
             area += mesh.map(c as usize).volume;
             moment += centre * mesh.map(c as usize).volume;
         }
@@ -49,8 +54,13 @@ fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
         for &f in facets {
             let f = &mesh.facets()[f as usize];
             let (n, length) = mesh.facet_normal(f);
-            let middle = mesh.facet_points(f).fold(Point::<2>::zeros(), |s, v| s + mesh.points()[v as usize]) / 2.0;
-            for (s, x) in sums.iter_mut().zip([1.0, middle[0], middle[1], n[0] * middle[0], n[1] * middle[1]]) {
+            let middle = mesh
+                .facet_points(f)
+                .fold(Point::<2>::zeros(), |s, v| s + mesh.points()[v as usize])
+                / 2.0;
+            for (s, x) in
+                sums.iter_mut().zip([1.0, middle[0], middle[1], n[0] * middle[0], n[1] * middle[1]])
+            {
                 *s += x * length;
             }
         }
@@ -64,7 +74,12 @@ fn measures(mesh: &Mesh<2>) -> BTreeMap<String, Vec<f64>> {
 /// would give inner boundaries and change their length.
 fn assert_same_domain(old: &Mesh<2>, new: &Mesh<2>) {
     assert!(new.reoriented().is_empty());
-    assert!((new.volume() - old.volume()).abs() < 1e-12 * old.volume(), "{} {}", new.volume(), old.volume());
+    assert!(
+        (new.volume() - old.volume()).abs() < 1e-12 * old.volume(),
+        "{} {}",
+        new.volume(),
+        old.volume()
+    );
     let (before, after) = (measures(old), measures(new));
     assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>());
     for (name, values) in &before {
@@ -74,7 +89,12 @@ fn assert_same_domain(old: &Mesh<2>, new: &Mesh<2>) {
     }
     let length = |m: &Mesh<2>| m.facets().iter().map(|f| m.facet_normal(f).1).sum::<f64>();
     assert!((length(old) - length(new)).abs() < 1e-11, "{} {}", length(old), length(new));
-    assert!(check(new).1.iter().all(|w| !w.what.contains("belong to no cell") && !w.what.contains("not connected")));
+    assert!(
+        check(new)
+            .1
+            .iter()
+            .all(|w| !w.what.contains("belong to no cell") && !w.what.contains("not connected"))
+    );
 }
 
 #[test]
@@ -86,7 +106,11 @@ fn a_square_gets_the_sizes_of_a_circle() {
     assert_same_domain(&mesh, &new.mesh);
     assert!(new.report.unit_edges > 0.97 && new.report.worst_quality > 0.6, "{:?}", new.report);
     let expected = metric.expected_vertices(&mesh).unwrap();
-    assert!((new.report.vertices as f64 / expected - 1.0).abs() < 0.05, "{:?}, expected {expected}", new.report);
+    assert!(
+        (new.report.vertices as f64 / expected - 1.0).abs() < 0.05,
+        "{:?}, expected {expected}",
+        new.report
+    );
     let (quality, warnings) = check(&new.mesh);
     assert!(quality.smallest_angle.value > 25.0 && warnings.is_empty(), "{quality:?} {warnings:?}");
 }
@@ -98,11 +122,17 @@ fn a_boundary_layer_and_a_circular_front_get_stretched_triangles() {
         let r = x - at(-0.1, 0.5);
         tensor(r / r.norm(), 0.003 + 0.3 * (r.norm() - 0.7).abs(), 0.1)
     };
-    for (name, metric) in [("layer", &layer as &dyn Fn(&Point<2>) -> SMatrix<f64, 2, 2>), ("front", &front)] {
+    for (name, metric) in
+        [("layer", &layer as &dyn Fn(&Point<2>) -> SMatrix<f64, 2, 2>), ("front", &front)]
+    {
         let mesh = rectangle([0.0; 2], [1.0; 2], [10, 10], Diagonals::Right).unwrap();
         let new = adapted_to(mesh.clone(), 6, metric);
         assert_same_domain(&mesh, &new.mesh);
-        assert!(new.report.unit_edges > 0.9 && new.report.worst_quality > 0.3, "{name}: {:?}", new.report);
+        assert!(
+            new.report.unit_edges > 0.9 && new.report.worst_quality > 0.3,
+            "{name}: {:?}",
+            new.report
+        );
         assert!(new.report.mean_quality > 0.85);
     }
 }
@@ -122,15 +152,22 @@ fn a_mesh_that_fits_is_hardly_changed() {
 fn parts(n: usize) -> Mesh<2> {
     let straight = rectangle([0.0; 2], [1.0; 2], [n, n], Diagonals::UnionJack).unwrap();
     let turned = straight.points().iter().map(|p| nalgebra::Rotation2::new(1.0) * p).collect();
-    let cells: Vec<u32> = (0..straight.cell_count()).flat_map(|c| straight.cell(c).to_vec()).collect();
+    let cells: Vec<u32> =
+        (0..straight.cell_count()).flat_map(|c| straight.cell(c).to_vec()).collect();
     let mut mesh = Mesh::<2>::new(turned, cells).unwrap();
     for (name, facets) in straight.boundaries() {
         mesh.set_boundary(name, facets.clone());
     }
-    let centre =
-        |c: &u32| (0..3).fold(at(0.0, 0.0), |s, k| s + straight.points()[straight.cell(*c as usize)[k] as usize]) / 3.0;
+    let centre = |c: &u32| {
+        (0..3).fold(at(0.0, 0.0), |s, k| {
+            s + straight.points()[straight.cell(*c as usize)[k] as usize]
+        }) / 3.0
+    };
     let all = 0..mesh.cell_count() as u32;
-    mesh.set_region("disc", all.clone().filter(|c| (centre(c) - at(0.5, 0.5)).norm() < 0.3).collect());
+    mesh.set_region(
+        "disc",
+        all.clone().filter(|c| (centre(c) - at(0.5, 0.5)).norm() < 0.3).collect(),
+    );
     mesh.set_region("lower", all.filter(|c| centre(c)[1] < 0.5).collect());
     mesh
 }
@@ -144,7 +181,11 @@ fn frozen_boundaries_keep_their_points_and_edges() {
     let new = adapt(&mesh, &metric, &options).unwrap();
     assert_same_domain(&mesh, &new.mesh);
     let edges = |m: &Mesh<2>| {
-        let ends = |f| m.facet_points(f).map(|v| m.points()[v as usize].as_slice().to_vec()).collect::<Vec<_>>();
+        let ends = |f| {
+            m.facet_points(f)
+                .map(|v| m.points()[v as usize].as_slice().to_vec())
+                .collect::<Vec<_>>()
+        };
         let mut all: Vec<_> = m.facets().iter().map(ends).collect();
         all.iter_mut().for_each(|e| e.sort_by(|a, b| a.partial_cmp(b).unwrap()));
         all.sort_by(|a, b| a.partial_cmp(b).unwrap());
@@ -167,7 +208,11 @@ fn straight_lines_are_coarsened_and_curves_keep_their_corners() {
     let new = adapt(&mesh, &isotropic(&mesh, |_| 0.4), &coarse).unwrap();
     assert_same_domain(&mesh, &new.mesh);
     // Lower and upper half meet in a straight line, the disc is a polygon with corners.
-    assert!(new.mesh.boundary("left").unwrap().len() <= 5, "{}", new.mesh.boundary("left").unwrap().len());
+    assert!(
+        new.mesh.boundary("left").unwrap().len() <= 5,
+        "{}",
+        new.mesh.boundary("left").unwrap().len()
+    );
     let mesh = disc([0.0; 2], 1.0, 10).unwrap();
     let new = adapt(&mesh, &isotropic(&mesh, |_| 0.4), &coarse).unwrap();
     assert_same_domain(&mesh, &new.mesh);
@@ -184,9 +229,17 @@ fn metrics_that_make_no_mesh_are_refused() {
     };
     let good = isotropic(&mesh, |_| 0.1);
     let options = AdaptOptions::default();
-    refused(&Metric { tensors: good.tensors[1..].to_vec() }, options, &["one tensor a point", "15 tensors, 16"]);
+    refused(
+        &Metric { tensors: good.tensors[1..].to_vec() },
+        options,
+        &["one tensor a point", "15 tensors, 16"],
+    );
     refused(&isotropic(&mesh, |x| x[0]), options, &["not positive and finite", "point 0"]);
-    refused(&isotropic(&mesh, |_| 1e-4), options, &["too many vertices", "about 125020001", "2000000"]);
+    refused(
+        &isotropic(&mesh, |_| 1e-4),
+        options,
+        &["too many vertices", "about 125020001", "2000000"],
+    );
     refused(&good, AdaptOptions { h_min: 2.0, ..options }, &["not in order", "h_min = 2"]);
     refused(&good, AdaptOptions { h_min: 0.2, h_max: 0.1, ..options }, &["not in order"]);
     assert!(good.graded(&mesh, 1.0).unwrap_err().to_string().contains("above 1"));
@@ -198,7 +251,9 @@ fn a_metric_scaled_to_a_number_of_vertices_gives_about_as_many() {
     for wanted in [200, 2000] {
         let mut mesh = rectangle([0.0; 2], [2.0, 1.0], [20, 10], Diagonals::Right).unwrap();
         for _ in 0..3 {
-            let shape = |x: &Point<2>| tensor(at(0.6, 0.8), 0.1 + (x[0] - 1.0).abs(), 0.5 + (x[0] - 1.0).abs());
+            let shape = |x: &Point<2>| {
+                tensor(at(0.6, 0.8), 0.1 + (x[0] - 1.0).abs(), 0.5 + (x[0] - 1.0).abs())
+            };
             let metric = Metric { tensors: mesh.points().iter().map(shape).collect() };
             let metric = metric.scaled_to(&mesh, wanted).unwrap();
             assert!((metric.expected_vertices(&mesh).unwrap() / wanted as f64 - 1.0).abs() < 1e-12);
@@ -239,7 +294,9 @@ fn bounds_limits_and_hessians_give_the_metrics_of_their_formulas() {
         assert!((m - tensor(at(0.6, 0.8), 0.01, 0.1)).norm() < 1e-9 * m.norm(), "{m}");
     }
     assert!((metric.tensors[2] - SMatrix::<f64, 2, 2>::identity() * 1e-8).norm() < 1e-12);
-    let same = |a: &Metric, b: SMatrix<f64, 2, 2>| assert!((a.tensors[0] - b).norm() < 1e-9 * b.norm(), "{a:?} {b}");
+    let same = |a: &Metric, b: SMatrix<f64, 2, 2>| {
+        assert!((a.tensors[0] - b).norm() < 1e-9 * b.norm(), "{a:?} {b}")
+    };
     same(&metric.bounded(0.02, 0.05), tensor(at(0.6, 0.8), 0.02, 0.05));
     same(&metric.limited_anisotropy(3.0), tensor(at(0.6, 0.8), 0.01, 0.03));
     let mesh = rectangle([0.0; 2], [3.0, 1.0], [5, 4], Diagonals::Right).unwrap();
@@ -249,9 +306,16 @@ fn bounds_limits_and_hessians_give_the_metrics_of_their_formulas() {
 /// A square with a square hole, whose points no cell uses, and a corner cut off: not convex.
 fn pierced() -> Mesh<2> {
     let whole = rectangle([0.0; 2], [1.0; 2], [8, 8], Diagonals::UnionJack).unwrap();
-    let centre = |c: usize| (0..3).fold(at(0.0, 0.0), |s, k| s + whole.points()[whole.cell(c)[k] as usize]) / 3.0;
-    let kept = |x: Point<2>| !(x[0] + x[1] > 1.5 || (0.25 < x[0] && x[0] < 0.5 && 0.25 < x[1] && x[1] < 0.5));
-    let cells = (0..whole.cell_count()).filter(|&c| kept(centre(c))).flat_map(|c| whole.cell(c).to_vec()).collect();
+    let centre = |c: usize| {
+        (0..3).fold(at(0.0, 0.0), |s, k| s + whole.points()[whole.cell(c)[k] as usize]) / 3.0
+    };
+    let kept = |x: Point<2>| {
+        !(x[0] + x[1] > 1.5 || (0.25 < x[0] && x[0] < 0.5 && 0.25 < x[1] && x[1] < 0.5))
+    };
+    let cells = (0..whole.cell_count())
+        .filter(|&c| kept(centre(c)))
+        .flat_map(|c| whole.cell(c).to_vec())
+        .collect();
     let mut mesh = Mesh::<2>::new(whole.points().to_vec(), cells).unwrap();
     let all: Vec<u32> = (0..mesh.facets().len() as u32).collect();
     let inner = |f: &u32| {
@@ -267,8 +331,13 @@ fn pierced() -> Mesh<2> {
 #[test]
 fn the_result_does_not_depend_on_the_number_of_threads() {
     let mesh = pierced();
-    let metric =
-        Metric { tensors: mesh.points().iter().map(|x| tensor(at(0.6, 0.8), 0.005 + 0.1 * x[0], 0.1)).collect() };
+    let metric = Metric {
+        tensors: mesh
+            .points()
+            .iter()
+            .map(|x| tensor(at(0.6, 0.8), 0.005 + 0.1 * x[0], 0.1))
+            .collect(),
+    };
     let run = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         pool.install(|| adapt(&mesh, &metric, &AdaptOptions::default()).unwrap().mesh)

@@ -70,8 +70,13 @@ pub(super) struct Triangulation<'a> {
 fn vertices_of(background: &Background<'_>, triangles: &[Triangle]) -> Vec<Vertex> {
     // Points of no cell keep the dummy until their numbers are used for others.
     let dummy = background.at_vertex(0, 0);
-    let vertex =
-        |p: &Point<2>| Vertex { point: *p, metric: dummy, kind: Freedom::Free, triangle: NONE, pending: false };
+    let vertex = |p: &Point<2>| Vertex {
+        point: *p,
+        metric: dummy,
+        kind: Freedom::Free,
+        triangle: NONE,
+        pending: false,
+    };
     let mut vertices: Vec<Vertex> = background.mesh.points().iter().map(vertex).collect();
     for (c, triangle) in triangles.iter().enumerate() {
         for (k, &v) in triangle.vertices.iter().enumerate() {
@@ -102,7 +107,8 @@ impl<'a> Triangulation<'a> {
             triangles[f.cell as usize].sides[f.opposite as usize] = mark;
         }
         let vertices = vertices_of(&background, &triangles);
-        let free_vertices = (0..).zip(&vertices).filter(|(_, v)| v.triangle == NONE).map(|(v, _)| v).collect();
+        let free_vertices =
+            (0..).zip(&vertices).filter(|(_, v)| v.triangle == NONE).map(|(v, _)| v).collect();
         let mut new = Triangulation {
             background,
             vertices,
@@ -126,7 +132,11 @@ impl<'a> Triangulation<'a> {
             let triangle = &self.triangles[side.triangle as usize];
             let other = triangle.neighbours[side.opposite];
             let beyond = if other == NONE { NONE } else { self.triangles[other as usize].region };
-            let what = [triangle.sides[side.opposite], triangle.region.min(beyond), triangle.region.max(beyond)];
+            let what = [
+                triangle.sides[side.opposite],
+                triangle.region.min(beyond),
+                triangle.region.max(beyond),
+            ];
             let [a, b] = self.ends(side);
             for (v, other) in [(a, b), (b, a)] {
                 let (count, sides) = &mut kept[v as usize];
@@ -136,13 +146,18 @@ impl<'a> Triangulation<'a> {
                 *count += 1;
             }
         }
-        let frozen: Vec<u32> =
-            self.sides().filter(|s| self.frozen_boundary && self.is_boundary(*s)).flat_map(|s| self.ends(s)).collect();
+        let frozen: Vec<u32> = self
+            .sides()
+            .filter(|s| self.frozen_boundary && self.is_boundary(*s))
+            .flat_map(|s| self.ends(s))
+            .collect();
         for (v, (count, [first, second])) in kept.into_iter().enumerate() {
             let to = |other: u32| self.vertices[other as usize].point - self.vertices[v].point;
             self.vertices[v].kind = match count {
                 0 => Freedom::Free,
-                2 if first.1 == second.1 && is_straight(&to(first.0), &to(second.0)) => Freedom::Line,
+                2 if first.1 == second.1 && is_straight(&to(first.0), &to(second.0)) => {
+                    Freedom::Line
+                }
                 _ => Freedom::Fixed,
             };
         }
@@ -154,7 +169,9 @@ impl<'a> Triangulation<'a> {
         let of_triangle = |(t, triangle): (u32, &Triangle)| {
             let n = triangle.neighbours;
             let alive = triangle.vertices[0] != NONE;
-            (0..3).filter(move |&k| alive && t < n[k]).map(move |opposite| Side { triangle: t, opposite })
+            (0..3)
+                .filter(move |&k| alive && t < n[k])
+                .map(move |opposite| Side { triangle: t, opposite })
         };
         (0..).zip(&self.triangles).flat_map(of_triangle)
     }
@@ -199,7 +216,8 @@ impl<'a> Triangulation<'a> {
 
     /// Makes two sides neighbours, or `side` part of the boundary.
     pub fn link(&mut self, side: Side, twin: Option<Side>) {
-        self.triangles[side.triangle as usize].neighbours[side.opposite] = twin.map_or(NONE, |t| t.triangle);
+        self.triangles[side.triangle as usize].neighbours[side.opposite] =
+            twin.map_or(NONE, |t| t.triangle);
         if let Some(twin) = twin {
             self.triangles[twin.triangle as usize].neighbours[twin.opposite] = side.triangle;
         }
@@ -261,8 +279,10 @@ impl<'a> Triangulation<'a> {
             Side { triangle: t, opposite: k.unwrap_or(0) }
         };
         // Clockwise to the boundary or once round, then counter-clockwise from there.
-        let clockwise = |s: Side| self.triangles[s.triangle as usize].neighbours[(s.opposite + 2) % 3];
-        let counter = |s: Side| self.triangles[s.triangle as usize].neighbours[(s.opposite + 1) % 3];
+        let clockwise =
+            |s: Side| self.triangles[s.triangle as usize].neighbours[(s.opposite + 2) % 3];
+        let counter =
+            |s: Side| self.triangles[s.triangle as usize].neighbours[(s.opposite + 1) % 3];
         let mut first = corner(start);
         loop {
             let next = clockwise(first);
@@ -293,7 +313,10 @@ impl<'a> Triangulation<'a> {
     #[inline]
     pub fn quality(&self, v: [u32; 3]) -> f64 {
         let [a, b, c] = v.map(|v| &self.vertices[v as usize]);
-        measure::quality([&a.point, &b.point, &c.point], [&a.metric.tensor, &b.metric.tensor, &c.metric.tensor])
+        measure::quality(
+            [&a.point, &b.point, &c.point],
+            [&a.metric.tensor, &b.metric.tensor, &c.metric.tensor],
+        )
     }
 
     /// The mesh, its points in the order of the vertices, its parts named as before.
@@ -304,14 +327,21 @@ impl<'a> Triangulation<'a> {
         for &t in &used {
             self.triangles[t as usize].vertices.into_iter().for_each(|v| numbers[v as usize] = 0);
         }
-        for (vertex, number) in self.vertices.iter().zip(&mut numbers).filter(|(_, n)| **n != NONE) {
+        for (vertex, number) in self.vertices.iter().zip(&mut numbers).filter(|(_, n)| **n != NONE)
+        {
             *number = points.len() as u32;
             points.push(vertex.point);
         }
-        let cells = used.iter().flat_map(|&t| self.triangles[t as usize].vertices).map(|v| numbers[v as usize]);
+        let cells = used
+            .iter()
+            .flat_map(|&t| self.triangles[t as usize].vertices)
+            .map(|v| numbers[v as usize]);
         let mut mesh = Mesh::new(points, cells.collect())?;
         let triangle = |t: u32| &self.triangles[t as usize];
-        let sides = mesh.facets().iter().map(|f| triangle(used[f.cell as usize]).sides[f.opposite as usize]);
+        let sides = mesh
+            .facets()
+            .iter()
+            .map(|f| triangle(used[f.cell as usize]).sides[f.opposite as usize]);
         let boundaries: Vec<_> = self.boundaries.members(sides).collect();
         boundaries.into_iter().for_each(|(name, facets)| mesh.set_boundary(name, facets));
         for (name, cells) in self.regions.members(used.iter().map(|&t| triangle(t).region)) {

@@ -20,17 +20,25 @@ impl MshData {
     pub fn mesh<const D: usize>(&self) -> Result<(Mesh<D>, Vec<Warning>)> {
         let dimension = self.dimension()?;
         if dimension != D {
-            return Err(Error::input(format!("the mesh has dimension {dimension}, where {D} is needed"))
-                .at(&self.file)
-                .value(format!("{} triangles, {} tetrahedra", self.simplices[2].len(), self.simplices[3].len()))
-                .remedy(format!("use a mesh of dimension {D}")));
+            return Err(Error::input(format!(
+                "the mesh has dimension {dimension}, where {D} is needed"
+            ))
+            .at(&self.file)
+            .value(format!(
+                "{} triangles, {} tetrahedra",
+                self.simplices[2].len(),
+                self.simplices[3].len()
+            ))
+            .remedy(format!("use a mesh of dimension {D}")));
         }
         let (new, kept) = self.vertices_in_use(D);
         if D == 2 {
             self.check_plane(&kept)?;
         }
-        let points = kept.iter().map(|&p| Point::<D>::from_fn(|i, _| self.points[p as usize][i])).collect();
-        let cells = self.simplices[D].iter().flat_map(|v| &v[..=D]).map(|&v| new[v as usize]).collect();
+        let points =
+            kept.iter().map(|&p| Point::<D>::from_fn(|i, _| self.points[p as usize][i])).collect();
+        let cells =
+            self.simplices[D].iter().flat_map(|v| &v[..=D]).map(|&v| new[v as usize]).collect();
         let mut mesh = Mesh::new(points, cells).map_err(|e| {
             let place = format!("{}, {}", self.file, e.place());
             e.at(place)
@@ -61,12 +69,17 @@ impl MshData {
         let Some(&first) = kept.first() else { return Ok(()) };
         let distance = |p: u32, i: usize| (point(p)[i] - point(first)[i]).abs();
         let size = kept.iter().map(|&p| distance(p, 0).max(distance(p, 1))).fold(0.0, f64::max);
-        let Some(&off) = kept.iter().find(|&&p| distance(p, 2) > FLAT * size) else { return Ok(()) };
+        let Some(&off) = kept.iter().find(|&&p| distance(p, 2) > FLAT * size) else {
+            return Ok(());
+        };
         let (tag, x) = (self.tags[off as usize], point(off));
         Err(Error::input("the mesh is a surface in space: triangles must lie in a plane z = const")
             .at(format!("{}, point {tag} at {x:?}", self.file))
             .value(format!("z = {} and {}", point(first)[2], x[2]))
-            .remedy("draw the geometry in the x-y plane; or, for a 3-D mesh, mesh the volume (gmsh -3) and give it a physical group"))
+            .remedy(
+                "draw the geometry in the x-y plane; or, for a 3-D mesh, mesh the volume (gmsh \
+                 -3) and give it a physical group",
+            ))
     }
 
     /// Warnings about unused points and parts of elements.
@@ -75,7 +88,8 @@ impl MshData {
         if !self.midpoints.is_empty() {
             warnings.push(Warning::new(
                 format!(
-                    "{}: the mesh is of order 2; only the vertices are used, curved sides become straight",
+                    "{}: the mesh is of order 2; only the vertices are used, curved sides become \
+                     straight",
                     self.file
                 ),
                 "mesh with order 1 (gmsh -order 1) and a finer size at curved boundaries",
@@ -90,7 +104,8 @@ impl MshData {
             let (tag, x) = (self.tags[p], self.points[p]);
             warnings.push(Warning::new(
                 format!(
-                    "{}: {count} points belong to no cell and are left out, the first is point {tag} at {x:?}",
+                    "{}: {count} points belong to no cell and are left out, the first is point \
+                     {tag} at {x:?}",
                     self.file
                 ),
                 "no harm is done; without -save_all gmsh does not write them",
@@ -108,7 +123,9 @@ impl MshData {
     /// The simplices of all groups of a dimension, by name, sorted and without repetition.
     fn groups_by_name(&self, dimension: usize) -> BTreeMap<String, Vec<u32>> {
         let mut parts: BTreeMap<String, Vec<u32>> = BTreeMap::new();
-        for ((_, number), members) in self.groups.range((dimension, i64::MIN)..=(dimension, i64::MAX)) {
+        for ((_, number), members) in
+            self.groups.range((dimension, i64::MIN)..=(dimension, i64::MAX))
+        {
             parts.entry(self.name(dimension, *number)).or_default().extend(members);
         }
         for members in parts.values_mut() {
@@ -126,8 +143,12 @@ impl MshData {
 
     fn name_boundaries<const D: usize>(&self, mesh: &mut Mesh<D>, new: &[u32]) -> Vec<Warning> {
         let key_of = |c: usize, k: usize| facet_key::<D>(mesh.cell(c), k);
-        let on_boundary: HashMap<[u32; 3], u32> =
-            mesh.facets().iter().zip(0..).map(|(f, i)| (key_of(f.cell as usize, f.opposite as usize), i)).collect();
+        let on_boundary: HashMap<[u32; 3], u32> = mesh
+            .facets()
+            .iter()
+            .zip(0..)
+            .map(|(f, i)| (key_of(f.cell as usize, f.opposite as usize), i))
+            .collect();
         let mut warnings = Vec::new();
         let mut parts = Vec::new();
         for (name, members) in self.groups_by_name(D - 1) {
@@ -149,12 +170,13 @@ impl MshData {
                 let at: Vec<_> = vertices[..D].iter().map(|&v| self.points[v as usize]).collect();
                 warnings.push(Warning::new(
                     format!(
-                        "{}: {} sides of the physical group \"{name}\" do not lie on the boundary of the mesh and are \
-                         left out, the first has the corners {at:?}",
+                        "{}: {} sides of the physical group \"{name}\" do not lie on the boundary \
+                         of the mesh and are left out, the first has the corners {at:?}",
                         self.file,
                         inner.len()
                     ),
-                    "conditions can be given on the boundary only; a line or surface inside may be left out of the groups",
+                    "conditions can be given on the boundary only; a line or surface inside may \
+                     be left out of the groups",
                 ));
             }
             if !facets.is_empty() {
@@ -175,16 +197,26 @@ impl MshData {
         for (&(d, number), name) in &self.names {
             if !self.groups.contains_key(&(d, number)) {
                 warnings.push(Warning::new(
-                    format!("{}: the physical group \"{name}\" of dimension {d} has no elements", self.file),
-                    "check its definition in the geometry; with -save_all, gmsh keeps groups in version 4.1 but not in 2.2",
+                    format!(
+                        "{}: the physical group \"{name}\" of dimension {d} has no elements",
+                        self.file
+                    ),
+                    "check its definition in the geometry; with -save_all, gmsh keeps groups in \
+                     version 4.1 but not in 2.2",
                 ));
             }
         }
         for &(d, number) in self.groups.keys().filter(|(d, _)| d + 1 < dimension) {
             let name = self.name(d, number);
             warnings.push(Warning::new(
-                format!("{}: the physical group \"{name}\" of dimension {d} is left out", self.file),
-                format!("only groups of dimension {} (boundaries) and {dimension} (regions) are used", dimension - 1),
+                format!(
+                    "{}: the physical group \"{name}\" of dimension {d} is left out",
+                    self.file
+                ),
+                format!(
+                    "only groups of dimension {} (boundaries) and {dimension} (regions) are used",
+                    dimension - 1
+                ),
             ));
         }
         warnings

@@ -4,8 +4,8 @@
 use crate::base::{Error, Result};
 
 /// Remedy for a file that ends early or contradicts its own counts.
-pub(super) const WRITE_AGAIN: &str =
-    "the file is incomplete or was changed: write it again (gmsh -format msh41 -save_all FILE.geo -2, or -3)";
+pub(super) const WRITE_AGAIN: &str = "the file is incomplete or was changed: write it again (gmsh \
+    -format msh41 -save_all FILE.geo -2, or -3)";
 
 pub(super) struct Cursor<'a> {
     name: &'a str,
@@ -83,7 +83,9 @@ impl<'a> Cursor<'a> {
         let rest = &self.bytes[at.min(self.bytes.len())..];
         let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len()).min(40);
         let found = String::from_utf8_lossy(&rest[..end]);
-        self.error(at, format!("expected {what}")).value(format!("found {:?}", found)).remedy(WRITE_AGAIN)
+        self.error(at, format!("expected {what}"))
+            .value(format!("found {:?}", found))
+            .remedy(WRITE_AGAIN)
     }
 
     fn parse<T: std::str::FromStr>(&mut self, what: &str) -> Result<T> {
@@ -100,7 +102,11 @@ impl<'a> Cursor<'a> {
 
     /// An integer; four bytes if binary.
     pub(super) fn int(&mut self, what: &str) -> Result<i64> {
-        if self.binary { Ok(i32::from_le_bytes(self.bytes_of(what)?).into()) } else { self.parse(what) }
+        if self.binary {
+            Ok(i32::from_le_bytes(self.bytes_of(what)?).into())
+        } else {
+            self.parse(what)
+        }
     }
 
     /// A number that may not be negative; eight bytes if binary.
@@ -116,7 +122,8 @@ impl<'a> Cursor<'a> {
     /// The three coordinates of a point.
     pub(super) fn coordinates(&mut self, tag: u64) -> Result<[f64; 3]> {
         let at = self.start();
-        let x = [self.real("a coordinate")?, self.real("a coordinate")?, self.real("a coordinate")?];
+        let x =
+            [self.real("a coordinate")?, self.real("a coordinate")?, self.real("a coordinate")?];
         if x.iter().all(|c| c.is_finite()) {
             return Ok(x);
         }
@@ -149,7 +156,10 @@ impl<'a> Cursor<'a> {
         if n <= (rest / each.max(1)).min(1 << 30) as u64 {
             return Ok(n as usize);
         }
-        Err(self.error(at, format!("{what} does not fit the size of the file")).value(n).remedy(WRITE_AGAIN))
+        Err(self
+            .error(at, format!("{what} does not fit the size of the file"))
+            .value(n)
+            .remedy(WRITE_AGAIN))
     }
 
     /// Moves past the line `$End...` of a section that was read to its end.

@@ -88,15 +88,24 @@ impl MshData {
             let at = cursor.at;
             let line = cursor.line();
             let Some(section) = line.strip_prefix('$') else {
-                return Err(cursor.unexpected(at, "the start of a section ($Nodes, $Elements, ...)"));
+                return Err(
+                    cursor.unexpected(at, "the start of a section ($Nodes, $Elements, ...)")
+                );
             };
             let is_2 = version == Version::Two;
             match section {
                 "PhysicalNames" => data.read_names(&mut cursor)?,
-                "Nodes" | "ParametricNodes" if is_2 => data.read_nodes_2(&mut cursor, section == "ParametricNodes")?,
+                "Nodes" | "ParametricNodes" if is_2 => {
+                    data.read_nodes_2(&mut cursor, section == "ParametricNodes")?
+                }
                 "Elements" if is_2 => data.read_elements_2(&mut cursor)?,
                 "Entities" | "PartitionedEntities" if !is_2 => {
-                    version4::read_entities(&mut cursor, &mut entities, version, section == "PartitionedEntities")?;
+                    version4::read_entities(
+                        &mut cursor,
+                        &mut entities,
+                        version,
+                        section == "PartitionedEntities",
+                    )?;
                 }
                 "Nodes" => data.read_nodes_4(&mut cursor, version)?,
                 "Elements" => data.read_elements_4(&mut cursor, version, &entities)?,
@@ -121,7 +130,8 @@ impl MshData {
                 .at(&self.file)
                 .value(format!("{} points, {} lines", self.points.len(), self.simplices[1].len()))
                 .remedy(
-                    "mesh the surface or the volume (gmsh -2 or -3) and give it a physical group, or save all (gmsh -save_all)",
+                    "mesh the surface or the volume (gmsh -2 or -3) and give it a physical group, \
+                     or save all (gmsh -save_all)",
                 )
         })
     }
@@ -137,7 +147,10 @@ impl MshData {
         Err(Error::input(format!("the file has no section {missing}, or it is empty"))
             .at(&self.file)
             .value(format!("{} points", self.points.len()))
-            .remedy("mesh the geometry before saving (gmsh -2 or -3), and save the physical groups or all (-save_all)"))
+            .remedy(
+                "mesh the geometry before saving (gmsh -2 or -3), and save the physical groups or \
+                 all (-save_all)",
+            ))
     }
 
     /// `$PhysicalNames`: always text. The name lies between the first and the last quotation mark.
@@ -148,7 +161,8 @@ impl MshData {
             let at = cursor.at;
             let line = cursor.line();
             let what = "a physical name: its dimension, number and name in quotation marks";
-            let (numbers, quoted) = line.split_once('"').ok_or_else(|| cursor.unexpected(at, what))?;
+            let (numbers, quoted) =
+                line.split_once('"').ok_or_else(|| cursor.unexpected(at, what))?;
             let name = quoted.rsplit_once('"').ok_or_else(|| cursor.unexpected(at, what))?.0;
             let mut numbers = numbers.split_whitespace();
             let dimension = numbers.next().and_then(|w| w.parse().ok()).filter(|d| *d <= 3);
@@ -172,7 +186,13 @@ impl MshData {
     }
 
     /// The vertices of a simplex: the first of its nodes; the others are recorded as midpoints.
-    fn vertices(&mut self, cursor: &Cursor, at: usize, nodes: &[u64], dimension: usize) -> Result<[u32; 4]> {
+    fn vertices(
+        &mut self,
+        cursor: &Cursor,
+        at: usize,
+        nodes: &[u64],
+        dimension: usize,
+    ) -> Result<[u32; 4]> {
         let mut vertices = [super::NONE; 4];
         for (k, tag) in nodes.iter().enumerate() {
             let &point = self.index.get(tag).ok_or_else(|| {
@@ -201,8 +221,28 @@ enum Version {
 /// `$MeshFormat`: version, 0 (ASCII) or 1 (binary), size of a number; if binary, the integer 1 as
 /// bytes.
 fn header(cursor: &mut Cursor) -> Result<Version> {
-    let any_mesh =
-        "save the mesh as MSH (gmsh FILE -save -format msh41 -o FILE.msh); gmsh also converts other mesh formats";
+    find_format(cursor)?;
+    let at = cursor.at;
+    let line = cursor.line();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [version, kind, size] = words[..] else {
+        return Err(
+            cursor.unexpected(at, "the version, the kind (0 or 1) and the size of a number")
+        );
+    };
+    let version = known_format(cursor, at, [version, kind, size])?;
+    if kind == "1" {
+        cursor.binary = true;
+        check_byte_order(cursor)?;
+    }
+    cursor.end_section("MeshFormat")?;
+    Ok(version)
+}
+
+/// Moves behind `$MeshFormat`, over comments.
+fn find_format(cursor: &mut Cursor) -> Result<()> {
+    let any_mesh = "save the mesh as MSH (gmsh FILE -save -format msh41 -o FILE.msh); gmsh also \
+        converts other mesh formats";
     loop {
         let at = cursor.start();
         if cursor.is_at_end() {
@@ -212,31 +252,43 @@ fn header(cursor: &mut Cursor) -> Result<Version> {
                 .remedy(any_mesh));
         }
         match cursor.line().as_str() {
-            "$MeshFormat" => break,
+            "$MeshFormat" => return Ok(()),
             "$Comments" => cursor.skip_section("Comments")?,
-            _ => return Err(cursor.unexpected(at, "$MeshFormat: this is no MSH file of gmsh").remedy(any_mesh)),
+            _ => {
+                return Err(cursor
+                    .unexpected(at, "$MeshFormat: this is no MSH file of gmsh")
+                    .remedy(any_mesh));
+            }
         }
     }
-    let at = cursor.at;
-    let line = cursor.line();
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let [version, kind, size] = words[..] else {
-        return Err(cursor.unexpected(at, "the version, the kind (0 or 1) and the size of a number"));
+}
+
+/// The version by its words: version, kind and size of numbers.
+fn known_format(cursor: &Cursor, at: usize, [version, kind, size]: [&str; 3]) -> Result<Version> {
+    let refuse = |what: &str, value: &str, remedy: &str| {
+        Err(cursor.error(at, what).value(value).remedy(remedy))
     };
-    let refuse = |what: &str, value: &str, remedy: &str| Err(cursor.error(at, what).value(value).remedy(remedy));
     let parsed = match version {
         "2" | "2.0" | "2.1" | "2.2" => Version::Two,
         "4" | "4.0" => Version::Four,
         "4.1" => Version::FourOne,
         _ => {
-            return refuse("this version of the MSH format cannot be read", version, "save as 4.1: gmsh -format msh41");
+            return refuse(
+                "this version of the MSH format cannot be read",
+                version,
+                "save as 4.1: gmsh -format msh41",
+            );
         }
     };
     if kind != "0" && kind != "1" {
         return refuse("the file is neither ASCII (0) nor binary (1)", kind, cursor::WRITE_AGAIN);
     }
     if kind == "1" && parsed == Version::Four {
-        return refuse("binary files of version 4.0 cannot be read", version, "save as 4.1: gmsh -bin -format msh41");
+        return refuse(
+            "binary files of version 4.0 cannot be read",
+            version,
+            "save as 4.1: gmsh -bin -format msh41",
+        );
     }
     if kind == "1" && size != "8" {
         return refuse(
@@ -245,16 +297,23 @@ fn header(cursor: &mut Cursor) -> Result<Version> {
             "write the file on a 64-bit machine, or without -bin",
         );
     }
-    if kind == "1" {
-        cursor.binary = true;
-        let at = cursor.at;
-        let one = cursor.int("the number 1, which tells the order of bytes")?;
-        if one != 1 {
-            let what =
-                if one == 1 << 24 { "the file is big-endian" } else { "the mark for the order of bytes is wrong" };
-            return Err(cursor.error(at, what).value(one).remedy("write it in ASCII (gmsh without -bin)"));
-        }
-    }
-    cursor.end_section("MeshFormat")?;
     Ok(parsed)
+}
+
+/// Refuses a binary file with another order of bytes.
+fn check_byte_order(cursor: &mut Cursor) -> Result<()> {
+    let at = cursor.at;
+    let one = cursor.int("the number 1, which tells the order of bytes")?;
+    if one != 1 {
+        let what = if one == 1 << 24 {
+            "the file is big-endian"
+        } else {
+            "the mark for the order of bytes is wrong"
+        };
+        return Err(cursor
+            .error(at, what)
+            .value(one)
+            .remedy("write it in ASCII (gmsh without -bin)"));
+    }
+    Ok(())
 }

@@ -13,7 +13,8 @@ impl MshData {
         for _ in 0..count {
             let at = cursor.start();
             let tag = cursor.int("the number of a point")?;
-            let tag = u64::try_from(tag).map_err(|_| cursor.unexpected(at, "the number of a point"))?;
+            let tag =
+                u64::try_from(tag).map_err(|_| cursor.unexpected(at, "the number of a point"))?;
             let x = cursor.coordinates(tag)?;
             if parametric {
                 let dimension = cursor.int("the dimension of an entity")?;
@@ -42,13 +43,21 @@ impl MshData {
                 cursor.int("the number of an element")?;
             }
             let code = cursor.int("the type of an element")?;
-            let kind = simplex(code).map_err(|(what, remedy)| cursor.error(at, what).value(code).remedy(remedy))?;
-            let block = if cursor.binary { cursor.int("the number of elements of a block")? } else { 1 };
+            let kind = simplex(code)
+                .map_err(|(what, remedy)| cursor.error(at, what).value(code).remedy(remedy))?;
+            let block =
+                if cursor.binary { cursor.int("the number of elements of a block")? } else { 1 };
             let tags = cursor.int("the number of tags of an element")?;
             if tags < 0 || block < 1 || block > (count - read) as i64 {
                 return Err(cursor
-                    .error(at, "the numbers of elements and of tags do not fit the number of all elements")
-                    .value(format!("{block} elements with {tags} tags, where {} elements are left", count - read))
+                    .error(
+                        at,
+                        "the numbers of elements and of tags do not fit the number of all elements",
+                    )
+                    .value(format!(
+                        "{block} elements with {tags} tags, where {} elements are left",
+                        count - read
+                    ))
                     .remedy(super::cursor::WRITE_AGAIN));
             }
             for _ in 0..block {

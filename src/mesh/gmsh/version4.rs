@@ -92,7 +92,10 @@ impl MshData {
             let at = cursor.start();
             let parametric = cursor.int("whether the points have parameters (0 or 1)")?;
             if !(0..=1).contains(&parametric) || !(0..=3).contains(&dimension) {
-                return Err(cursor.unexpected(at, "a dimension of 0 to 3 and whether points have parameters (0 or 1)"));
+                return Err(cursor.unexpected(
+                    at,
+                    "a dimension of 0 to 3 and whether points have parameters (0 or 1)",
+                ));
             }
             let parameters = parametric * dimension;
             let count = cursor.count("the number of points of a block", 4, 32)?;
@@ -117,7 +120,12 @@ impl MshData {
         check_total(cursor, start, "points", self.points.len(), total)
     }
 
-    pub(super) fn read_elements_4(&mut self, cursor: &mut Cursor, version: Version, entities: &Entities) -> Result<()> {
+    pub(super) fn read_elements_4(
+        &mut self,
+        cursor: &mut Cursor,
+        version: Version,
+        entities: &Entities,
+    ) -> Result<()> {
         let start = cursor.start();
         let blocks = cursor.count("the number of blocks of elements", 4, 20)?;
         let total = cursor.count("the number of elements", 2, 16)?;
@@ -128,8 +136,13 @@ impl MshData {
             let of_entity = entity(cursor, version)?;
             let at = cursor.start();
             let code = cursor.int("the type of the elements of a block")?;
-            let kind = simplex(code).map_err(|(what, remedy)| cursor.error(at, what).value(code).remedy(remedy))?;
-            let count = cursor.count("the number of elements of a block", kind.nodes + 1, 8 * (kind.nodes + 1))?;
+            let kind = simplex(code)
+                .map_err(|(what, remedy)| cursor.error(at, what).value(code).remedy(remedy))?;
+            let count = cursor.count(
+                "the number of elements of a block",
+                kind.nodes + 1,
+                8 * (kind.nodes + 1),
+            )?;
             let first = self.simplices[kind.dimension].len();
             self.simplices[kind.dimension].reserve(count);
             for _ in 0..count {

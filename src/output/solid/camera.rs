@@ -6,7 +6,8 @@ use nalgebra::SVector;
 /// Position of the viewer; the z axis points up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Degrees from the x axis towards the y axis, of the direction from the middle of the box to the viewer.
+    /// Degrees from the x axis towards the y axis, of the direction from the middle of the box to
+    /// the viewer.
     pub azimuth: f64,
     /// Degrees above the plane of x and y; 90 looks down.
     pub elevation: f64,
@@ -15,7 +16,8 @@ pub struct View {
 }
 
 impl Default for View {
-    /// From the front, a little from the right and above: x runs to the right, y away from the viewer, z up.
+    /// From the front, a little from the right and above: x runs to the right, y away from the
+    /// viewer, z up.
     fn default() -> View {
         View { azimuth: -60.0, elevation: 24.0, projection: Projection::Perspective }
     }
@@ -38,8 +40,8 @@ const DISTANCE: f64 = 2.0;
 pub(super) struct Spot {
     /// Pixels from the upper left corner.
     pub at: [f64; 2],
-    /// Greater for what is nearer to the viewer; linear along lines and planes of the picture, one unit about the
-    /// distance of the eye.
+    /// Greater for what is nearer to the viewer; linear along lines and planes of the picture, one
+    /// unit about the distance of the eye.
     pub near: f64,
     /// Weight of a value in the interpolation between points of the picture.
     pub weight: f64,
@@ -75,13 +77,15 @@ impl Camera {
             origin: [0.0; 2],
         }
     }
-    /// The same with `points` as large as fits into `room` pixels. Returns the pixels that they take: their upper left
-    /// is at the pixel (0, 0).
+    /// The same with `points` as large as fits into `room` pixels. Returns the pixels that they
+    /// take: their upper left is at the pixel (0, 0).
     pub fn fit(&mut self, points: &[Point<3>], room: [f64; 2]) -> [f64; 2] {
         (self.scale, self.origin) = (1.0, [0.0; 2]);
         let spots: Vec<[f64; 2]> = points.iter().map(|p| self.project(p).at).collect();
         let range = |axis: usize| {
-            spots.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s[axis]), b.max(s[axis])))
+            spots.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| {
+                (a.min(s[axis]), b.max(s[axis]))
+            })
         };
         let (x, y) = (range(0), range(1));
         // A box seen along an edge is flat, but no box is a point.
@@ -97,7 +101,9 @@ impl Camera {
         let [x, y, z] = self.axes.map(|axis| axis.dot(&(p - self.middle)));
         let (near, weight) = match self.projection {
             Projection::Orthographic => (z / self.distance, 1.0),
-            Projection::Perspective => (1.0 / (1.0 - z / self.distance), 1.0 / (1.0 - z / self.distance)),
+            Projection::Perspective => {
+                (1.0 / (1.0 - z / self.distance), 1.0 / (1.0 - z / self.distance))
+            }
         };
         let scale = self.scale * weight;
         Spot { at: [self.origin[0] + scale * x, self.origin[1] - scale * y], near, weight }
@@ -146,7 +152,9 @@ mod tests {
             let camera = camera(-90.0, 0.0, projection);
             let at = |x, y, z| camera.project(&Point::<3>::new(x, y, z));
             let o = at(0.0, 0.0, 0.0);
-            assert!(at(1.0, 0.0, 0.0).at[0] > o.at[0] + 1.0 && at(0.0, 0.0, 1.0).at[1] < o.at[1] - 1.0);
+            assert!(
+                at(1.0, 0.0, 0.0).at[0] > o.at[0] + 1.0 && at(0.0, 0.0, 1.0).at[1] < o.at[1] - 1.0
+            );
             assert!(at(0.0, -1.0, 0.0).near > o.near && at(0.0, 1.0, 0.0).near < o.near);
         }
     }
@@ -154,7 +162,8 @@ mod tests {
     #[test]
     fn the_points_fill_the_room() {
         let camera = camera(20.0, 30.0, Projection::Perspective);
-        let spots = [[-1.0, -1.0, -1.0], [1.0, 1.0, 2.0]].map(|p| camera.project(&Point::<3>::from(p)).at);
+        let spots =
+            [[-1.0, -1.0, -1.0], [1.0, 1.0, 2.0]].map(|p| camera.project(&Point::<3>::from(p)).at);
         let width = (spots[0][0] - spots[1][0]).abs();
         let height = (spots[0][1] - spots[1][1]).abs();
         assert!((width - 300.0).abs() < 1e-9 || (height - 200.0).abs() < 1e-9, "{width} {height}");
@@ -186,7 +195,10 @@ mod tests {
                 step[axis] = 1e-5;
                 let [a, b] = [camera.project(&(p + step)).at, camera.project(&(p - step)).at];
                 for k in 0..2 {
-                    assert!(((a[k] - b[k]) / 2e-5 - d[k][axis]).abs() < 1e-5 * camera.scale, "{k} {axis}");
+                    assert!(
+                        ((a[k] - b[k]) / 2e-5 - d[k][axis]).abs() < 1e-5 * camera.scale,
+                        "{k} {axis}"
+                    );
                 }
             }
         }

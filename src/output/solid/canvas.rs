@@ -53,8 +53,9 @@ struct Band {
 }
 
 impl Canvas {
-    /// Draws on white. `shade` gives the colour, red to blue in 0 to 255, of a triangle at the point with the given
-    /// weights of its corners in the picture; it is called once for each sample that shows a triangle.
+    /// Draws on white. `shade` gives the colour, red to blue in 0 to 255, of a triangle at the
+    /// point with the given weights of its corners in the picture; it is called once for each
+    /// sample that shows a triangle.
     pub fn draw(&self, shade: impl Fn(&Facet, [f64; 3]) -> [f32; 3] + Sync) -> Image {
         let mut rgb = vec![255u8; 3 * self.width * self.height];
         rgb.par_chunks_mut(3 * self.width * BAND).enumerate().for_each(|(k, part)| {
@@ -86,13 +87,17 @@ impl Band {
             rgb: vec![[255.0; 3]; n],
         }
     }
-    /// The samples whose centres lie within `reach` of the box of the points: columns, and rows of this band.
+    /// The samples whose centres lie within `reach` of the box of the points: columns, and rows of
+    /// this band.
     fn range(&self, points: &[[f64; 2]], reach: f64) -> [std::ops::Range<usize>; 2] {
         let range = |axis: usize, first: usize, n: usize| {
             let (low, high) =
-                points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[axis]), b.max(p[axis])));
+                points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| {
+                    (a.min(p[axis]), b.max(p[axis]))
+                });
             let at = |v: f64| (v - 0.5 - first as f64).clamp(0.0, n as f64);
-            let (a, b) = (at((low - reach).ceil()) as usize, (at(high + reach) + 1.0).floor() as usize);
+            let (a, b) =
+                (at((low - reach).ceil()) as usize, (at(high + reach) + 1.0).floor() as usize);
             a..b.min(n).max(a)
         };
         [range(0, 0, self.columns), range(1, self.first, self.rows)]
@@ -108,7 +113,8 @@ impl Band {
         for row in rows {
             for column in columns.clone() {
                 let l = weights.at([column as f64 + 0.5, (self.first + row) as f64 + 0.5]);
-                // A sample on an edge belongs to both triangles; the tolerance keeps rounding from leaving it to none.
+                // A sample on an edge belongs to both triangles; the tolerance keeps rounding from
+                // leaving it to none.
                 if l.iter().any(|&l| l < -1e-9) {
                     continue;
                 }
@@ -129,7 +135,8 @@ impl Band {
                 last = (number, Weights::new(&f.spots.each_ref().map(fine)));
             }
             if let Some(weights) = &last.1 {
-                let at = [(i % self.columns) as f64 + 0.5, (self.first + i / self.columns) as f64 + 0.5];
+                let at =
+                    [(i % self.columns) as f64 + 0.5, (self.first + i / self.columns) as f64 + 0.5];
                 self.rgb[i] = shade(f, weights.at(at));
             }
         }
@@ -140,7 +147,10 @@ impl Band {
         for line in &stroke.lines {
             let segment: Segment = line.each_ref().map(fine);
             let [columns, rows] = self.range(&segment, reach);
-            if columns.is_empty() || rows.is_empty() || !segment.iter().flatten().all(|v| v.is_finite()) {
+            if columns.is_empty()
+                || rows.is_empty()
+                || !segment.iter().flatten().all(|v| v.is_finite())
+            {
                 continue;
             }
             ink.resize(self.near.len(), 0.0);
@@ -152,7 +162,8 @@ impl Band {
                     if covered > 0.0 {
                         let i = row * self.columns + column;
                         let near = line[0].near + s * (line[1].near - line[0].near) + stroke.lift;
-                        ink[i] = ink[i].max(covered * stroke.opacity[usize::from(near < self.near[i])]);
+                        ink[i] =
+                            ink[i].max(covered * stroke.opacity[usize::from(near < self.near[i])]);
                     }
                 }
             }
@@ -169,8 +180,10 @@ impl Band {
             let width = self.columns / FINE;
             let corner = FINE * (k / width) * self.columns + FINE * (k % width);
             for (c, value) in pixel.iter_mut().enumerate() {
-                let samples = (0..FINE * FINE).map(|s| self.rgb[corner + s / FINE * self.columns + s % FINE][c]);
-                *value = (samples.sum::<f32>() / (FINE * FINE) as f32).round().clamp(0.0, 255.0) as u8;
+                let samples = (0..FINE * FINE)
+                    .map(|s| self.rgb[corner + s / FINE * self.columns + s % FINE][c]);
+                *value =
+                    (samples.sum::<f32>() / (FINE * FINE) as f32).round().clamp(0.0, 255.0) as u8;
             }
         }
     }
@@ -189,7 +202,11 @@ impl Weights {
         let [a, b] = [1, 2].map(|k| [p[k][0] - p[0][0], p[k][1] - p[0][1]]);
         let area = a[0] * b[1] - a[1] * b[0];
         let gradient = [[b[1] / area, -b[0] / area], [-a[1] / area, a[0] / area]];
-        gradient.iter().flatten().all(|v| v.is_finite()).then_some(Weights { origin: p[0], gradient })
+        gradient
+            .iter()
+            .flatten()
+            .all(|v| v.is_finite())
+            .then_some(Weights { origin: p[0], gradient })
     }
     fn at(&self, p: [f64; 2]) -> [f64; 3] {
         let d = [p[0] - self.origin[0], p[1] - self.origin[1]];
@@ -220,7 +237,13 @@ mod tests {
             facet([spot(0.0, 0.0, -1.0), spot(40.0, 0.0, 1.0), spot(0.0, 40.0, -1.0)], 0),
             facet([spot(0.0, 0.0, 0.0), spot(40.0, 0.0, 0.0), spot(0.0, 40.0, 0.0)], 1),
         ];
-        Canvas { width: 40, height: 40, facets: order.map(|k| both[k]).to_vec(), strokes: Vec::new() }.draw(colour)
+        Canvas {
+            width: 40,
+            height: 40,
+            facets: order.map(|k| both[k]).to_vec(),
+            strokes: Vec::new(),
+        }
+        .draw(colour)
     }
 
     #[test]
@@ -234,8 +257,16 @@ mod tests {
 
     #[test]
     fn triangles_that_share_an_edge_leave_no_gap_and_cover_their_area() {
-        let corner = [spot(3.3, 2.1, 0.0), spot(35.2, 7.7, 0.0), spot(30.4, 33.1, 0.0), spot(5.9, 28.3, 0.0)];
-        let facets = vec![facet([corner[0], corner[1], corner[2]], 0), facet([corner[2], corner[3], corner[0]], 0)];
+        let corner = [
+            spot(3.3, 2.1, 0.0),
+            spot(35.2, 7.7, 0.0),
+            spot(30.4, 33.1, 0.0),
+            spot(5.9, 28.3, 0.0),
+        ];
+        let facets = vec![
+            facet([corner[0], corner[1], corner[2]], 0),
+            facet([corner[2], corner[3], corner[0]], 0),
+        ];
         let image = Canvas { width: 40, height: 40, facets, strokes: Vec::new() }.draw(colour);
         let ink: f64 = image.rgb().chunks_exact(3).map(|p| 1.0 - f64::from(p[1]) / 255.0).sum();
         let area = |a: &Spot, b: &Spot| 0.5 * (a.at[0] * b.at[1] - a.at[1] * b.at[0]);
@@ -248,7 +279,8 @@ mod tests {
 
     #[test]
     fn lines_behind_a_triangle_are_dimmed() {
-        let square = vec![facet([spot(0.0, 0.0, 0.0), spot(30.0, 0.0, 0.0), spot(0.0, 60.0, 0.0)], 1)];
+        let square =
+            vec![facet([spot(0.0, 0.0, 0.0), spot(30.0, 0.0, 0.0), spot(0.0, 60.0, 0.0)], 1)];
         let line = |y: f64, near: f64| [spot(0.0, y, near), spot(40.0, y, near)];
         let stroke = Stroke {
             lines: vec![line(5.5, -0.1), line(15.5, 0.1)],
@@ -257,7 +289,8 @@ mod tests {
             opacity: [1.0, 0.25],
             lift: 0.0,
         };
-        let image = Canvas { width: 40, height: 20, facets: square, strokes: vec![stroke] }.draw(colour);
+        let image =
+            Canvas { width: 40, height: 20, facets: square, strokes: vec![stroke] }.draw(colour);
         assert_eq!(image.pixel(5, 5), [0, 0, 150]);
         assert_eq!(image.pixel(5, 15), [0; 3]);
         assert_eq!(image.pixel(37, 5), [0; 3]);
@@ -266,7 +299,9 @@ mod tests {
     #[test]
     fn what_is_flat_outside_or_not_finite_is_harmless() {
         let bad = [f64::NAN, f64::INFINITY, -1e9];
-        let facets = bad.map(|v| facet([spot(v, -1.0, 0.0), spot(-2.0, -5.0, 0.0), spot(v, v, v)], 0)).to_vec();
+        let facets = bad
+            .map(|v| facet([spot(v, -1.0, 0.0), spot(-2.0, -5.0, 0.0), spot(v, v, v)], 0))
+            .to_vec();
         let strokes = bad.map(|v| Stroke {
             lines: vec![[spot(v, -9.0, 0.0), spot(v, v, 0.0)]],
             width: 2.0,
@@ -274,7 +309,8 @@ mod tests {
             opacity: [1.0; 2],
             lift: 0.0,
         });
-        let image = Canvas { width: 10, height: 10, facets, strokes: strokes.to_vec() }.draw(colour);
+        let image =
+            Canvas { width: 10, height: 10, facets, strokes: strokes.to_vec() }.draw(colour);
         assert_eq!(image, Image::white(10, 10));
     }
 }

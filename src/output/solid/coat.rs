@@ -24,14 +24,16 @@ pub enum Coat<'a> {
     },
 }
 
-/// The flat triangles that a curved one is cut into: its corners are 0, 1, 2, the middles of its sides 3, 4, 5.
+/// The flat triangles that a curved one is cut into: its corners are 0, 1, 2, the middles of its
+/// sides 3, 4, 5.
 const FLAT: [[u32; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
 
 impl Surface {
-    /// The surface `phi = 0` of a P2 function, fields taken in their finite element at six points of each curved triangle.
+    /// The surface `phi = 0` of a P2 function, fields taken in their finite element at six points
+    /// of each curved triangle.
     ///
-    /// Its normals are those of `grad phi`, averaged at the nodes over the cells around: the jumps of the gradient from
-    /// cell to cell would look like facets.
+    /// Its normals are those of `grad phi`, averaged at the nodes over the cells around: the jumps
+    /// of the gradient from cell to cell would look like facets.
     ///
     /// # Errors
     /// Those of [`Isosurface::new`]; a field with a wrong number of values.
@@ -40,7 +42,9 @@ impl Surface {
         let triangles = surface.triangles();
         let paint = match coat {
             Coat::Plain => Paint::PLAIN,
-            Coat::Field(FieldData::Scalar(f)) => Paint::Scalar(at_points(space, "surface", f, triangles)?),
+            Coat::Field(FieldData::Scalar(f)) => {
+                Paint::Scalar(at_points(space, "surface", f, triangles)?)
+            }
             Coat::Field(FieldData::Vector(f)) => {
                 let values = at_points(space, "surface", f, triangles)?;
                 Paint::Scalar(values.iter().map(|v| v.norm()).collect())
@@ -50,7 +54,8 @@ impl Surface {
                 pattern,
             },
         };
-        let normals = at_points(space, "normal", &gradient_at_nodes(space, phi, triangles), triangles)?;
+        let normals =
+            at_points(space, "normal", &gradient_at_nodes(space, phi, triangles), triangles)?;
         let flat = |k: usize| FLAT.map(|t| t.map(|a| 6 * k as u32 + a));
         Ok(Surface {
             points: triangles.iter().flat_map(|t| t.points).collect(),
@@ -62,7 +67,12 @@ impl Surface {
 }
 
 /// A function at the six points of each triangle.
-fn at_points<T: Value>(space: &Space<3>, name: &str, f: &[T], triangles: &[Triangle]) -> Result<Vec<T>> {
+fn at_points<T: Value>(
+    space: &Space<3>,
+    name: &str,
+    f: &[T],
+    triangles: &[Triangle],
+) -> Result<Vec<T>> {
     let f = on_nodes(space, name, f)?;
     let at = |t: &Triangle| {
         let on_cell = space.on_cell(&f, t.cell as usize);
@@ -71,8 +81,13 @@ fn at_points<T: Value>(space: &Space<3>, name: &str, f: &[T], triangles: &[Trian
     Ok(triangles.iter().flat_map(at).collect())
 }
 
-/// The mean of the gradients in the cells around a node, at the nodes of the cells with triangles; elsewhere it means nothing.
-fn gradient_at_nodes(space: &Space<3>, phi: &[f64], triangles: &[Triangle]) -> Vec<SVector<f64, 3>> {
+/// The mean of the gradients in the cells around a node, at the nodes of the cells with triangles;
+/// elsewhere it means nothing.
+fn gradient_at_nodes(
+    space: &Space<3>,
+    phi: &[f64],
+    triangles: &[Triangle],
+) -> Vec<SVector<f64, 3>> {
     let mut wanted = vec![false; space.len()];
     for t in triangles {
         space.cell_nodes(t.cell as usize).iter().for_each(|&n| wanted[n as usize] = true);
@@ -90,11 +105,13 @@ mod tests {
 
     #[test]
     fn the_surface_of_a_sphere_has_its_points_normals_and_values() {
-        let space = Space::new(&Arc::new(box_mesh([-1.0; 3], [1.0; 3], [6; 3]).unwrap()), Element::P2);
+        let space =
+            Space::new(&Arc::new(box_mesh([-1.0; 3], [1.0; 3], [6; 3]).unwrap()), Element::P2);
         // Quadratic, so that field and gradient are exact.
         let phi = space.interpolate(|x| x.norm_squared() - 0.49);
         let f = space.interpolate(|x| x[0] * x[1] + 2.0 * x[2]);
-        let surface = Surface::of_level_set(&space, &phi, Coat::Field(FieldData::Scalar(&f))).unwrap();
+        let surface =
+            Surface::of_level_set(&space, &phi, Coat::Field(FieldData::Scalar(&f))).unwrap();
         surface.check().unwrap();
         let Paint::Scalar(values) = &surface.paint else { panic!("not a scalar") };
         for ((x, n), v) in surface.points.iter().zip(&surface.normals).zip(values) {
@@ -107,19 +124,23 @@ mod tests {
             let across = 0.5 * (b - a).cross(&(c - a));
             across.dot(&(a + b + c)).signum() * across.norm()
         };
-        let (sum, exact) = (surface.triangles.iter().map(area).sum::<f64>(), 4.0 * std::f64::consts::PI * 0.49);
+        let (sum, exact) =
+            (surface.triangles.iter().map(area).sum::<f64>(), 4.0 * std::f64::consts::PI * 0.49);
         assert!((sum / exact - 1.0).abs() < 5e-3, "{sum} {exact}");
     }
 
     #[test]
     fn the_pattern_is_carried_by_y_and_fields_of_a_wrong_length_are_refused() {
-        let space = Space::new(&Arc::new(box_mesh([-1.0; 3], [1.0; 3], [3; 3]).unwrap()), Element::P2);
+        let space =
+            Space::new(&Arc::new(box_mesh([-1.0; 3], [1.0; 3], [3; 3]).unwrap()), Element::P2);
         let phi = space.interpolate(|x| x.norm_squared() - 0.49);
         let y = space.interpolate(|x| Point::<3>::new(x[0] - 0.5 * x[2], x[1], x[2]));
         let pattern = Pattern::Cubes { origin: Point::<3>::zeros(), edge: 0.2 };
         let coat = Coat::Checkerboard { characteristic: &y, pattern };
         let surface = Surface::of_level_set(&space, &phi, coat).unwrap();
-        let Paint::Checkerboard { material, .. } = &surface.paint else { panic!("not a checkerboard") };
+        let Paint::Checkerboard { material, .. } = &surface.paint else {
+            panic!("not a checkerboard")
+        };
         for (x, y) in surface.points.iter().zip(material) {
             assert!((y - Point::<3>::new(x[0] - 0.5 * x[2], x[1], x[2])).norm() < 1e-14);
         }

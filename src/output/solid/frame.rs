@@ -37,10 +37,15 @@ impl<'a> BoxEdges<'a> {
             let mut wall = middle;
             wall[axis] = corners[side][axis];
             let outward = if side == 0 { -1.0 } else { 1.0 };
-            // A wall seen from its edge is at the back: rounding must not decide where the axes are.
+            // A wall seen from its edge is at the back: rounding must not decide where the axes
+            // are.
             camera.to_eye(&wall)[axis] * outward < 1e-9
         };
-        BoxEdges { camera, corners, back: std::array::from_fn(|axis| [back(axis, 0), back(axis, 1)]) }
+        BoxEdges {
+            camera,
+            corners,
+            back: std::array::from_fn(|axis| [back(axis, 0), back(axis, 1)]),
+        }
     }
     /// The corners of a box.
     pub fn vertices(corners: [Point<3>; 2]) -> [Point<3>; 8] {
@@ -64,13 +69,16 @@ impl<'a> BoxEdges<'a> {
     /// Lines at the ticks, on the walls at the back.
     fn grid(&self) -> Vec<[Spot; 2]> {
         let mut lines = Vec::new();
-        for (wall, side) in (0..3).flat_map(|wall| [(wall, 0), (wall, 1)]).filter(|(w, s)| self.back[*w][*s]) {
+        for (wall, side) in
+            (0..3).flat_map(|wall| [(wall, 0), (wall, 1)]).filter(|(w, s)| self.back[*w][*s])
+        {
             for axis in [(wall + 1) % 3, (wall + 2) % 3] {
                 let along = 3 - wall - axis;
                 for v in self.ticks(axis) {
                     lines.push([0, 1].map(|end| {
                         let mut p = Point::<3>::zeros();
-                        (p[wall], p[axis], p[along]) = (self.corners[side][wall], v, self.corners[end][along]);
+                        (p[wall], p[axis], p[along]) =
+                            (self.corners[side][wall], v, self.corners[end][along]);
                         self.camera.project(&p)
                     }));
                 }
@@ -94,7 +102,8 @@ impl<'a> BoxEdges<'a> {
             }
         }
     }
-    /// Leaves out numbers that would cover others, as they do where two axes meet: `taken` lists their boxes.
+    /// Leaves out numbers that would cover others, as they do where two axes meet: `taken` lists
+    /// their boxes.
     fn draw_axis(&self, edge: Edge, taken: &mut Vec<[f64; 4]>, image: &mut Image) {
         let (axis, ends) = (edge.axis, self.ends(edge));
         let [a, b] = ends.map(|p| self.camera.project(&p).at);

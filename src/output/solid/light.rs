@@ -21,10 +21,13 @@ impl Lights {
     pub fn new(camera: &Camera) -> Lights {
         let [right, up, toward] = camera.axes;
         let direction = |r: f64, u: f64, t: f64| (right * r + up * u + toward * t).normalize();
-        Lights { lamps: [(direction(-0.55, 0.65, 0.62), 0.48), (direction(0.85, -0.05, 0.45), 0.14)], up }
+        Lights {
+            lamps: [(direction(-0.55, 0.65, 0.62), 0.48), (direction(0.85, -0.05, 0.45), 0.14)],
+            up,
+        }
     }
-    /// The colour of a surface of colour `rgb` whose normal is `n`, seen from the direction `eye`; both are unit vectors,
-    /// and the normal points to the side that is seen.
+    /// The colour of a surface of colour `rgb` whose normal is `n`, seen from the direction `eye`;
+    /// both are unit vectors, and the normal points to the side that is seen.
     pub fn shade(&self, rgb: [f32; 3], n: &SVector<f64, 3>, eye: &SVector<f64, 3>) -> [f32; 3] {
         let mut light = AMBIENT[0] + AMBIENT[1] * (0.5 + 0.5 * n.dot(&self.up));
         let mut gloss = 0.0;

@@ -1,7 +1,7 @@
 //! Pictures of three-dimensional runs: lit surfaces and slices in the box of the domain.
 //!
-//! Drawn by our own small renderer: triangles with depth, three by three samples a pixel, in bands of rows that threads
-//! share; the same bits for any number of threads.
+//! Drawn by our own small renderer: triangles with depth, three by three samples a pixel, in bands
+//! of rows that threads share; the same bits for any number of threads.
 
 mod camera;
 mod canvas;
@@ -43,9 +43,11 @@ pub struct SolidPicture<'a> {
     pub slices: Vec<Slice<'a>>,
     /// Level-set functions whose zero line is drawn on every slice.
     pub interfaces: Vec<&'a [f64]>,
-    /// The range of the colours, of slices and surfaces alike; [`Scale::of`] the field, or one for all frames of a film.
+    /// The range of the colours, of slices and surfaces alike; [`Scale::of`] the field, or one for
+    /// all frames of a film.
     pub scale: Scale,
-    /// Lower and upper corner of the part of the domain that is shown, if not all of it: slices end there, surfaces do not.
+    /// Lower and upper corner of the part of the domain that is shown, if not all of it: slices end
+    /// there, surfaces do not.
     pub window: Option<[Point<3>; 2]>,
     /// Position of the viewer.
     pub view: View,
@@ -84,8 +86,8 @@ impl<'a> SolidPicture<'a> {
     /// Draws it.
     ///
     /// # Errors
-    /// A view that is not finite, a window without volume; a slice beside it; a field or surface with a wrong number of values (a defect of
-    /// the caller).
+    /// A view that is not finite, a window without volume; a slice beside it; a field or surface
+    /// with a wrong number of values (a defect of the caller).
     pub fn draw(&self) -> Result<Image> {
         let shown = self.shown()?;
         let (camera, place) = self.place(shown)?;
@@ -94,10 +96,17 @@ impl<'a> SolidPicture<'a> {
         self.surfaces.iter().try_for_each(Surface::check)?;
         let frame = BoxEdges::new(&camera, shown);
         let count = self.surfaces.len();
-        let surfaces = self.surfaces.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, k as u32));
-        let slices = cuts.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, (count + k) as u32));
+        let surfaces =
+            self.surfaces.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, k as u32));
+        let slices =
+            cuts.iter().enumerate().flat_map(|(k, s)| s.facets(&camera, (count + k) as u32));
         let facets = surfaces.chain(slices).collect();
-        let canvas = Canvas { width: place.image[0], height: place.image[1], facets, strokes: frame.strokes() };
+        let canvas = Canvas {
+            width: place.image[0],
+            height: place.image[1],
+            facets,
+            strokes: frame.strokes(),
+        };
         let (lights, colours) = (Lights::new(&camera), Colours::new(self.scale));
         let mut image = canvas.draw(|f: &Facet, l| match self.surfaces.get(f.part as usize) {
             Some(surface) => surface.shade(f, l, &camera, &lights, &colours),
@@ -134,7 +143,8 @@ impl<'a> SolidPicture<'a> {
                 .remedy("give angles in degrees"));
         }
         let right = if self.has_bar() { SIDE + BAR } else { SIDE };
-        let room = [self.size[0] as f64 - SIDE - right, self.size[1] as f64 - TOP - BOTTOM].map(|r| r.max(SMALLEST));
+        let room = [self.size[0] as f64 - SIDE - right, self.size[1] as f64 - TOP - BOTTOM]
+            .map(|r| r.max(SMALLEST));
         let mut camera = Camera::new(&self.view, shown);
         let taken = camera.fit(&BoxEdges::vertices(shown), room);
         let place = taken.map(|t| t.max(SMALLEST));

@@ -3,8 +3,8 @@
 use crate::mesh::Point;
 use std::f64::consts::PI;
 
-/// A pattern of two colours on the body in its reference state. Painted on the deformed body, it shows how the material
-/// has moved, as in Fig. 5.2 of the paper on membranes with shear.
+/// A pattern of two colours on the body in its reference state. Painted on the deformed body, it
+/// shows how the material has moved, as in Fig. 5.2 of the paper on membranes with shear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
     /// Fields of longitude and latitude about a centre; the poles lie in the direction of z.
@@ -35,7 +35,9 @@ impl Pattern {
                 let latitude = d[2].atan2(d[0].hypot(d[1])) / PI + 0.5;
                 (longitude * *around as f64).floor() + (latitude * *along as f64).floor()
             }
-            Pattern::Cubes { origin, edge } => ((y - origin) / *edge).iter().map(|v| v.floor()).sum(),
+            Pattern::Cubes { origin, edge } => {
+                ((y - origin) / *edge).iter().map(|v| v.floor()).sum()
+            }
         };
         fields.rem_euclid(2.0) >= 1.0
     }
@@ -67,7 +69,9 @@ mod tests {
     fn the_colour_changes_across_each_face_of_the_cubes() {
         let cubes = Pattern::Cubes { origin: Point::<3>::new(0.5, 0.0, 0.0), edge: 0.25 };
         let odd = |x, y, z| cubes.is_odd(&Point::<3>::new(x, y, z));
-        assert!(!odd(0.6, 0.1, 0.1) && odd(0.6, -0.1, 0.1) && odd(0.8, 0.1, 0.1) && odd(0.6, 0.1, 0.3));
+        assert!(
+            !odd(0.6, 0.1, 0.1) && odd(0.6, -0.1, 0.1) && odd(0.8, 0.1, 0.1) && odd(0.6, 0.1, 0.3)
+        );
         assert!(!odd(0.6, -0.1, -0.1) && odd(0.4, -0.1, -0.1));
     }
 }

@@ -1,4 +1,5 @@
-//! Plane slices through the domain: the field in its true finite element, and the line where an interface crosses.
+//! Plane slices through the domain: the field in its true finite element, and the line where an
+//! interface crosses.
 
 use super::super::colours::Colours;
 use super::super::field::{FieldData, on_nodes};
@@ -36,7 +37,8 @@ enum Nodal {
     Vector(Vec<SVector<f64, 3>>),
 }
 
-/// Widths in pixels and opacity of the light rim of an interface and of the line itself, from below.
+/// Widths in pixels and opacity of the light rim of an interface and of the line itself, from
+/// below.
 const LINES: [(f64, f32, [f32; 3]); 2] = [(4.6, 0.7, [255.0; 3]), (2.2, 1.0, [12.0, 12.0, 16.0])];
 
 impl<'a> CutPlane<'a> {
@@ -52,7 +54,9 @@ impl<'a> CutPlane<'a> {
     ) -> Result<CutPlane<'a>> {
         let [low, high] = shown;
         if slice.axis > 2 {
-            return Err(Error::internal("a slice has an axis that space does not have").value(slice.axis));
+            return Err(
+                Error::internal("a slice has an axis that space does not have").value(slice.axis)
+            );
         }
         let (low, high, name) = (low[slice.axis], high[slice.axis], ["x", "y", "z"][slice.axis]);
         if !(low..=high).contains(&slice.position) {
@@ -64,7 +68,8 @@ impl<'a> CutPlane<'a> {
             FieldData::Scalar(f) => Nodal::Scalar(on_nodes(space, "slice", f)?),
             FieldData::Vector(f) => Nodal::Vector(on_nodes(space, "slice", f)?),
         };
-        let interfaces = interfaces.iter().map(|f| on_nodes(space, "level set", f)).collect::<Result<_>>()?;
+        let interfaces =
+            interfaces.iter().map(|f| on_nodes(space, "level set", f)).collect::<Result<_>>()?;
         let triangles = triangles(space, slice.axis, slice.position, shown);
         Ok(CutPlane { space, axis: slice.axis, field, interfaces, triangles })
     }
@@ -84,7 +89,9 @@ impl<'a> CutPlane<'a> {
     pub fn shade(&self, f: &Facet, l: [f64; 3], camera: &Camera, bar: &Colours) -> [f32; 3] {
         let (cell, corners) = &self.triangles[f.number as usize];
         let (c, w) = (*cell as usize, in_space(&f.spots, l));
-        let l: [f64; 4] = std::array::from_fn(|k| w[0] * corners[0][k] + w[1] * corners[1][k] + w[2] * corners[2][k]);
+        let l: [f64; 4] = std::array::from_fn(|k| {
+            w[0] * corners[0][k] + w[1] * corners[1][k] + w[2] * corners[2][k]
+        });
         let value = match &self.field {
             Nodal::Scalar(f) => self.space.value(f, c, &l),
             Nodal::Vector(f) => self.space.value(f, c, &l).norm(),
@@ -102,22 +109,29 @@ impl<'a> CutPlane<'a> {
         }
         rgb
     }
-    /// Distance in pixels to the line `phi = 0` of the slice, `|phi| / |grad phi|` with the gradient in the picture.
+    /// Distance in pixels to the line `phi = 0` of the slice, `|phi| / |grad phi|` with the
+    /// gradient in the picture.
     fn pixels_from(&self, phi: &[f64], c: usize, l: &[f64; 4], camera: &Camera) -> f64 {
         let value = self.space.value(phi, c, l).abs();
         let slope = self.space.gradient(phi, c, l);
         let (a, b) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
         let [column, row] = camera.derivative(&self.point(c as u32, l));
-        // grad phi in the plane is the transposed derivative of the pixel times grad phi in the picture.
+        // grad phi in the plane is the transposed derivative of the pixel times grad phi in the
+        // picture.
         let derivative = Matrix2::new(column[a], row[a], column[b], row[b]);
         let inverse = derivative.try_inverse().unwrap_or_else(Matrix2::zeros);
         value / (inverse * Vector2::new(slope[a], slope[b])).norm()
     }
 }
 
-/// The parts of a plane in the cells and in a box. A plane along facets takes them from the cells below, or from those
-/// above at the lower end of the box.
-fn triangles(space: &Space<3>, axis: usize, position: f64, [low, high]: &[Point<3>; 2]) -> Vec<(u32, [[f64; 4]; 3])> {
+/// The parts of a plane in the cells and in a box. A plane along facets takes them from the cells
+/// below, or from those above at the lower end of the box.
+fn triangles(
+    space: &Space<3>,
+    axis: usize,
+    position: f64,
+    [low, high]: &[Point<3>; 2],
+) -> Vec<(u32, [[f64; 4]; 3])> {
     let mesh = space.mesh();
     let mut triangles = Vec::new();
     for c in 0..mesh.cell_count() {
@@ -141,8 +155,8 @@ fn triangles(space: &Space<3>, axis: usize, position: f64, [low, high]: &[Point<
     triangles
 }
 
-/// The corners, in barycentric coordinates and in their order around it, of the section of a plane with a cell whose
-/// vertices have such heights over the plane.
+/// The corners, in barycentric coordinates and in their order around it, of the section of a plane
+/// with a cell whose vertices have such heights over the plane.
 fn section(height: &[f64; 4], above: &[bool; 4]) -> Vec<[f64; 4]> {
     let mut corners = Vec::with_capacity(4);
     for &(i, j) in EDGES.iter().filter(|(i, j)| above[*i] != above[*j]) {
@@ -151,10 +165,12 @@ fn section(height: &[f64; 4], above: &[bool; 4]) -> Vec<[f64; 4]> {
         l[i] = 1.0 - l[j];
         corners.push(((i, j), l));
     }
-    // In a quadrilateral neighbours lie on edges that share a vertex: put the one that shares none opposite.
+    // In a quadrilateral neighbours lie on edges that share a vertex: put the one that shares none
+    // opposite.
     if corners.len() == 4 {
         let (i, j) = corners[0].0;
-        let opposite = corners.iter().position(|((a, b), _)| ![i, j].contains(a) && ![i, j].contains(b));
+        let opposite =
+            corners.iter().position(|((a, b), _)| ![i, j].contains(a) && ![i, j].contains(b));
         corners.swap(2, opposite.unwrap_or(2));
     }
     corners.into_iter().map(|(_, l)| l).collect()
@@ -207,19 +223,35 @@ mod tests {
             }
         }
         let part = [[0.25, 0.1, 1.0], [0.85, 1.3, 2.5]].map(Point::<3>::from);
-        assert!((area(0, 0.3, &part) - 1.2 * 1.5).abs() < 1e-12 && (area(2, 1.0, &part) - 0.6 * 1.2).abs() < 1e-12);
+        assert!(
+            (area(0, 0.3, &part) - 1.2 * 1.5).abs() < 1e-12
+                && (area(2, 1.0, &part) - 0.6 * 1.2).abs() < 1e-12
+        );
     }
 
     #[test]
     fn slices_that_cannot_be_are_refused() {
-        let space = Space::new(&Arc::new(box_mesh([0.0; 3], [1.0; 3], [1; 3]).unwrap()), Element::P2);
+        let space =
+            Space::new(&Arc::new(box_mesh([0.0; 3], [1.0; 3], [1; 3]).unwrap()), Element::P2);
         let f = vec![0.0; space.len()];
         let shown = [Point::<3>::zeros(), Point::<3>::repeat(1.0)];
         let refused = |axis, position, f: &[f64]| {
-            CutPlane::new(&space, &Slice { axis, position, field: FieldData::Scalar(f) }, &[], &shown).err().unwrap()
+            CutPlane::new(
+                &space,
+                &Slice { axis, position, field: FieldData::Scalar(f) },
+                &[],
+                &shown,
+            )
+            .err()
+            .unwrap()
         };
         let e = refused(1, 1.5, &f);
-        assert!(e.what().contains("outside") && e.wrong_value() == "y = 1.5" && e.advice().contains("0 to 1"), "{e}");
+        assert!(
+            e.what().contains("outside")
+                && e.wrong_value() == "y = 1.5"
+                && e.advice().contains("0 to 1"),
+            "{e}"
+        );
         refused(0, f64::NAN, &f);
         refused(3, 0.5, &f);
         refused(0, 0.5, &f[1..]);

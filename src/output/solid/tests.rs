@@ -18,10 +18,15 @@ fn ellipsoid(half: [f64; 3], n: usize, paint: impl Fn(&[Point<3>]) -> Paint) -> 
     for i in 0..=n {
         for j in 0..columns {
             let (a, b) = (PI * j as f64 / n as f64, PI * (i as f64 / n as f64 - 0.5));
-            points.push(Point::<3>::new(half[0] * b.cos() * a.cos(), half[1] * b.cos() * a.sin(), half[2] * b.sin()));
+            points.push(Point::<3>::new(
+                half[0] * b.cos() * a.cos(),
+                half[1] * b.cos() * a.sin(),
+                half[2] * b.sin(),
+            ));
         }
     }
-    let normals = points.iter().map(|x| Point::<3>::from_fn(|k, _| x[k] / (half[k] * half[k]))).collect();
+    let normals =
+        points.iter().map(|x| Point::<3>::from_fn(|k, _| x[k] / (half[k] * half[k]))).collect();
     let mut triangles = Vec::new();
     for i in 0..n {
         for j in 0..columns {
@@ -89,7 +94,8 @@ fn a_slice_has_the_colours_of_its_field_and_the_line_of_the_interface() {
             let mut x = Point::<3>::zeros();
             (x[axis], x[(axis + 1) % 3], x[(axis + 2) % 3]) = (position, a, b);
             let [column, row] = at(&picture, x.into());
-            let (seen, expected) = (image.pixel(column, row), colours.of(x[0] + 3.0 * x[1] * x[2] + 5.0));
+            let (seen, expected) =
+                (image.pixel(column, row), colours.of(x[0] + 3.0 * x[1] * x[2] + 5.0));
             assert!(close(seen, expected, 12), "axis {axis} at {x}: {seen:?} {expected:?}");
         }
         let radius = (0.25f64 - position * position).sqrt();
@@ -98,7 +104,11 @@ fn a_slice_has_the_colours_of_its_field_and_the_line_of_the_interface() {
             let (s, c) = (PI * (f64::from(k) + 0.3) / 8.0).sin_cos();
             (x[axis], x[(axis + 1) % 3], x[(axis + 2) % 3]) = (position, radius * c, radius * s);
             let [column, row] = at(&picture, x.into());
-            assert!(image.pixel(column, row).iter().all(|v| *v < 90), "axis {axis}: {:?}", image.pixel(column, row));
+            assert!(
+                image.pixel(column, row).iter().all(|v| *v < 90),
+                "axis {axis}: {:?}",
+                image.pixel(column, row)
+            );
         }
     }
 }
@@ -113,18 +123,25 @@ fn the_sheared_checkerboard_has_the_parity_of_the_material_at_each_pixel() {
     let space = cube(2);
     let globe = Pattern::Globe { centre: Point::<3>::zeros(), around: 8, along: 6 };
     for pattern in [globe, Pattern::Cubes { origin: Point::<3>::zeros(), edge: 0.25 }] {
-        let paint = |p: &[Point<3>]| Paint::Checkerboard { material: p.iter().map(y).collect(), pattern };
+        let paint =
+            |p: &[Point<3>]| Paint::Checkerboard { material: p.iter().map(y).collect(), pattern };
         let surface = ellipsoid([0.7; 3], 96, paint);
         let picture = SolidPicture { surfaces: vec![surface], ..SolidPicture::new(&space, "") };
         let (image, mut counts) = (picture.draw().unwrap(), [0; 2]);
         for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (i, j))) {
-            let (a, b) = (-PI / 3.0 + 1.2 * (f64::from(i) / 10.0 - 1.0), 0.9 * (f64::from(j) / 10.0 - 0.9));
-            let on = |a: f64, b: f64| Point::<3>::new(b.cos() * a.cos(), b.cos() * a.sin(), b.sin()) * 0.7;
+            let (a, b) =
+                (-PI / 3.0 + 1.2 * (f64::from(i) / 10.0 - 1.0), 0.9 * (f64::from(j) / 10.0 - 0.9));
+            let on = |a: f64, b: f64| {
+                Point::<3>::new(b.cos() * a.cos(), b.cos() * a.sin(), b.sin()) * 0.7
+            };
             let odd = pattern.is_odd(&y(&on(a, b)));
-            let seen = picture.place(picture.shown().unwrap()).unwrap().0.to_eye(&on(a, b)).dot(&on(a, b)) > 0.1;
+            let seen =
+                picture.place(picture.shown().unwrap()).unwrap().0.to_eye(&on(a, b)).dot(&on(a, b))
+                    > 0.1;
             // Pixels at the lines of the pattern are mixed.
             let around = [(0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)];
-            if seen && around.iter().all(|(da, db)| pattern.is_odd(&y(&on(a + da, b + db))) == odd) {
+            if seen && around.iter().all(|(da, db)| pattern.is_odd(&y(&on(a + da, b + db))) == odd)
+            {
                 let [column, row] = at(&picture, on(a, b).into());
                 let [red, _, blue] = image.pixel(column, row);
                 assert_eq!(blue > red, odd, "{pattern:?} at {a} {b}");
@@ -158,11 +175,14 @@ fn the_picture_does_not_depend_on_the_number_of_threads() {
     let draw = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let surface = Surface::of_level_set(&space, &phi, Coat::Field(FieldData::Vector(&u))).unwrap();
+            let surface =
+                Surface::of_level_set(&space, &phi, Coat::Field(FieldData::Vector(&u))).unwrap();
             let slices = vec![Slice { axis: 1, position: 0.2, field: FieldData::Vector(&u) }];
             let scale = Scale::of(FieldData::Vector(&u));
             let base = SolidPicture::new(&space, "Speed");
-            SolidPicture { surfaces: vec![surface], slices, interfaces: vec![&phi], scale, ..base }.draw().unwrap()
+            SolidPicture { surfaces: vec![surface], slices, interfaces: vec![&phi], scale, ..base }
+                .draw()
+                .unwrap()
         })
     };
     assert_eq!(draw(1), draw(2));
@@ -173,17 +193,27 @@ fn every_view_and_shape_of_box_gives_a_picture_within_its_size() {
     for high in [[50.0, 0.5, 1.0], [0.01, 4.0, 4.0], [1e-9, 1e-9, 1e-9]] {
         let space = Space::new(&Arc::new(box_mesh([0.0; 3], high, [2; 3]).unwrap()), Element::P2);
         let f = space.interpolate(|x| x[0] / high[0]);
-        for (azimuth, elevation) in [(0.0, 0.0), (-90.0, 0.0), (45.0, 90.0), (200.0, -35.0), (-60.0, 24.0)] {
+        for (azimuth, elevation) in
+            [(0.0, 0.0), (-90.0, 0.0), (45.0, 90.0), (200.0, -35.0), (-60.0, 24.0)]
+        {
             for projection in [Projection::Orthographic, Projection::Perspective] {
                 let picture = SolidPicture {
                     slices: vec![Slice { axis: 0, position: 0.0, field: FieldData::Scalar(&f) }],
                     time: Some(1.0 / 3.0),
                     view: View { azimuth, elevation, projection },
                     size: [420, 380],
-                    ..SolidPicture::new(&space, "a title that is much longer than a narrow picture is wide")
+                    ..SolidPicture::new(
+                        &space,
+                        "a title that is much longer than a narrow picture is wide",
+                    )
                 };
                 let image = picture.draw().unwrap();
-                assert!(image.width() <= 420 && image.height() <= 380, "{} x {}", image.width(), image.height());
+                assert!(
+                    image.width() <= 420 && image.height() <= 380,
+                    "{} x {}",
+                    image.width(),
+                    image.height()
+                );
                 assert!(image.width().is_multiple_of(2) && image.height().is_multiple_of(2));
             }
         }

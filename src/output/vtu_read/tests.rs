@@ -28,7 +28,9 @@ fn p2_fields_on_triangles_come_back_bit_by_bit() {
     let back = read_vtu::<2>(&path).unwrap();
     assert_eq!(back.time, 0.1 + 0.2);
     assert_eq!(back.space.nodes(), space.nodes());
-    assert!((0..space.mesh().cell_count()).all(|c| back.space.cell_nodes(c) == space.cell_nodes(c)));
+    assert!(
+        (0..space.mesh().cell_count()).all(|c| back.space.cell_nodes(c) == space.cell_nodes(c))
+    );
     assert_eq!(back.space.mesh().regions(), space.mesh().regions());
     assert_eq!(back.scalar("phi <m>").unwrap(), phi);
     assert_eq!(back.vector("velocity").unwrap(), u);
@@ -61,7 +63,8 @@ fn p1_and_p2_fields_on_tetrahedra_come_back() {
 fn a_field_of_the_wrong_length_is_named() {
     let (space, phi, _) = two_dimensional();
     let dir = tempfile::tempdir().unwrap();
-    let e = write_vtu(&dir.path().join("a.vtu"), &space, 0.0, &[("phi", FieldData::Scalar(&phi[1..]))]);
+    let e =
+        write_vtu(&dir.path().join("a.vtu"), &space, 0.0, &[("phi", FieldData::Scalar(&phi[1..]))]);
     assert!(e.unwrap_err().place().contains("phi"));
 }
 

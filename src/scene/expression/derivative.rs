@@ -23,7 +23,10 @@ impl Expression {
                 Instruction::Push(value) => stack[top] = Dual { value, slope: [0.0; 3] },
                 Instruction::Variable(TIME) => stack[top] = Dual { value: t, slope: [0.0; 3] },
                 Instruction::Variable(k) => {
-                    stack[top] = Dual { value: x[k], slope: std::array::from_fn(|i| f64::from(u8::from(i == k))) };
+                    stack[top] = Dual {
+                        value: x[k],
+                        slope: std::array::from_fn(|i| f64::from(u8::from(i == k))),
+                    };
                 }
                 Instruction::Apply(operation) => {
                     let first = top - operation.arity();
@@ -165,8 +168,14 @@ mod tests {
 
     #[test]
     fn powers_of_zero_and_of_negative_numbers_have_their_derivatives() {
-        assert_eq!(expression("x^3").eval_with_gradient([-2.0, 0.0, 0.0], 0.0), (-8.0, [12.0, 0.0, 0.0]));
-        assert_eq!(expression("x^2 * y^4").eval_with_gradient([0.0, 0.0, 0.0], 0.0), (0.0, [0.0; 3]));
+        assert_eq!(
+            expression("x^3").eval_with_gradient([-2.0, 0.0, 0.0], 0.0),
+            (-8.0, [12.0, 0.0, 0.0])
+        );
+        assert_eq!(
+            expression("x^2 * y^4").eval_with_gradient([0.0, 0.0, 0.0], 0.0),
+            (0.0, [0.0; 3])
+        );
         assert_eq!(expression("x^0").eval_with_gradient([0.0; 3], 0.0), (1.0, [0.0; 3]));
     }
 }

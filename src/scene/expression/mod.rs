@@ -56,7 +56,10 @@ impl Expression {
     ///
     /// Errors: an unknown name (with the nearest known one), a wrong number of arguments, a missing
     /// operand, and nesting deeper than 64.
-    pub fn parse(text: &str, constants: &BTreeMap<String, f64>) -> Result<Expression, ExpressionError> {
+    pub fn parse(
+        text: &str,
+        constants: &BTreeMap<String, f64>,
+    ) -> Result<Expression, ExpressionError> {
         let code = parser::compile(text, constants)?;
         Ok(Expression { text: text.to_string(), code })
     }

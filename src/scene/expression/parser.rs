@@ -81,7 +81,10 @@ impl<'a> Parser<'a> {
         while let Some((symbol, operation, power)) = self.operator().filter(|o| o.2 >= loosest) {
             let start = self.at;
             self.advance(symbol.len());
-            self.expression(if power == binding::POWER { binding::PREFIX } else { power + 1 }, depth + 1)?;
+            self.expression(
+                if power == binding::POWER { binding::PREFIX } else { power + 1 },
+                depth + 1,
+            )?;
             self.emit_operation(operation, start)?;
             if power == binding::COMPARISON && self.operator().is_some_and(|o| o.2 == power) {
                 return Err(error("comparisons do not chain", self.here(), "write a < b && b < c"));
@@ -120,9 +123,11 @@ impl<'a> Parser<'a> {
             }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_ascii_alphabetic() || c == '_' => self.name(depth),
-            Some('*') if self.text[..self.at].ends_with('*') => {
-                Err(error("a number or a name is missing here", self.here(), "write a power as x^2"))
-            }
+            Some('*') if self.text[..self.at].ends_with('*') => Err(error(
+                "a number or a name is missing here",
+                self.here(),
+                "write a power as x^2",
+            )),
             Some(_) => Err(error("expected a number, a name or `(`", self.here(), "")),
             None => Err(error(
                 "the expression ends too early",
@@ -147,10 +152,15 @@ impl<'a> Parser<'a> {
     fn unexpected(&self) -> ExpressionError {
         let hint = match self.rest().chars().next() {
             Some(')') => "remove this `)` or add the `(` it closes",
-            Some(',') => "only arguments of a function are separated by commas; decimals are written with a point",
+            Some(',') => {
+                "only arguments of a function are separated by commas; decimals are written with \
+                 a point"
+            }
             Some('=') => "write == to compare",
             Some('&' | '|') => "write && for and, || for or",
-            Some(c) if c.is_alphanumeric() || "(._".contains(c) => "write a product with *, as in 2*x",
+            Some(c) if c.is_alphanumeric() || "(._".contains(c) => {
+                "write a product with *, as in 2*x"
+            }
             _ => "",
         };
         error("expected an operator", self.here(), hint)
@@ -176,23 +186,34 @@ impl<'a> Parser<'a> {
                 self.advance(length);
                 self.emit(Instruction::Push(v), start)
             }
-            Ok(_) => Err(error("the number is too large", start..start + length, "numbers go up to 1.7e308")),
-            Err(_) => {
-                Err(error("this is not a number", start..start + length.max(1), "write numbers like 0.5 or 1e-3"))
-            }
+            Ok(_) => Err(error(
+                "the number is too large",
+                start..start + length,
+                "numbers go up to 1.7e308",
+            )),
+            Err(_) => Err(error(
+                "this is not a number",
+                start..start + length.max(1),
+                "write numbers like 0.5 or 1e-3",
+            )),
         }
     }
 
     fn name(&mut self, depth: usize) -> Result<()> {
         let start = self.at;
-        let length = self.rest().bytes().take_while(|b| b.is_ascii_alphanumeric() || *b == b'_').count();
+        let length =
+            self.rest().bytes().take_while(|b| b.is_ascii_alphanumeric() || *b == b'_').count();
         let name = &self.rest()[..length];
         let place = start..start + length;
         self.advance(length);
         let function = FUNCTIONS.iter().find(|f| f.0 == name);
         let called = self.rest().starts_with('(');
         if let Some(&(_, operation)) = function {
-            return if called { self.call(name, operation, place, depth) } else { Err(not_called(name, place)) };
+            return if called {
+                self.call(name, operation, place, depth)
+            } else {
+                Err(not_called(name, place))
+            };
         }
         let instruction = if let Some(k) = VARIABLES.iter().position(|v| *v == name) {
             Instruction::Variable(k)
@@ -207,7 +228,13 @@ impl<'a> Parser<'a> {
     }
 
     /// Reads the arguments of a function and emits the call.
-    fn call(&mut self, name: &str, operation: Operation, place: Range<usize>, depth: usize) -> Result<()> {
+    fn call(
+        &mut self,
+        name: &str,
+        operation: Operation,
+        place: Range<usize>,
+        depth: usize,
+    ) -> Result<()> {
         let open = self.at;
         self.advance(1);
         let mut count = 0;
@@ -233,7 +260,8 @@ impl<'a> Parser<'a> {
 
     fn unknown(&self, name: &str, place: Range<usize>, called: bool) -> ExpressionError {
         let functions = FUNCTIONS.iter().map(|f| f.0).filter(|_| called);
-        let names = VARIABLES.into_iter().chain(["pi"]).chain(self.constants.keys().map(String::as_str));
+        let names =
+            VARIABLES.into_iter().chain(["pi"]).chain(self.constants.keys().map(String::as_str));
         let values: Vec<&str> = names.filter(|_| !called).collect();
         let known: Vec<&str> = functions.chain(values.iter().copied()).collect();
         let what = if called { "function" } else { "name" };
@@ -284,5 +312,9 @@ impl<'a> Parser<'a> {
 }
 
 fn not_called(name: &str, place: Range<usize>) -> ExpressionError {
-    error(format!("`{name}` is a function"), place, format!("write its argument in parentheses: {name}(...)"))
+    error(
+        format!("`{name}` is a function"),
+        place,
+        format!("write its argument in parentheses: {name}(...)"),
+    )
 }

@@ -118,7 +118,9 @@ fn errors_say_what_where_and_what_to_write() {
 
 #[test]
 fn deep_nesting_is_refused_and_long_sums_are_not() {
-    for text in ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000), "sin(".repeat(100_000)] {
+    for text in
+        ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000), "sin(".repeat(100_000)]
+    {
         assert!(fault(&text).message.contains("than 64"));
     }
     let deep = format!("{}x{}", "(".repeat(60), ")".repeat(60));
@@ -131,8 +133,9 @@ fn deep_nesting_is_refused_and_long_sums_are_not() {
 /// A random expression with its value computed beside it.
 fn tree() -> impl Strategy<Value = (String, f64)> {
     let number = (0u32..1000).prop_map(|n| (format!("{}", f64::from(n) / 8.0), f64::from(n) / 8.0));
-    let name = prop::sample::select(vec![("x", 2.0), ("y", 3.0), ("z", 5.0), ("t", 7.0), ("R", 0.5)])
-        .prop_map(|(s, v)| (s.to_string(), v));
+    let name =
+        prop::sample::select(vec![("x", 2.0), ("y", 3.0), ("z", 5.0), ("t", 7.0), ("R", 0.5)])
+            .prop_map(|(s, v)| (s.to_string(), v));
     prop_oneof![number, name].prop_recursive(5, 64, 3, |inner| {
         let pair = (inner.clone(), inner.clone());
         let binary = (pair, 0..10usize).prop_map(|(((a, x), (b, y)), k)| match k {

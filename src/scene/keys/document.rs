@@ -79,15 +79,25 @@ impl Document {
     pub fn parse(text: &str, path: &str) -> Result<Document> {
         let table = DeTable::parse(text).map_err(|e| syntax_error(text, path, &e))?;
         let end = text.len();
-        let root = Node { value: table_value(table.get_ref(), 0, 0), place: Place { source: 0, span: end..end } };
-        Ok(Document { sources: vec![Source { path: path.to_string(), text: text.to_string() }], root })
+        let root = Node {
+            value: table_value(table.get_ref(), 0, 0),
+            place: Place { source: 0, span: end..end },
+        };
+        Ok(Document {
+            sources: vec![Source { path: path.to_string(), text: text.to_string() }],
+            root,
+        })
     }
 
     /// The error `what` at `place`, with the key in words.
     pub fn error(&self, place: &Place, key: &str, what: impl Into<String>) -> Error {
         let error = Error::scene(what);
         let Some(source) = self.sources.get(place.source) else { return error };
-        let snippet = Snippet { path: source.path.clone(), source: source.text.clone(), span: place.span.clone() };
+        let snippet = Snippet {
+            path: source.path.clone(),
+            source: source.text.clone(),
+            span: place.span.clone(),
+        };
         let (line, column) = snippet.line_column();
         let file = if place.source == 0 {
             format!("{}:{line}:{column}", source.path)
@@ -100,9 +110,17 @@ impl Document {
 
     /// The text at `place`, shortened.
     pub fn written(&self, place: &Place) -> String {
-        let text = self.sources.get(place.source).and_then(|s| s.text.get(place.span.clone())).unwrap_or("");
+        let text = self
+            .sources
+            .get(place.source)
+            .and_then(|s| s.text.get(place.span.clone()))
+            .unwrap_or("");
         let line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        if line.chars().count() <= 60 { line } else { format!("{} ...", line.chars().take(56).collect::<String>()) }
+        if line.chars().count() <= 60 {
+            line
+        } else {
+            format!("{} ...", line.chars().take(56).collect::<String>())
+        }
     }
 
     /// The position of the value at `keys`, or of the innermost table on its path that is present.
@@ -111,8 +129,12 @@ impl Document {
         let mut place = &node.place;
         for key in keys {
             let next = match &node.value {
-                Value::Table(entries) => entries.iter().find(|e| e.key == *key).map(|e| (&e.key_place, &e.node)),
-                Value::Array(items) => key.parse().ok().and_then(|k: usize| items.get(k)).map(|n| (&n.place, n)),
+                Value::Table(entries) => {
+                    entries.iter().find(|e| e.key == *key).map(|e| (&e.key_place, &e.node))
+                }
+                Value::Array(items) => {
+                    key.parse().ok().and_then(|k: usize| items.get(k)).map(|n| (&n.place, n))
+                }
                 _ => None,
             };
             let Some((p, n)) = next else { break };
@@ -130,7 +152,10 @@ fn syntax_error(text: &str, path: &str, error: &toml::de::Error) -> Error {
     Error::scene(format!("the scene is not valid TOML: {}", error.message()))
         .at(format!("{path}:{line}:{column}"))
         .value(if value.is_empty() { "nothing is written here" } else { &value })
-        .remedy("keys are written `key = value`, tables `[name]`, and text stands in \"quotes\" (https://toml.io)")
+        .remedy(
+            "keys are written `key = value`, tables `[name]`, and text stands in \"quotes\" \
+             (https://toml.io)",
+        )
         .snippet(snippet)
 }
 
@@ -154,7 +179,9 @@ fn node(value: &Spanned<DeValue<'_>>, source: usize, shift: usize) -> Node {
         DeValue::Float(f) => Value::Float(f.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(b) => Value::Boolean(*b),
         DeValue::Datetime(_) => Value::Datetime,
-        DeValue::Array(items) => Value::Array(items.iter().map(|i| node(i, source, shift)).collect()),
+        DeValue::Array(items) => {
+            Value::Array(items.iter().map(|i| node(i, source, shift)).collect())
+        }
         DeValue::Table(table) => table_value(table, source, shift),
     };
     Node { value: value_of(value.get_ref()), place: place(value.span(), source, shift) }

@@ -84,7 +84,11 @@ impl<'a> Item<'a> {
         let v = match self.node.value {
             Value::Integer(i) => i as f64,
             Value::Float(f) => f,
-            _ => return Err(self.wrong_kind("a number").remedy("write a number without quotes or units, such as 0.5")),
+            _ => {
+                return Err(self
+                    .wrong_kind("a number")
+                    .remedy("write a number without quotes or units, such as 0.5"));
+            }
         };
         if !v.is_finite() || v.abs() > LARGEST {
             return Err(self
@@ -107,13 +111,16 @@ impl<'a> Item<'a> {
     }
 
     fn out_of_range(&self, words: &str, range: &str) -> Error {
-        self.error(format!("`{}` must be {words}", self.key)).remedy(format!("give a number {range}"))
+        self.error(format!("`{}` must be {words}", self.key))
+            .remedy(format!("give a number {range}"))
     }
 
     /// An integer from `least` to `most`.
     pub fn count(&self, least: usize, most: usize) -> Result<usize> {
         let Value::Integer(i) = self.node.value else {
-            return Err(self.wrong_kind("a whole number").remedy(format!("give one from {least} to {most}")));
+            return Err(self
+                .wrong_kind("a whole number")
+                .remedy(format!("give one from {least} to {most}")));
         };
         match usize::try_from(i) {
             Ok(n) if (least..=most).contains(&n) => Ok(n),
@@ -127,7 +134,9 @@ impl<'a> Item<'a> {
     pub fn boolean(&self) -> Result<bool> {
         match self.node.value {
             Value::Boolean(b) => Ok(b),
-            _ => Err(self.wrong_kind("true or false").remedy("write true or false, without quotes")),
+            _ => {
+                Err(self.wrong_kind("true or false").remedy("write true or false, without quotes"))
+            }
         }
     }
 
@@ -192,7 +201,10 @@ impl<'a> Item<'a> {
         if items.len() != n {
             let (key, found) = (&self.key, items.len());
             return Err(self
-                .error(format!("`{key}` has {found} component{}, but needs {n}", if found == 1 { "" } else { "s" }))
+                .error(format!(
+                    "`{key}` has {found} component{}, but needs {n}",
+                    if found == 1 { "" } else { "s" }
+                ))
                 .remedy(format!("give {n} values in brackets")));
         }
         Ok(items)
@@ -228,7 +240,10 @@ impl<'a> Item<'a> {
 
     /// A vector with one number or expression for each dimension of the scene.
     pub fn components(&self, context: &Context) -> Result<Vec<Expression>> {
-        self.components_of(context.dimension)?.iter().map(|i| i.expression(&context.constants)).collect()
+        self.components_of(context.dimension)?
+            .iter()
+            .map(|i| i.expression(&context.constants))
+            .collect()
     }
 
     /// A number or an expression.
@@ -237,19 +252,24 @@ impl<'a> Item<'a> {
             let number = self.number().map(Expression::constant);
             return match self.node.value {
                 Value::Integer(_) | Value::Float(_) => number,
-                _ => Err(self.wrong_kind("a number or an expression").remedy("write 0.5 or \"sin(pi * x)\"")),
+                _ => Err(self
+                    .wrong_kind("a number or an expression")
+                    .remedy("write 0.5 or \"sin(pi * x)\"")),
             };
         };
         let expression = Expression::parse(text, constants).map_err(|e| {
             let place = self.inside(text, &e.at);
-            let remedy = if e.hint.is_empty() { "write an expression such as \"1 - x^2\"" } else { &e.hint };
+            let remedy =
+                if e.hint.is_empty() { "write an expression such as \"1 - x^2\"" } else { &e.hint };
             let wrong = text.get(e.at.clone()).filter(|w| !w.is_empty()).unwrap_or(text);
             self.document.error(&place, &self.key, e.message.clone()).value(wrong).remedy(remedy)
         })?;
         if expression.is_constant().is_some_and(|v| !v.is_finite()) {
             return Err(self
                 .error(format!("the expression of `{}` has no finite value", self.key))
-                .remedy("look for a division by zero or a root or logarithm of a negative number"));
+                .remedy(
+                    "look for a division by zero or a root or logarithm of a negative number",
+                ));
         }
         Ok(expression)
     }
@@ -274,7 +294,11 @@ impl<'a> Item<'a> {
         match table.entries.iter().find(|e| known.get(&e.key).is_none()) {
             None => Ok(table),
             Some(entry) => {
-                let place = if self.key.is_empty() { "the scene".to_string() } else { format!("`{}`", self.key) };
+                let place = if self.key.is_empty() {
+                    "the scene".to_string()
+                } else {
+                    format!("`{}`", self.key)
+                };
                 let all = known.names().collect::<Vec<_>>().join(", ");
                 let remedy = match nearest(&entry.key, known.names()) {
                     Some(n) => format!("did you mean `{n}`? Valid keys here: {all}"),
@@ -291,9 +315,12 @@ impl<'a> Item<'a> {
     /// The value as a table with arbitrary keys.
     pub fn open_table(&self) -> Result<Table<'a>> {
         match &self.node.value {
-            Value::Table(entries) => {
-                Ok(Table { document: self.document, entries, place: self.key_place, key: self.key.clone() })
-            }
+            Value::Table(entries) => Ok(Table {
+                document: self.document,
+                entries,
+                place: self.key_place,
+                key: self.key.clone(),
+            }),
             _ => Err(self.wrong_kind("a table").remedy("write it as [name] or { key = value }")),
         }
     }
@@ -339,12 +366,21 @@ impl<'a> Table<'a> {
     }
 
     /// The value of `key` read by `read`, if present.
-    pub fn optional<T>(&self, key: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<Option<T>> {
+    pub fn optional<T>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&Item<'a>) -> Result<T>,
+    ) -> Result<Option<T>> {
         self.get(key).map(|i| read(&i)).transpose()
     }
 
     /// The value of `key` read by `read`; `remedy` is the advice if it is missing.
-    pub fn required<T>(&self, key: &str, remedy: &str, read: impl FnOnce(&Item<'a>) -> Result<T>) -> Result<T> {
+    pub fn required<T>(
+        &self,
+        key: &str,
+        remedy: &str,
+        read: impl FnOnce(&Item<'a>) -> Result<T>,
+    ) -> Result<T> {
         match self.get(key) {
             Some(item) => read(&item),
             None => Err(self.missing(&format!("`{key}`"), key).remedy(remedy)),
@@ -358,20 +394,30 @@ impl<'a> Table<'a> {
         let mut found = names().filter_map(|k| self.get(k).map(|i| (k, i)));
         let all = names().collect::<Vec<_>>().join(", ");
         let Some(first) = found.next() else {
-            return Err(self.missing(&format!("one of {all}"), "").remedy(format!("give exactly one of {all}")));
+            return Err(self
+                .missing(&format!("one of {all}"), "")
+                .remedy(format!("give exactly one of {all}")));
         };
         match found.next() {
             None => Ok(first),
             Some((second, item)) => Err(item
-                .key_error(format!("`{second}` cannot stand beside `{}` in `{}`", first.0, self.key))
+                .key_error(format!(
+                    "`{second}` cannot stand beside `{}` in `{}`",
+                    first.0, self.key
+                ))
                 .remedy(format!("keep exactly one of {all}"))),
         }
     }
 
     /// The error for a missing value.
     fn missing(&self, what: &str, key: &str) -> Error {
-        let place = if self.key.is_empty() { "the scene".to_string() } else { format!("`{}`", self.key) };
-        let error = self.document.error(self.place, &joined(&self.key, key), format!("{what} is missing in {place}"));
+        let place =
+            if self.key.is_empty() { "the scene".to_string() } else { format!("`{}`", self.key) };
+        let error = self.document.error(
+            self.place,
+            &joined(&self.key, key),
+            format!("{what} is missing in {place}"),
+        );
         error.value("nothing is given")
     }
 }

@@ -4,6 +4,7 @@
 mod document;
 mod item;
 mod names;
+mod nested;
 mod table;
 mod typed;
 mod write;
@@ -12,11 +13,14 @@ pub(crate) use super::nearest::advice;
 pub(in crate::scene) use document::{Document, Entry, Node, Place, Source, Value, parse_value};
 pub(in crate::scene) use item::{Context, Item, Table};
 pub(in crate::scene) use names::{distinct, identifier, named};
+pub(in crate::scene) use nested::Nested;
 pub use table::Named;
-pub(in crate::scene) use table::{Tabled, joined, last, one_of, optional, or_default, required, table};
+pub(in crate::scene) use table::{
+    Tabled, joined, last, one_of, optional, or_default, required, table,
+};
 pub(in crate::scene) use typed::{
-    Auto, Components, Count, Counts, Direction, Entries, Flag, Identifier, Many, Nested, NonNegative, Number, Numbers,
-    Opt, OrFalse, Point, Positive, Set, Text, Typed, Vector, Words, kinds, words,
+    Auto, Components, Count, Counts, Direction, Entries, Flag, Identifier, Many, NonNegative,
+    Number, Numbers, Opt, OrFalse, Point, Positive, Set, Text, Typed, Vector, Words, kinds, words,
 };
 pub(in crate::scene) use write::{Toml, Writer, key, list, name, number, text};
 
@@ -117,7 +121,9 @@ impl Kind {
     /// The keys of the table, or of each table of the list, if the value can be one.
     pub fn keys(&self) -> Option<&'static Keys> {
         match *self {
-            Kind::Table(keys) | Kind::List(keys) | Kind::Named(keys) | Kind::Either(_, keys) => Some(keys),
+            Kind::Table(keys) | Kind::List(keys) | Kind::Named(keys) | Kind::Either(_, keys) => {
+                Some(keys)
+            }
             _ => None,
         }
     }

@@ -4,7 +4,10 @@ use super::item::Item;
 use crate::base::Result;
 
 /// The entries of a table whose keys are their names; a name becomes part of column and file names.
-pub(in crate::scene) fn named<T>(item: &Item, read: impl Fn(String, &Item) -> Result<T>) -> Result<Vec<T>> {
+pub(in crate::scene) fn named<T>(
+    item: &Item,
+    read: impl Fn(String, &Item) -> Result<T>,
+) -> Result<Vec<T>> {
     let entries = item.open_table()?;
     let one = |(name, item): (&str, Item)| match is_identifier(name) {
         true => read(name.to_string(), &item),

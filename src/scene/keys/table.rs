@@ -69,7 +69,11 @@ pub(in crate::scene) fn last(mut entries: Entries, order: &[&str]) -> Entries {
 }
 
 /// The value of `key`, if present.
-pub(in crate::scene) fn optional<K: Typed>(table: &Table<'_>, key: &str, context: &Context) -> Result<Option<K::Out>> {
+pub(in crate::scene) fn optional<K: Typed>(
+    table: &Table<'_>,
+    key: &str,
+    context: &Context,
+) -> Result<Option<K::Out>> {
     table.get(key).map(|i| K::read(&i, context)).transpose()
 }
 

@@ -1,9 +1,8 @@
 //! Kinds of values: each is named in the reference, read and written in one place.
 
 use super::item::{Context, Item};
-use super::table::{Named, Tabled};
 use super::write::{Toml, text};
-use super::{Absent, Kind, key, list, named};
+use super::{Absent, Kind, list};
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use std::marker::PhantomData;
@@ -143,8 +142,6 @@ pub(in crate::scene) struct OrFalse<K>(PhantomData<K>);
 pub(in crate::scene) struct Many<K>(PhantomData<K>);
 /// A list of distinct words.
 pub(in crate::scene) struct Set<W>(PhantomData<W>);
-/// A table.
-pub(in crate::scene) struct Nested<T>(PhantomData<T>);
 
 impl<K: Typed> Typed for Opt<K> {
     type Out = Option<K::Out>;
@@ -221,31 +218,5 @@ impl<W: Words> Typed for Set<W> {
     }
     fn toml(out: &Self::Out) -> String {
         list(out.iter().map(W::toml))
-    }
-}
-
-impl<T: Tabled> Typed for Nested<T> {
-    type Out = T;
-    const KIND: Kind = Kind::Table(T::KEYS);
-    fn read(item: &Item<'_>, context: &Context) -> Result<T> {
-        T::read(item, context)
-    }
-    fn toml(out: &T) -> String {
-        out.inline()
-    }
-}
-
-impl<T: Tabled> Typed for Named<T> {
-    type Out = Vec<Named<T>>;
-    const KIND: Kind = Kind::Named(T::KEYS);
-    fn read(item: &Item<'_>, context: &Context) -> Result<Self::Out> {
-        named(item, |name, item| Ok(Named { name, table: T::read(item, context)? }))
-    }
-    fn toml(out: &Self::Out) -> String {
-        let entries = out.iter().map(|t| format!("{} = {}", key(&t.name), t.table.inline()));
-        format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
-    }
-    fn write(out: &Self::Out, name: &str, to: &mut Entries) {
-        to.extend(out.iter().map(|t| (format!("{name}.{}", key(&t.name)), t.table.inline())));
     }
 }

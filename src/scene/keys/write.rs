@@ -113,7 +113,8 @@ pub(in crate::scene) fn text(s: &str) -> String {
 
 /// A key as TOML, quoted if necessary.
 pub(in crate::scene) fn key(s: &str) -> String {
-    let bare = !s.is_empty() && s.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+    let bare =
+        !s.is_empty() && s.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
     if bare { s.to_string() } else { text(s) }
 }
 

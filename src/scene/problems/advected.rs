@@ -97,15 +97,21 @@ impl<const D: usize> Problem for Advected<D> {
         let memory = format!("no matrix of a flow; memory about {memory:.0} MB");
         let numerics = [
             format!(
-                "step {}, characteristics by the Runge-Kutta rule of order 4 through the prescribed velocity",
+                "step {}, characteristics by the Runge-Kutta rule of order 4 through the \
+                 prescribed velocity",
                 scene.time.step
             ),
             plan::transport(scene, &view),
         ];
-        let mut left_out =
-            vec!["flow, pressure, boundary conditions and every matrix of them: the velocity is prescribed".into()];
+        let mut left_out = vec![
+            "flow, pressure, boundary conditions and every matrix of them: the velocity is \
+             prescribed"
+                .into(),
+        ];
         if scene.numerics.redistance.is_none() {
-            left_out.push("redistancing: the slope of the level set is the stretch of the interface".into());
+            left_out.push(
+                "redistancing: the slope of the level set is the stretch of the interface".into(),
+            );
         }
         left_out.extend(plan::third_dimension(D));
         Ok(plan::text([

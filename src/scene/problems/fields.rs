@@ -30,10 +30,15 @@ impl<const D: usize> Made<D> {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub(super) fn write<const D: usize>(path: &Path, view: &View<'_, D>, image: Option<&[f64]>) -> Result<()> {
+pub(super) fn write<const D: usize>(
+    path: &Path,
+    view: &View<'_, D>,
+    image: Option<&[f64]>,
+) -> Result<()> {
     let (state, structures) = (view.state, view.carried.structures());
     let with_interface = || (0..structures.len()).filter(|&k| structures[k].level_set().is_some());
-    let names: Vec<String> = with_interface().map(|k| format!("{}.level_set", structures[k].name())).collect();
+    let names: Vec<String> =
+        with_interface().map(|k| format!("{}.level_set", structures[k].name())).collect();
     let level_sets: Vec<_> = with_interface().map(|k| view.level_set(k)).collect();
     let pressure = view.flow.map(|flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
     let mut fields = vec![match image {
@@ -91,7 +96,8 @@ fn thinnest<const D: usize>(carried: &Carried<D>) -> f64 {
 
 /// Number of unknowns of all level sets.
 pub(super) fn level_set_unknowns<const D: usize>(view: &View<'_, D>) -> usize {
-    view.space().len() * view.carried.structures().iter().filter(|s| s.level_set().is_some()).count()
+    view.space().len()
+        * view.carried.structures().iter().filter(|s| s.level_set().is_some()).count()
 }
 
 /// The mesh in a checkpoint.

@@ -36,9 +36,13 @@ impl<const D: usize> FlowPlan<'_, D> {
         let (scene, sim) = (self.scene, self.sim);
         let equations = match (sim.is_stokes(), sim.settings().convection) {
             (true, _) => "Stokes flow (density 0): -div(2 mu D(u)) + grad p = F, div u = 0",
-            (false, true) => "Navier-Stokes flow (3.20)-(3.21): rho Du/Dt - div(2 mu D(u)) + grad p = F, div u = 0",
+            (false, true) => {
+                "Navier-Stokes flow (3.20)-(3.21): rho Du/Dt - div(2 mu D(u)) + grad p = F, div u \
+                 = 0"
+            }
             (false, false) => {
-                "unsteady Stokes flow (convection = false): rho du/dt - div(2 mu D(u)) + grad p = F, div u = 0"
+                "unsteady Stokes flow (convection = false): rho du/dt - div(2 mu D(u)) + grad p = \
+                 F, div u = 0"
             }
         };
         let (density, viscosity) = (both(scene.fluid.density), both(scene.fluid.viscosity));
@@ -62,18 +66,22 @@ impl<const D: usize> FlowPlan<'_, D> {
             lines.push(format!("backward characteristics {} x {} (P2)", D, sim.space().len()));
         }
         lines.extend(plan::map_memory(&self.view));
-        let implicit = sim.structures().iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
+        let implicit =
+            sim.structures().iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         let constant = flow.density().is_constant() && flow.viscosity().is_constant();
         let (kind, why) = match (constant, implicit) {
             (true, false) => ("constant", "factored once".to_string()),
-            (true, true) => ("changes with the interface (implicit coupling)", flow.solver_description()),
+            (true, true) => {
+                ("changes with the interface (implicit coupling)", flow.solver_description())
+            }
             (false, _) => ("changes with density or viscosity", flow.solver_description()),
         };
         lines.push(format!("matrix {kind}: {why}"));
         lines.extend(flow.solver_summary());
         if let Some((_, factor)) = flow.solver_size() {
             lines.push(format!(
-                "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} MB, of which factors {:.0} MB",
+                "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} \
+                 MB, of which factors {:.0} MB",
                 flow.matrix_nonzeros(),
                 factor.entries,
                 sim.bytes() as f64 / 1e6,
@@ -92,7 +100,8 @@ impl<const D: usize> FlowPlan<'_, D> {
             (false, true) => format!("BDF{} along characteristics, step {}", s.order, s.dt),
             (false, false) => format!("BDF{}, step {}", s.order, s.dt),
         }];
-        let derived = self.velocity_scale.map(|u| format!(" (derived from the velocity scale {u:.4})"));
+        let derived =
+            self.velocity_scale.map(|u| format!(" (derived from the velocity scale {u:.4})"));
         lines.push(format!(
             "grad-div {:.4}{}: keeps the divergence small, which else feeds energy into a membrane",
             s.grad_div,
@@ -106,7 +115,10 @@ impl<const D: usize> FlowPlan<'_, D> {
             };
             if self.is_stepped() || scene.acting().any(|s| !s.traits().on_interface) {
                 let edges = eps / coarse;
-                lines.push(format!("band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the error it makes is of first order in it"));
+                lines.push(format!(
+                    "band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the \
+                     error it makes is of first order in it"
+                ));
             }
             lines.extend(scene.structures().iter().filter_map(|s| s.numerics(scene)));
             lines.push(plan::transport(scene, &self.view));
@@ -121,14 +133,21 @@ impl<const D: usize> FlowPlan<'_, D> {
     fn coupling(&self) -> String {
         match self.scene.numerics.coupling {
             Coupling::Explicit if self.scene.numerics.has_continuum_force() => {
-                "surface tension as a continuum force (1.32), explicit, with the curvature from recovered second derivatives".into()
+                "surface tension as a continuum force (1.32), explicit, with the curvature from \
+                 recovered second derivatives"
+                    .into()
             }
             Coupling::Explicit => "membrane force explicit".into(),
-            Coupling::FullyExplicit => "membrane force explicit, and the interface carried by the old velocity (remark 1.12)".into(),
+            Coupling::FullyExplicit => "membrane force explicit, and the interface carried by the \
+                old velocity (remark 1.12)"
+                .into(),
             Coupling::SemiImplicit => {
                 let constant = !self.is_stiff() && self.sim.flow().density().is_constant();
                 let factored = if constant { "once" } else { "in each step" };
-                format!("membrane force semi-implicit (3.62)-(3.64): of a level set predicted by implicit diffusion, its matrix factored {factored}")
+                format!(
+                    "membrane force semi-implicit (3.62)-(3.64): of a level set predicted by \
+                     implicit diffusion, its matrix factored {factored}"
+                )
             }
             Coupling::Implicit => "membrane force implicit in the velocity".into(),
         }
@@ -143,14 +162,19 @@ impl<const D: usize> FlowPlan<'_, D> {
             lines.push("level sets and elastic forces: no structure is immersed");
         } else {
             if !self.view.has_backward_map() {
-                lines.push("backward characteristics: no shear and no bulk elasticity is asked for");
+                lines
+                    .push("backward characteristics: no shear and no bulk elasticity is asked for");
             }
             if !scene.output.curvature && !scene.numerics.has_continuum_force() {
-                lines.push("curvature: no bending is asked for, and the stress form of the tension does not need it");
+                lines.push(
+                    "curvature: no bending is asked for, and the stress form of the tension does \
+                     not need it",
+                );
             }
             if scene.numerics.redistance.is_none() {
                 let drops = scene.acting().all(|s| s.traits().is_drop);
-                let stretch = "redistancing: the slope of the level set is the stretch of the membrane";
+                let stretch =
+                    "redistancing: the slope of the level set is the stretch of the membrane";
                 lines.push(if drops { "redistancing: it is not asked for" } else { stretch });
             }
             if scene.numerics.transport == Method::Nodal {
@@ -160,7 +184,9 @@ impl<const D: usize> FlowPlan<'_, D> {
         if scene.fluids().all(|f| f == scene.outside()) {
             lines.push("variable density and viscosity: both sides are the same");
         } else if scene.fluid.boussinesq {
-            lines.push("variable inertia: the Boussinesq form, in which densities differ in gravity alone");
+            lines.push(
+                "variable inertia: the Boussinesq form, in which densities differ in gravity alone",
+            );
         }
         lines.into_iter().map(String::from).chain(plan::third_dimension(D)).collect()
     }
@@ -169,25 +195,31 @@ impl<const D: usize> FlowPlan<'_, D> {
         let (scene, mut lines) = (self.scene, vec![plan::steps(self.scene)]);
         let Some(limit) = self.limits.explicit_limit else { return lines };
         let ratio = scene.time.step / limit;
-        lines.push(format!("explicit step limit (1.54) at the start: {limit:.3e}; the step is {ratio:.2} of it"));
+        lines.push(format!(
+            "explicit step limit (1.54) at the start: {limit:.3e}; the step is {ratio:.2} of it"
+        ));
         let sheared = scene.acting().any(|s| s.traits().resists_shear);
         lines.extend(match scene.numerics.coupling {
             Coupling::Explicit if ratio > 1.0 && sheared => Some(
-                "with shear the explicit coupling was found stable to 1.4 to 3.8 times this: if the energy rises, take a smaller step, or \
-                 coupling = \"implicit\"",
+                "with shear the explicit coupling was found stable to 1.4 to 3.8 times this: if \
+                 the energy rises, take a smaller step, or coupling = \"implicit\"",
             ),
             Coupling::Explicit if ratio > 1.0 => {
-                Some("the explicit coupling will be unstable: take a smaller step, or coupling = \"implicit\"")
+                Some("the explicit coupling will be unstable: take a smaller step, or coupling \
+                    = \"implicit\"")
             }
             Coupling::FullyExplicit => {
-                Some("the fully explicit coupling is unstable without viscosity, with any step: remark 1.12")
+                Some("the fully explicit coupling is unstable without viscosity, with any step: \
+                    remark 1.12")
             }
             Coupling::Explicit if scene.numerics.has_continuum_force() => {
-                Some("the continuum force is not the derivative of an energy: with little viscosity it wins energy with any step")
+                Some("the continuum force is not the derivative of an energy: with little \
+                    viscosity it wins energy with any step")
             }
             Coupling::Explicit => None,
             Coupling::SemiImplicit if self.is_stiff() => {
-                Some("the semi-implicit coupling is made for constant tension: with another law prefer coupling = \"implicit\"")
+                Some("the semi-implicit coupling is made for constant tension: with another law \
+                    prefer coupling = \"implicit\"")
             }
             Coupling::SemiImplicit => Some("the semi-implicit coupling is not bound by it"),
             Coupling::Implicit => Some("the implicit coupling is not bound by it"),
@@ -198,7 +230,8 @@ impl<const D: usize> FlowPlan<'_, D> {
     /// True if density or viscosity jump across an interface, which needs a band.
     fn is_stepped(&self) -> bool {
         let outside = self.scene.outside();
-        self.scene.fluids().any(|f| f != outside) || self.scene.acting().any(|s| s.traits().mass > 0.0)
+        self.scene.fluids().any(|f| f != outside)
+            || self.scene.acting().any(|s| s.traits().mass > 0.0)
     }
     /// True if some structure has more than a constant tension.
     fn is_stiff(&self) -> bool {

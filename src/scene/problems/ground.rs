@@ -35,8 +35,13 @@ pub(super) const QUADRATURE: usize = 5;
 /// conditions that do not fit the mesh.
 pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option<Lengths>)> {
     if scene.dimension() != D {
-        let e = Error::scene(format!("a scene of {} dimensions has no model of {D}", scene.dimension()));
-        return Err(scene.blame(&["mesh"], e.remedy("build the model of the dimension of its mesh")));
+        let e = Error::scene(format!(
+            "a scene of {} dimensions has no model of {D}",
+            scene.dimension()
+        ));
+        return Err(
+            scene.blame(&["mesh"], e.remedy("build the model of the dimension of its mesh"))
+        );
     }
     let (mesh, mut warnings) = meshing::mesh::<D>(scene)?;
     // `walls` covers every side. A side without a condition is reported by name and position when
@@ -71,11 +76,13 @@ pub(super) fn thickness<const D: usize>(
 ) -> Result<Option<f64>> {
     let mut longest: f64 = 0.0;
     let acting = |k: &usize| scene.structures()[*k].traits().acts;
-    let distances = || (0..placed.len()).filter(acting).filter_map(|k| Some((k, &placed[k].as_ref()?.nodal)));
+    let distances =
+        || (0..placed.len()).filter(acting).filter_map(|k| Some((k, &placed[k].as_ref()?.nodal)));
     for (k, d) in distances() {
         let Some(edges) = band_edges(&site.space, d, 0.0) else {
-            let e = Error::scene("no part of the interface lies on the mesh")
-                .remedy("move the shape onto the mesh (does it lie in a hole?), or refine the mesh");
+            let e = Error::scene("no part of the interface lies on the mesh").remedy(
+                "move the shape onto the mesh (does it lie in a hole?), or refine the mesh",
+            );
             let [list, number] = scene.structure_keys(k);
             return Err(scene.blame(&[&list, &number, "shape"], e));
         };
@@ -135,7 +142,12 @@ pub(super) fn transport(scene: &Scene) -> Transport {
 
 /// A warning if two bands overlap: their stresses are added, and the fluid between them is not
 /// resolved.
-fn warn_of_overlaps<const D: usize>(scene: &Scene, site: &mut Site<'_, D>, placed: &[Option<Placed<D>>], eps: f64) {
+fn warn_of_overlaps<const D: usize>(
+    scene: &Scene,
+    site: &mut Site<'_, D>,
+    placed: &[Option<Placed<D>>],
+    eps: f64,
+) {
     // A structure without force may overlap with others.
     let pulling = scene.structures().iter().zip(placed).filter(|(s, _)| s.traits().pulls);
     let pulling: Vec<_> = pulling.filter_map(|(s, p)| Some((s, &p.as_ref()?.nodal))).collect();
@@ -144,9 +156,12 @@ fn warn_of_overlaps<const D: usize>(scene: &Scene, site: &mut Site<'_, D>, place
             let near = (0..a.len()).find(|&n| a[n].abs() < eps && b[n].abs() < eps);
             if let Some(n) = near {
                 let (first, second, at) = (first.name(), second.name(), site.space.nodes()[n]);
-                let what =
-                    format!("the bands of `{first}` and `{second}` overlap, for example at {:.4?}", at.as_slice());
-                let advice = "move the shapes apart by two band half-widths, or give a smaller thickness";
+                let what = format!(
+                    "the bands of `{first}` and `{second}` overlap, for example at {:.4?}",
+                    at.as_slice()
+                );
+                let advice =
+                    "move the shapes apart by two band half-widths, or give a smaller thickness";
                 site.warnings.push(Warning::new(what, advice));
             }
         }
@@ -158,16 +173,24 @@ fn warn_of_overlaps<const D: usize>(scene: &Scene, site: &mut Site<'_, D>, place
 fn check_map(scene: &Scene, periodic: bool) -> Result<()> {
     let composed = scene.numerics.transport == Method::Composed;
     if scene.output.backward_map && composed && (periodic || scene.structures().is_empty()) {
-        let what = "composed transport tells the backward characteristics of a scene with interfaces and without periodic sides";
-        let e = Error::scene(what).value("backward_map = true").remedy("take numerics.transport = \"nodal\"");
+        let what = "composed transport tells the backward characteristics of a scene with \
+            interfaces and without periodic sides";
+        let e = Error::scene(what)
+            .value("backward_map = true")
+            .remedy("take numerics.transport = \"nodal\"");
         return Err(scene.blame(&["output", "backward_map"], e));
     }
     for (k, s) in scene.structures().iter().enumerate().filter(|_| periodic) {
         let traits = s.traits();
-        let sheared = (traits.resists_shear && composed).then_some(("shear", "shear with composed transport"));
+        let sheared = (traits.resists_shear && composed)
+            .then_some(("shear", "shear with composed transport"));
         if let Some((key, what)) = traits.not_periodic.or(sheared) {
-            let e = Error::scene(format!("{what} cannot be had where particles pass periodic sides"))
-                .remedy("give walls or prescribed velocities in place of periodic sides, or leave it out");
+            let e = Error::scene(format!(
+                "{what} cannot be had where particles pass periodic sides"
+            ))
+            .remedy(
+                "give walls or prescribed velocities in place of periodic sides, or leave it out",
+            );
             let [list, number] = scene.structure_keys(k);
             return Err(scene.blame(&[&list, &number, key], e));
         }
@@ -192,7 +215,8 @@ fn check_parts<const D: usize>(script: &Script, quality: &Quality<D>) -> Result<
         MeshSource::File { path, .. } => path.display().to_string(),
         _ => String::new(),
     };
-    let what = "the mesh falls into parts that are not connected, and one pressure cannot be fixed in each";
+    let what = "the mesh falls into parts that are not connected, and one pressure cannot be \
+        fixed in each";
     Err(Error::input(what)
         .at(file)
         .value(format!("{} parts", quality.parts))
@@ -201,7 +225,9 @@ fn check_parts<const D: usize>(script: &Script, quality: &Quality<D>) -> Result<
 
 /// Rejects pictures on a plane outside the domain.
 fn check_slice<const D: usize>(script: &Script, (low, high): (Point<D>, Point<D>)) -> Result<()> {
-    let Some((axis, at)) = script.output.picture.slice.and_then(|s| Some((s.axis, s.at?))) else { return Ok(()) };
+    let Some((axis, at)) = script.output.picture.slice.and_then(|s| Some((s.axis, s.at?))) else {
+        return Ok(());
+    };
     if axis < D && (low[axis]..=high[axis]).contains(&at) {
         return Ok(());
     }
@@ -214,24 +240,40 @@ fn check_slice<const D: usize>(script: &Script, (low, high): (Point<D>, Point<D>
 /// Rejects composed transport with inflow: a particle that was outside at time 0 has no value
 /// there. Warns of projected transport with inflow, which amplifies the values that characteristics
 /// carry in from the boundary.
-fn check_inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Result<Option<Warning>> {
+fn check_inflow<const D: usize>(
+    scene: &Scene,
+    mesh: &Mesh<D>,
+    pairs: &[Translation<D>],
+) -> Result<Option<Warning>> {
     if scene.structures().is_empty() || scene.numerics.transport == Method::Nodal {
         return Ok(None);
     }
     let Some(side) = inflow(scene, mesh, pairs) else { return Ok(None) };
     if scene.numerics.transport == Method::Composed {
-        let e =
-            Error::scene(format!("composed transport cannot be used where fluid comes in, as it may through {side}"))
-                .value("transport = \"composed\"")
-                .remedy("use transport = \"nodal\": a particle that was outside at time 0 has no value to bring along");
+        let e = Error::scene(format!(
+            "composed transport cannot be used where fluid comes in, as it may through {side}"
+        ))
+        .value("transport = \"composed\"")
+        .remedy(
+            "use transport = \"nodal\": a particle that was outside at time 0 has no value to \
+             bring along",
+        );
         return Err(scene.blame(&["numerics", "transport"], e));
     }
-    let what = format!("projected transport is unstable where fluid comes in, as it may through {side}");
-    Ok(Some(Warning::new(what, "use transport = \"nodal\" unless that side only moves along itself")))
+    let what =
+        format!("projected transport is unstable where fluid comes in, as it may through {side}");
+    Ok(Some(Warning::new(
+        what,
+        "use transport = \"nodal\" unless that side only moves along itself",
+    )))
 }
 
 /// A part of the boundary with possible inflow.
-fn inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>]) -> Option<String> {
+fn inflow<const D: usize>(
+    scene: &Scene,
+    mesh: &Mesh<D>,
+    pairs: &[Translation<D>],
+) -> Option<String> {
     let enters = |facets: &[u32], v: &[Expression]| {
         let v = vector(v);
         let times = |k: usize| scene.time.end * k as f64 / (SAMPLES - 1) as f64;
@@ -240,7 +282,8 @@ fn inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>
         for &f in facets {
             let facet = &mesh.facets()[f as usize];
             let (n, _) = mesh.facet_normal(facet);
-            let ends: Vec<Point<D>> = mesh.facet_points(facet).map(|p| mesh.points()[p as usize]).collect();
+            let ends: Vec<Point<D>> =
+                mesh.facet_points(facet).map(|p| mesh.points()[p as usize]).collect();
             let middle = ends.iter().fold(Point::<D>::zeros(), |s, x| s + x) / ends.len() as f64;
             for x in ends.iter().chain([&middle]) {
                 for u in (0..SAMPLES).map(|k| v(x, times(k))) {
@@ -254,7 +297,8 @@ fn inflow<const D: usize>(scene: &Scene, mesh: &Mesh<D>, pairs: &[Translation<D>
     if let Some(v) = &scene.fluid.prescribed_velocity {
         let mut wall = vec![true; mesh.facets().len()];
         pairs.iter().for_each(|p| wall[p.facet as usize] = false);
-        let facets: Vec<u32> = (0..mesh.facets().len() as u32).filter(|&f| wall[f as usize]).collect();
+        let facets: Vec<u32> =
+            (0..mesh.facets().len() as u32).filter(|&f| wall[f as usize]).collect();
         return enters(&facets, v).then(|| "the boundary of the mesh".to_string());
     }
     let lets_in = |b: &&Boundary| match (&b.condition, mesh.boundary(&b.name)) {

@@ -93,8 +93,8 @@ impl<const D: usize> ImmersedFlow<D> {
             Kind::Scene => scene.blame(&["boundary"], e),
             _ => e,
         };
-        let mut simulation =
-            Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0)).map_err(of_boundary)?;
+        let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
+            .map_err(of_boundary)?;
         redistance(scene, simulation.carried_mut());
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
@@ -145,7 +145,9 @@ impl<const D: usize> ImmersedFlow<D> {
     /// Transfers the problem to another mesh of the domain.
     fn continue_on(&mut self, mesh: Mesh<D>, transfer: Transfer) -> Result<()> {
         let this: &mut dyn Any = self;
-        let (Some(flow), Some(mesh)) = (this.downcast_mut::<ImmersedFlow<2>>(), crate::base::same(mesh)) else {
+        let (Some(flow), Some(mesh)) =
+            (this.downcast_mut::<ImmersedFlow<2>>(), crate::base::same(mesh))
+        else {
             return Err(crate::base::Error::internal("a mesh of tetrahedra was adapted"));
         };
         flow.simulation = flow.simulation.on_mesh(&Arc::new(mesh), transfer)?;
@@ -169,12 +171,18 @@ impl<const D: usize> ImmersedFlow<D> {
             let methods = [("", &residual), ("stress_", &stress)];
             for (method, load) in methods {
                 let prefix = format!("{}_{method}", f.name);
-                row.put_all(&prefix, force_columns(D, false).iter().zip(load.force.iter().copied()));
+                row.put_all(
+                    &prefix,
+                    force_columns(D, false).iter().zip(load.force.iter().copied()),
+                );
             }
             for (method, load) in methods.into_iter().filter(|_| f.about.is_some()) {
                 // In the plane a moment has only the last component.
                 let moment = load.moment.iter().copied().skip(if D == 2 { 2 } else { 0 });
-                row.put_all(&format!("{}_{method}", f.name), force_columns(D, true).iter().zip(moment));
+                row.put_all(
+                    &format!("{}_{method}", f.name),
+                    force_columns(D, true).iter().zip(moment),
+                );
             }
         }
         Ok(())
@@ -274,7 +282,12 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         };
         [mesh, self.simulation.state().to_bytes(tag)]
     }
-    fn restore(&mut self, [mesh, state]: [&[u8]; 2], tag: u64, edges: Option<[f64; 2]>) -> Result<()> {
+    fn restore(
+        &mut self,
+        [mesh, state]: [&[u8]; 2],
+        tag: u64,
+        edges: Option<[f64; 2]>,
+    ) -> Result<()> {
         if let (Some(adapt), false) = (&self.scene.adapt, mesh.is_empty()) {
             let transfer = adapt.transfer;
             self.continue_on(super::fields::mesh_from_bytes(mesh)?, transfer)?;
@@ -403,7 +416,11 @@ fn heaviest(scene: &Scene) -> f64 {
     }
 }
 
-fn settings<const D: usize>(scene: &Scene, site: &Site<'_, D>, grad_div: f64) -> SimulationSettings<D> {
+fn settings<const D: usize>(
+    scene: &Scene,
+    site: &Site<'_, D>,
+    grad_div: f64,
+) -> SimulationSettings<D> {
     let (fluid, numerics) = (&scene.fluid, &scene.numerics);
     let body_force = fluid.has_force().then(|| {
         let f = vector(&fluid.force);

@@ -4,7 +4,9 @@
 use super::{fields, ground};
 use crate::base::{Error, PHASES, Result, Warning};
 use crate::flow::StepReport;
-use crate::levelset::{Contour, Redistance, Redistancing, Segmentation, SegmentationWeights, band_edges};
+use crate::levelset::{
+    Contour, Redistance, Redistancing, Segmentation, SegmentationWeights, band_edges,
+};
 use crate::mesh::{Mesh, Point, Quality};
 use crate::output::{GreyImage, Pixels, write_file};
 use crate::scene::Scene;
@@ -50,7 +52,9 @@ impl<const D: usize> Segmented<D> {
     /// # Errors
     /// An image that cannot be read or is smaller than the mesh; otherwise as for level sets.
     pub fn new(scene: &Scene) -> Result<Segmented<D>> {
-        let Some(image) = &scene.image else { return Err(Error::internal("no image is segmented")) };
+        let Some(image) = &scene.image else {
+            return Err(Error::internal("no image is segmented"));
+        };
         let (site, _) = ground::site::<D>(scene)?;
         let place = |e| scene.blame(&["image", "file"], e);
         let picture = GreyImage::read(&image.file).map_err(place)?;
@@ -60,7 +64,8 @@ impl<const D: usize> Segmented<D> {
         let edges = band_edges(&site.space, &contour.phi, 0.0).map_or(0.0, |e| e.largest);
         let thickness = scene.numerics.thickness.unwrap_or(BAND * edges);
         let at = |x: &Point<D>| [x[0] / pixels.side, x[1] / pixels.side];
-        let weights = SegmentationWeights { fidelity: image.fidelity, length: image.length, thickness };
+        let weights =
+            SegmentationWeights { fidelity: image.fidelity, length: image.length, thickness };
         let grey = |x: &Point<D>| {
             let [x, y] = at(x);
             picture.at(x, y)
@@ -104,7 +109,9 @@ impl<const D: usize> Problem for Segmented<D> {
     }
     fn plan(&mut self) -> Result<String> {
         let (scene, view, eps) = (&self.scene, self.view(), self.thickness);
-        let Some(image) = &scene.image else { return Err(Error::internal("no image is segmented")) };
+        let Some(image) = &scene.image else {
+            return Err(Error::internal("no image is segmented"));
+        };
         let names: Vec<String> = scene.interfaces().map(|name| format!("`{name}`")).collect();
         let (alpha, beta, names) = (image.fidelity, image.length, names.join(", "));
         let solved = vec![
@@ -114,9 +121,13 @@ impl<const D: usize> Problem for Segmented<D> {
                 image.pixel
             ),
             format!(
-                "it descends along {alpha} E1 + {beta} E2, misfit and length, by (1.29) with c1 and c2 the mean levels inside and outside"
+                "it descends along {alpha} E1 + {beta} E2, misfit and length, by (1.29) with c1 \
+                 and c2 the mean levels inside and outside"
             ),
-            format!("its zero line moves by {eps} in a step at most, and finds only objects that it reaches"),
+            format!(
+                "its zero line moves by {eps} in a step at most, and finds only objects that it \
+                 reaches"
+            ),
         ];
         let memory = self.segmenting.bytes() as f64 / 1e6;
         let unknowns = plan::level_sets(&view).into_iter();
@@ -126,16 +137,28 @@ impl<const D: usize> Problem for Segmented<D> {
             n => format!("every {n} steps"),
         };
         let numerics = vec![
-            format!("step {}, implicit in the length; one scalar matrix, factored in each step", scene.time.step),
+            format!(
+                "step {}, implicit in the length; one scalar matrix, factored in each step",
+                scene.time.step
+            ),
             format!("band half-width {eps:.4}{given}; a signed distance again after {rebuild}"),
         ];
-        let left_out = "flow, pressure and boundary conditions: an image is segmented, and nothing flows";
+        let left_out =
+            "flow, pressure and boundary conditions: an image is segmented, and nothing flows";
         Ok(plan::text([
             plan::mesh(scene, &view, (&self.quality, None)),
             ("Solved", solved),
-            ("Unknowns", unknowns.chain([format!("no matrix of a flow; memory about {memory:.0} MB")]).collect()),
+            (
+                "Unknowns",
+                unknowns
+                    .chain([format!("no matrix of a flow; memory about {memory:.0} MB")])
+                    .collect(),
+            ),
             ("Numerics", numerics),
-            ("Left out", std::iter::once(left_out.to_string()).chain(plan::third_dimension(D)).collect()),
+            (
+                "Left out",
+                std::iter::once(left_out.to_string()).chain(plan::third_dimension(D)).collect(),
+            ),
             ("Steps", vec![plan::steps(scene)]),
         ]))
     }
@@ -187,7 +210,8 @@ impl<const D: usize> Problem for Segmented<D> {
         let pixels = image.pixels().map_err(|e| self.scene.blame(&["image", "file"], e))?;
         let (space, phi) = (segmenting.carried().space(), segmenting.level_set());
         pixels.contours(&Contour::new(space, &phi)?)?.write(&folder.join("contours.csv"))?;
-        let (inside, levels) = (pixels.inside(space, &phi), segmenting.segmentation().levels(&phi)?);
+        let (inside, levels) =
+            (pixels.inside(space, &phi), segmenting.segmentation().levels(&phi)?);
         for (name, [inner, outer]) in [("segmented.png", levels), ("mask.png", [1.0, 0.0])] {
             let grey = inside.iter().map(|i| if *i { inner } else { outer }).collect();
             write_file(&folder.join(name), &GreyImage::new(pixels.size[0], grey)?.png()?)?;
@@ -228,7 +252,8 @@ fn contour<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<LevelSet
         return Err(Error::internal("there is no level set to segment an image with"));
     };
     if crate::levelset::surface(&site.space, &placed.nodal)?.is_empty() {
-        let e = Error::scene("no part of the interface lies on the mesh").remedy("move the shape, or refine the mesh");
+        let e = Error::scene("no part of the interface lies on the mesh")
+            .remedy("move the shape, or refine the mesh");
         let [list, number] = scene.structure_keys(0);
         return Err(scene.blame(&[&list, &number, "shape"], e));
     }
@@ -262,7 +287,8 @@ impl Answer {
     /// # Errors
     /// A mask that cannot be read or differs in size from the image.
     pub fn of(scene: &Scene) -> Result<Option<Answer>> {
-        let Some((image, path)) = scene.image.as_ref().and_then(|i| Some((i, i.mask.as_ref()?))) else {
+        let Some((image, path)) = scene.image.as_ref().and_then(|i| Some((i, i.mask.as_ref()?)))
+        else {
             return Ok(None);
         };
         let place = |e| scene.blame(&["image", "mask"], e);

@@ -24,7 +24,8 @@ pub(super) fn balances(run: &RunFolder) -> Table {
         }
     };
     let given = |check: &Check| check.1.iter().any(Option::is_some);
-    let fractions = energies(run).into_iter().chain(areas(run)).filter(given).map(row(Cell::per_cent));
+    let fractions =
+        energies(run).into_iter().chain(areas(run)).filter(given).map(row(Cell::per_cent));
     let numbers = bounds(run).into_iter().chain(forces(run)).filter(given).map(row(Cell::optional));
     Table::new("", "Balances", ["", "at the end", "largest in the run", "should be"])
         .with_rows(fractions.chain(numbers))
@@ -64,14 +65,22 @@ fn areas(run: &RunFolder) -> Vec<Check> {
 
 fn bounds(run: &RunFolder) -> Vec<Check> {
     let columns = [
-        ("divergence", "‖div u‖ in L2", "0; small against the gradient of u, and smaller on a finer mesh"),
+        (
+            "divergence",
+            "‖div u‖ in L2",
+            "0; small against the gradient of u, and smaller on a finer mesh",
+        ),
         ("cfl", "Courant number", "about 1 or less, for accuracy"),
         (
             "map_error",
             "rms(det grad Y - 1) of the backward map",
             "0; smaller with a smaller numerics.remap and on a finer mesh",
         ),
-        ("step_over_limit", "step over the explicit limit (1.54)", "at most 1 when the coupling is explicit"),
+        (
+            "step_over_limit",
+            "step over the explicit limit (1.54)",
+            "at most 1 when the coupling is explicit",
+        ),
     ];
     let applies = |column: &str| column != "step_over_limit" || run.scene.acting().next().is_some();
     let check = |(column, what, bound): (&str, &str, &'static str)| {
@@ -84,7 +93,8 @@ fn forces(run: &RunFolder) -> Vec<Check> {
     let check = |name: &str, component: &str| {
         let [a, b] = ["", "_stress"].map(|by| format!("{name}{by}_{component}"));
         let difference = run.column(&a).zip(run.column(&b));
-        let difference: Option<Vec<f64>> = difference.map(|(a, b)| a.iter().zip(b).map(|(a, b)| b - a).collect());
+        let difference: Option<Vec<f64>> =
+            difference.map(|(a, b)| a.iter().zip(b).map(|(a, b)| b - a).collect());
         let end = difference.as_ref().and_then(|d| d.last()).copied();
         (
             format!("force {name} in {component}: by stress less by residual"),
@@ -104,7 +114,10 @@ pub(super) fn energy_balance(run: &RunFolder) -> Option<f64> {
 /// The relative change of the area (in space: volume) in a membrane from start to end.
 pub(super) fn area_change(run: &RunFolder, membrane: &str) -> Option<f64> {
     let said = run.summary.balance.area.get(membrane).copied().flatten();
-    said.or_else(|| run.column_of(membrane, run.words().enclosed).and_then(|a| Some(a.last()? / a.first()? - 1.0)))
+    said.or_else(|| {
+        run.column_of(membrane, run.words().enclosed)
+            .and_then(|a| Some(a.last()? / a.first()? - 1.0))
+    })
 }
 
 /// The value of the largest magnitude, with its sign.
@@ -114,7 +127,9 @@ fn largest(values: &[f64]) -> Option<f64> {
 
 /// The columns of the series: last, least and greatest value.
 pub(super) fn columns(run: &RunFolder) -> Table {
-    let finite = |c: &[f64], pick: fn(f64, f64) -> f64| c.iter().copied().filter(|v| v.is_finite()).reduce(pick);
+    let finite = |c: &[f64], pick: fn(f64, f64) -> f64| {
+        c.iter().copied().filter(|v| v.is_finite()).reduce(pick)
+    };
     let row = |(name, column): (&String, &Vec<f64>)| {
         let values = [run.last(name), finite(column, f64::min), finite(column, f64::max)];
         let [end, least, greatest] = values.map(|v| Cell::optional(v, 6));
@@ -126,13 +141,18 @@ pub(super) fn columns(run: &RunFolder) -> Table {
 
 /// Seconds by phase, the longest first.
 pub(super) fn phases(run: &RunFolder) -> Table {
-    let mut phases: Vec<(&String, f64)> = run.summary.seconds.iter().filter_map(|(k, v)| Some((k, (*v)?))).collect();
+    let mut phases: Vec<(&String, f64)> =
+        run.summary.seconds.iter().filter_map(|(k, v)| Some((k, (*v)?))).collect();
     phases.sort_by(|a, b| b.1.total_cmp(&a.1));
     let total: f64 = phases.iter().map(|p| p.1).sum();
     let share = |s: f64| Cell::per_cent((total > 0.0).then_some(s / total), 3);
     Table::new("", "Time by phase", ["phase", "elapsed", "share"])
         .with_unit("elapsed", "s")
-        .with_rows(phases.into_iter().map(|(name, s)| vec![Cell::text(name), Cell::number(s, 3), share(s)]))
+        .with_rows(
+            phases
+                .into_iter()
+                .map(|(name, s)| vec![Cell::text(name), Cell::number(s, 3), share(s)]),
+        )
 }
 
 /// Solution of the linear systems; empty where there was none.
@@ -146,11 +166,13 @@ pub(super) fn solves(run: &RunFolder) -> Table {
         ("iterations of a solve: most", Cell::count(Some(s.most_iterations))),
         ("largest relative residual", Cell::number(s.worst_residual, 2)),
     ];
-    let keep = if s.krylov + s.given_up > 0 { rows.len() } else { usize::from(s.factorisations > 0) };
+    let keep =
+        if s.krylov + s.given_up > 0 { rows.len() } else { usize::from(s.factorisations > 0) };
     Table::new("", "Linear systems", ["", "in the run"])
         .with_rows(rows.into_iter().take(keep).map(|(what, value)| vec![Cell::text(what), value]))
         .with_caption(
-            "An older factor serves as preconditioner of GMRES as long as, by count, that costs less than factoring.",
+            "An older factor serves as preconditioner of GMRES as long as, by count, that costs \
+             less than factoring.",
         )
 }
 
@@ -161,7 +183,12 @@ pub(super) fn steps(run: &RunFolder) -> Table {
     let count = run.summary.steps.unwrap_or(0).max(1) as f64;
     let row = |(_, name): &(Phase, &str)| {
         let s = spent(name);
-        vec![Cell::text(*name), Cell::number(s, 3), Cell::number(s / count, 3), Cell::per_cent(Some(s / total), 3)]
+        vec![
+            Cell::text(*name),
+            Cell::number(s, 3),
+            Cell::number(s / count, 3),
+            Cell::per_cent(Some(s / total), 3),
+        ]
     };
     Table::new("", "Cost of the steps", ["phase of a step", "CPU time", "CPU time a step", "share"])
         .with_unit("CPU time", "s")
@@ -175,8 +202,8 @@ fn bandwidth(run: &RunFolder) -> String {
     let gigabytes = |v: f64| rounded(1e-9 * v, 3);
     run.summary.bandwidth.as_ref().map_or_else(String::new, |b| {
         format!(
-            "The factor of {} MB was read twice in each of {} substitutions: over the time of the solves {} GB/s. A copy of \
-             64 MiB moved {} GB/s on the same machine.",
+            "The factor of {} MB was read twice in each of {} substitutions: over the time of the \
+             solves {} GB/s. A copy of 64 MiB moved {} GB/s on the same machine.",
             rounded(1e-6 * b.factor_bytes, 3),
             b.substitutions,
             gigabytes(b.achieved),

@@ -27,7 +27,8 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
     charts
 }
 
-/// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over the stretch there.
+/// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over
+/// the stretch there.
 fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     let (alone, words) = (run.scene.acting().count() == 1, run.words());
     // For a passive level set the length itself is drawn. With a map the area at rest is not the
@@ -47,15 +48,17 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     }
     let (own, size, round, enclosed) = (words.own, words.size, words.round, words.enclosed);
     let least = match alone {
-        true => format!(" Dashed: that of a {round} of the same {enclosed}, the least there can be."),
+        true => {
+            format!(" Dashed: that of a {round} of the same {enclosed}, the least there can be.")
+        }
         false => String::new(),
     };
     sheet.draw(
         "stretch",
         ["Mean stretch", &format!("{own} / {size} at rest")],
         format!(
-            "The {own} over its {size} at rest: above 1 a membrane pulls.{least} Below the {round} it cannot come: then \
-             {enclosed} is lost."
+            "The {own} over its {size} at rest: above 1 a membrane pulls.{least} Below the \
+             {round} it cannot come: then {enclosed} is lost."
         ),
     )
 }
@@ -66,8 +69,9 @@ fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         "map",
         ["Error of the backward map", "rms(det grad Y - 1)"],
-        "How far the composed backward map is from keeping areas, which the flow does: an estimate of its error. It grows with \
-         time; a smaller numerics.remap or a finer mesh lessens it.",
+        "How far the composed backward map is from keeping areas, which the flow does: an \
+         estimate of its error. It grows with time; a smaller numerics.remap or a finer mesh \
+         lessens it.",
     )
 }
 
@@ -80,8 +84,9 @@ fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         enclosed,
         [&format!("Change of the enclosed {enclosed}"), "change (%)"],
-        "No fluid crosses an interface, so the truth is zero. A few hundredths of a per cent are the error of the mesh and \
-         shrink with it; a steady drift to a per cent or more would mean that the mesh is too coarse or grad_div too small.",
+        "No fluid crosses an interface, so the truth is zero. A few hundredths of a per cent are \
+         the error of the mesh and shrink with it; a steady drift to a per cent or more would \
+         mean that the mesh is too coarse or grad_div too small.",
     )
 }
 
@@ -105,9 +110,10 @@ fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         "energy",
         ["Energy", "energy"],
-        "What the flow and the membranes hold, and what viscosity has taken since the start. Dashed: together, which is the \
-         energy at the start and the work of walls and forces. When nothing drives the flow the energy held can only fall and \
-         the dashed line is level; if it then rises, the energy is spurious.",
+        "What the flow and the membranes hold, and what viscosity has taken since the start. \
+         Dashed: together, which is the energy at the start and the work of walls and forces. \
+         When nothing drives the flow the energy held can only fall and the dashed line is level; \
+         if it then rises, the energy is spurious.",
     )
 }
 
@@ -129,10 +135,10 @@ fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         "energy-balance",
         ["Energy balance", "residual (%)"],
-        "Spurious energy since the start, the residual of (3.23), over the energy in play, which is little while a flow \
-         starts from rest. The truth is zero; a fraction of a per cent is the error of the scheme, which a smaller step or a \
-         finer mesh lessens. Several per cent and rising faster and faster would be an instability: then believe nothing on \
-         this page.",
+        "Spurious energy since the start, the residual of (3.23), over the energy in play, which \
+         is little while a flow starts from rest. The truth is zero; a fraction of a per cent is \
+         the error of the scheme, which a smaller step or a finer mesh lessens. Several per cent \
+         and rising faster and faster would be an instability: then believe nothing on this page.",
     )
 }
 
@@ -141,20 +147,22 @@ fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         "speed",
         ["Largest speed", "speed"],
-        "The largest speed at a node. It changes smoothly but at the start; spikes, or growth without a cause, are the first \
-         sign of an instability.",
+        "The largest speed at a node. It changes smoothly but at the start; spikes, or growth \
+         without a cause, are the first sign of an instability.",
     )
 }
 
 fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.line("Courant number", run.column("cfl"));
-    let mut caption = "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
+    let mut caption =
+        "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
     if run.scene.acting().next().is_some() {
         sheet.line("step / explicit limit", run.column("step_over_limit"));
-        caption += " And the step over the largest one that explicit coupling allows (1.54): above 1 explicit coupling is \
-                    unstable, while implicit coupling is not.";
+        caption += " And the step over the largest one that explicit coupling allows (1.54): \
+            above 1 explicit coupling is unstable, while implicit coupling is not.";
         if run.scene.acting().any(|s| s.traits().resists_shear) {
-            caption += " With shear this limit is on the safe side: steps of 1.4 to 3.8 times it were found stable.";
+            caption += " With shear this limit is on the safe side: steps of 1.4 to 3.8 times it \
+                were found stable.";
         }
     }
     sheet.draw("step", ["Time step", "ratio"], caption)
@@ -167,7 +175,8 @@ fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         "fluxes",
         ["Fluxes", "volume per time"],
-        "What leaves through the boundaries in unit time, negative where it enters. Over the whole boundary they must cancel.",
+        "What leaves through the boundaries in unit time, negative where it enters. Over the \
+         whole boundary they must cancel.",
     )
 }
 
@@ -192,9 +201,9 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw(
         format!("force-{name}"),
         [&title, "force"],
-        "The force of the fluid on the boundary, from the residual of the discrete equations and (dashed) from the integral \
-         of the stress. The first is the more accurate by an order; the distance of the two shows how well the mesh \
-         resolves the flow at the wall.",
+        "The force of the fluid on the boundary, from the residual of the discrete equations and \
+         (dashed) from the integral of the stress. The first is the more accurate by an order; \
+         the distance of the two shows how well the mesh resolves the flow at the wall.",
     )
 }
 
@@ -205,18 +214,26 @@ fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<
     let (name, of) = (&profile.name, quantity_name(profile.of));
     let distance = table.column("distance").ok()?;
     let place = ["distance", "x", "y", "z"];
-    let columns: Vec<_> =
-        table.names.iter().zip(&table.columns).filter(|(n, _)| !place.contains(&n.as_str())).collect();
+    let columns: Vec<_> = table
+        .names
+        .iter()
+        .zip(&table.columns)
+        .filter(|(n, _)| !place.contains(&n.as_str()))
+        .collect();
     let every = columns.len().div_ceil(MOST_CURVES).max(1);
     // Counted from the end, so that the last time is included.
     let first = columns.len().saturating_sub(1) % every;
     let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
     columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));
     let point = |x: &[f64]| x.iter().map(|v| rounded(*v, 6)).collect::<Vec<_>>().join(", ");
-    let mut caption = format!("The {of} along the line from ({}) to ({}).", point(&profile.from), point(&profile.to));
+    let mut caption = format!(
+        "The {of} along the line from ({}) to ({}).",
+        point(&profile.from),
+        point(&profile.to)
+    );
     if profile.of == Quantity::Pressure && run.scene.acting().next().is_some() {
-        caption += " A membrane makes it jump over the thickness of its band; wiggles away from the band would mean that the \
-                    mesh is too coarse for it.";
+        caption += " A membrane makes it jump over the thickness of its band; wiggles away from \
+            the band would mean that the mesh is too coarse for it.";
     }
     if every > 1 {
         caption += &format!(" One of {every} columns is shown, all are in profiles/{name}.csv.");

@@ -49,7 +49,9 @@ impl RunFolder {
             warnings: Vec::new(),
             scene,
         };
-        run.series.column("time").map_err(|e| e.at(path.join("series.csv").display().to_string()))?;
+        run.series
+            .column("time")
+            .map_err(|e| e.at(path.join("series.csv").display().to_string()))?;
         run.read_profiles()?;
         Ok(run)
     }
@@ -126,12 +128,17 @@ fn not_finished(path: &Path) -> Error {
         return Error::input("the run in this folder has not ended: there is no summary.json")
             .at(path.display().to_string())
             .value("summary.json")
-            .remedy(format!("end it with `immersa run {scene} --out {} --resume`", path.display()));
+            .remedy(format!(
+                "end it with `immersa run {scene} --out {} --resume`",
+                path.display()
+            ));
     }
     Error::input("this folder holds a scene but no run: there is no summary.json")
         .at(path.display().to_string())
         .value("summary.json")
-        .remedy(format!("compute it with `immersa run {scene}`, and render the folder that this prints"))
+        .remedy(format!(
+            "compute it with `immersa run {scene}`, and render the folder that this prints"
+        ))
 }
 
 /// The stored fields; none if there is no list of them.

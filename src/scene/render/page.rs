@@ -1,6 +1,8 @@
 //! The report page of a run.
 
-use super::balances::{area_change, balances, columns, energy_balance, per_cent, phases, solves, steps};
+use super::balances::{
+    area_change, balances, columns, energy_balance, per_cent, phases, solves, steps,
+};
 use super::folder::RunFolder;
 use super::pictures::Gallery;
 use crate::base::Warning;
@@ -14,17 +16,26 @@ pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) ->
         title: title(run),
         subtitle: subtitle(run),
         alarms: ending(run).into_iter().chain(run.summary.alarms.iter().cloned()).collect(),
-        notes: run.summary.warnings.iter().cloned().chain(run.warnings.iter().map(Warning::to_string)).collect(),
+        notes: run
+            .summary
+            .warnings
+            .iter()
+            .cloned()
+            .chain(run.warnings.iter().map(Warning::to_string))
+            .collect(),
         key_numbers: key_numbers(run),
         tables: tables.into_iter().filter(|t| !t.rows.is_empty()).collect(),
-        texts: vec![("What was computed".into(), run.summary.plan.clone()), ("Settings".into(), run.scene.to_toml())],
+        texts: vec![
+            ("What was computed".into(), run.summary.plan.clone()),
+            ("Settings".into(), run.scene.to_toml()),
+        ],
         details: vec![files(run, &gallery)],
         pictures: gallery.figures,
         charts,
         footer: format!(
-            "Made by immersa {} from the files in this folder; `immersa render` makes it again. The equations are those of \
-             G.-H. Cottet, E. Maitre and T. Milcent, Level Set Methods for Fluid-Structure Interaction, Springer 2022; numbers \
-             such as (3.23) are theirs.",
+            "Made by immersa {} from the files in this folder; `immersa render` makes it again. \
+             The equations are those of G.-H. Cottet, E. Maitre and T. Milcent, Level Set Methods \
+             for Fluid-Structure Interaction, Springer 2022; numbers such as (3.23) are theirs.",
             env!("CARGO_PKG_VERSION")
         ),
         ..Page::default()
@@ -41,7 +52,11 @@ fn subtitle(run: &RunFolder) -> String {
     let mut parts = Vec::new();
     parts.extend(run.summary.cells.map(|n| format!("{} cells", grouped(n))));
     let steps = |n| match time.tolerance {
-        Some(tolerance) => format!("{} steps that follow the error, tolerance {}", grouped(n), rounded(tolerance, 6)),
+        Some(tolerance) => format!(
+            "{} steps that follow the error, tolerance {}",
+            grouped(n),
+            rounded(tolerance, 6)
+        ),
         None => format!("{} steps of {}", grouped(n), rounded(time.step, 6)),
     };
     parts.extend(run.summary.steps.map(steps));
@@ -56,16 +71,17 @@ fn subtitle(run: &RunFolder) -> String {
 
 /// The alarm for a run that did not come to its end.
 fn ending(run: &RunFolder) -> Option<String> {
-    let reached = run
-        .summary
-        .end_time
-        .or_else(|| run.last("time"))
-        .map_or_else(String::new, |t| format!(" at t = {} of {}", rounded(t, 6), rounded(run.scene.time.end, 6)));
+    let reached = run.summary.end_time.or_else(|| run.last("time")).map_or_else(String::new, |t| {
+        format!(" at t = {} of {}", rounded(t, 6), rounded(run.scene.time.end, 6))
+    });
     let why = run.summary.error.as_deref().unwrap_or("no reason is given");
     match run.summary.status.as_str() {
-        "failed" => Some(format!("The computation failed{reached}: {why}\nWhat follows is the run up to there.")),
+        "failed" => Some(format!(
+            "The computation failed{reached}: {why}\nWhat follows is the run up to there."
+        )),
         "interrupted" => Some(format!(
-            "The run was interrupted{reached}; `immersa run` with --resume goes on. What follows is the run up to there."
+            "The run was interrupted{reached}; `immersa run` with --resume goes on. What follows \
+             is the run up to there."
         )),
         _ => None,
     }
@@ -100,18 +116,25 @@ fn of_interface(run: &RunFolder, structure: &dyn StructureKind) -> Vec<KeyNumber
     let (enclosed, round) = (words.enclosed, words.round);
     let axes: Option<Vec<f64>> = words.axes.iter().map(|(column, _)| last(column)).collect();
     if let Some(length) = last(words.own).filter(|_| !elastic) {
-        let note = last("markers_length").map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
+        let note = last("markers_length")
+            .map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
         numbers.push(number(&format!("{}{of}", capitalised(words.size)), rounded(length, 4), note));
     } else if let Some(axes) = axes {
         let radius = last(enclosed).map(words.radius);
-        let note = radius.map_or_else(String::new, |r| format!("{round} of the same {enclosed}: {}", rounded(r, 4)));
+        let note = radius.map_or_else(String::new, |r| {
+            format!("{round} of the same {enclosed}: {}", rounded(r, 4))
+        });
         numbers.push(number(&format!("Semi-axes{of}"), side_by_side(&axes), note));
     }
     if let Some(area) = last(enclosed) {
         let note = area_change(run, name)
             .filter(|_| run.scene.image.is_none())
             .map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
-        numbers.push(number(&format!("{} inside{of}", capitalised(enclosed)), rounded(area, 5), note));
+        numbers.push(number(
+            &format!("{} inside{of}", capitalised(enclosed)),
+            rounded(area, 5),
+            note,
+        ));
     }
     numbers
 }
@@ -120,13 +143,15 @@ fn of_segmentation(run: &RunFolder) -> Vec<KeyNumber> {
     let mut numbers = Vec::new();
     if let Some(parts) = run.last("components") {
         let levels = run.last("c1").zip(run.last("c2"));
-        let note = levels
-            .map_or_else(String::new, |(a, b)| format!("grey {} inside, {} outside", rounded(a, 3), rounded(b, 3)));
+        let note = levels.map_or_else(String::new, |(a, b)| {
+            format!("grey {} inside, {} outside", rounded(a, 3), rounded(b, 3))
+        });
         numbers.push(number("Connected parts", rounded(parts, 6), note));
     }
     if let Some(wrong) = run.last("misclassified") {
-        let note =
-            run.last("area_error").map_or_else(String::new, |e| format!("area of the mask: off by {}", per_cent(e)));
+        let note = run
+            .last("area_error")
+            .map_or_else(String::new, |e| format!("area of the mask: off by {}", per_cent(e)));
         numbers.push(number("Pixels on the wrong side", rounded(wrong, 6), note));
     }
     numbers
@@ -141,11 +166,17 @@ fn of_flow(run: &RunFolder) -> Vec<KeyNumber> {
     if let Some(kinetic) = run.last("energy_kinetic") {
         let energy = kinetic + run.last("energy_elastic").unwrap_or(0.0);
         let rise = run.summary.balance.largest_rise;
-        let note = rise.map_or_else(String::new, |r| format!("largest rise in a step: {} of the first", per_cent(r)));
+        let note = rise.map_or_else(String::new, |r| {
+            format!("largest rise in a step: {} of the first", per_cent(r))
+        });
         numbers.push(number("Energy at the end", rounded(energy, 4), note));
     }
     if let Some(speed) = run.last("velocity_max") {
-        numbers.push(number("Largest speed at the end", rounded(speed, 4), peak(run).unwrap_or_default()));
+        numbers.push(number(
+            "Largest speed at the end",
+            rounded(speed, 4),
+            peak(run).unwrap_or_default(),
+        ));
     }
     numbers
 }
@@ -153,7 +184,8 @@ fn of_flow(run: &RunFolder) -> Vec<KeyNumber> {
 fn of_cost(run: &RunFolder) -> Option<KeyNumber> {
     let seconds: Vec<f64> = run.summary.seconds.values().flatten().copied().collect();
     let unknowns: u64 = run.summary.unknowns.values().sum();
-    let note = if unknowns > 0 { format!("for {} unknowns", grouped(unknowns)) } else { String::new() };
+    let note =
+        if unknowns > 0 { format!("for {} unknowns", grouped(unknowns)) } else { String::new() };
     (!seconds.is_empty()).then(|| number("Computed in", duration(seconds.iter().sum()), note))
 }
 
@@ -197,38 +229,67 @@ fn duration(seconds: f64) -> String {
 fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let starts = |i: usize| i > 0 && (digits.len() - i).is_multiple_of(3);
-    digits.chars().enumerate().flat_map(|(i, c)| starts(i).then_some('\u{202f}').into_iter().chain([c])).collect()
+    digits
+        .chars()
+        .enumerate()
+        .flat_map(|(i, c)| starts(i).then_some('\u{202f}').into_iter().chain([c]))
+        .collect()
 }
 
 /// The files of the folder, and how to open them.
 fn files(run: &RunFolder, gallery: &Gallery) -> Table {
-    let pressure = if run.scene.fluid.is_prescribed() { ["", ""] } else { [", pressure", " or `pressure`"] };
+    let pressure =
+        if run.scene.fluid.is_prescribed() { ["", ""] } else { [", pressure", " or `pressure`"] };
     let fields = match run.scene.interfaces().next() {
         Some(name) if run.scene.image.is_some() => {
-            format!("the image and the level set `{name}.level_set` for ParaView; the contour is its zero line")
+            format!(
+                "the image and the level set `{name}.level_set` for ParaView; the contour is its \
+                 zero line"
+            )
         }
         Some(name) => format!(
-            "velocity{} and level sets for ParaView: File > Open, Apply, then colour by `velocity`{}. The \
-             interface: Filters > Contour by `{name}.level_set` at 0. In Python: meshio.read of a .vtu",
+            "velocity{} and level sets for ParaView: File > Open, Apply, then colour by \
+             `velocity`{}. The interface: Filters > Contour by `{name}.level_set` at 0. In \
+             Python: meshio.read of a .vtu",
             pressure[0], pressure[1]
         ),
-        None => "velocity and pressure for ParaView: File > Open, Apply, then colour by `velocity` or `pressure`. In Python: \
-                 meshio.read of a .vtu"
+        None => "velocity and pressure for ParaView: File > Open, Apply, then colour by \
+            `velocity` or `pressure`. In Python: meshio.read of a .vtu"
             .to_string(),
     };
     let film = gallery.files.iter().any(|f| f.extension().is_some_and(|e| e == "gif"));
     let segmented = run.path.join("contours.csv").is_file();
     let rows = [
-        ("scene.toml", true, "the scene with all defaults; `immersa run` computes it again".to_string()),
+        (
+            "scene.toml",
+            true,
+            "the scene with all defaults; `immersa run` computes it again".to_string(),
+        ),
         ("series.csv", true, "one row a sample, for a spreadsheet or pandas.read_csv".to_string()),
         ("contours.csv", segmented, "the contours, in columns and rows of the image".into()),
-        ("segmented.png, mask.png", segmented, "the image in its two levels, and the inside in white".into()),
+        (
+            "segmented.png, mask.png",
+            segmented,
+            "the image in its two levels, and the inside in white".into(),
+        ),
         ("profiles/", !run.profiles.is_empty(), "values along lines, a column a time".to_string()),
         ("fields.pvd, fields/", !run.frames.is_empty(), fields),
-        ("pictures/", !gallery.figures.is_empty(), "a picture of every stored field, PNG".to_string()),
-        ("film.gif", film, "the pictures as a film (film.mp4 too where ffmpeg is installed)".to_string()),
+        (
+            "pictures/",
+            !gallery.figures.is_empty(),
+            "a picture of every stored field, PNG".to_string(),
+        ),
+        (
+            "film.gif",
+            film,
+            "the pictures as a film (film.mp4 too where ffmpeg is installed)".to_string(),
+        ),
         ("charts/", run.column("time").is_some(), "the charts of this page, SVG".to_string()),
-        ("summary.json", true, "how the run ended, its balances and times, for other programs".to_string()),
+        (
+            "summary.json",
+            true,
+            "how the run ended, its balances and times, for other programs".to_string(),
+        ),
     ];
     let row = |(name, _, what): (&str, bool, String)| vec![Cell::text(name), Cell::text(what)];
     Table::new("", "Files in this folder", ["file", "what it holds"])

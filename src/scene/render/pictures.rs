@@ -5,8 +5,8 @@ use crate::base::{Error, Result, Warning};
 use crate::mesh::Point;
 use crate::output::solid::{Coat, Pattern, Slice, SolidPicture, Surface, View};
 use crate::output::{
-    Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu, rounded,
-    write_file, write_film,
+    Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu,
+    rounded, write_file, write_film,
 };
 use crate::scene::schema::{Cut, Quantity};
 use rayon::prelude::*;
@@ -48,11 +48,16 @@ fn draw_with<const D: usize>(run: &mut RunFolder, picture: Paint) -> Result<Gall
     };
     // In batches, so that memory is bounded for runs of any length.
     let batch = 2 * rayon::current_num_threads();
-    let mut images = run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
-    let mut gallery = Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
+    let mut images =
+        run.frames.chunks(batch).flat_map(|part| part.par_iter().map(paint).collect::<Vec<_>>());
+    let mut gallery =
+        Gallery { files: run.frames.iter().map(file).collect(), ..Gallery::default() };
     if run.scene.output.film && run.frames.len() > 1 {
         let every = run.frames.len().div_ceil(MOST_FRAMES);
-        let shown = images.enumerate().filter(|(i, image)| i % every == 0 || image.is_err()).map(|(_, image)| image);
+        let shown = images
+            .enumerate()
+            .filter(|(i, image)| i % every == 0 || image.is_err())
+            .map(|(_, image)| image);
         let seconds = run.frames.len().min(MOST_FRAMES) as f64 / 6.0;
         let film = write_film(&run.path.join("film"), shown, seconds.clamp(4.0, 25.0))?;
         gallery.figures.push(film_figure(&film, painter.film_caption(run, every))?);
@@ -73,7 +78,9 @@ fn wanted(run: &mut RunFolder) -> bool {
     }
     let missing = match run.frames.len() {
         0 => ["no pictures: the run has stored no fields", "it ended before the first step"],
-        1 if output.film => ["no film: the run has stored fields of one time only", "see the picture"],
+        1 if output.film => {
+            ["no film: the run has stored fields of one time only", "see the picture"]
+        }
         _ => return true,
     };
     run.warnings.push(Warning::new(missing[0], missing[1]));
@@ -140,9 +147,11 @@ impl Painter {
         };
         if let (Quantity::Checkerboard, Some(first)) = (painter.quantity, run.frames.first()) {
             let snapshot = read_vtu::<3>(&first.file)?;
-            painter.middle = painter.middle_of(&snapshot).map_err(|e| e.at(first.file.display().to_string()))?;
+            painter.middle =
+                painter.middle_of(&snapshot).map_err(|e| e.at(first.file.display().to_string()))?;
         }
-        let ranges: Vec<Scale> = run.frames.par_iter().map(|f| painter.range::<D>(f)).collect::<Result<_>>()?;
+        let ranges: Vec<Scale> =
+            run.frames.par_iter().map(|f| painter.range::<D>(f)).collect::<Result<_>>()?;
         painter.scale = ranges.into_iter().fold(painter.scale, Scale::with);
         if painter.quantity == Quantity::Speed {
             painter.fastest = Some(painter.scale.high);
@@ -163,7 +172,8 @@ impl Painter {
             // meet it is zero.
             Field::Interface(values) => {
                 let near = near_interface(&snapshot, self.level_set(&snapshot).map_err(place)?);
-                let values: Vec<f64> = values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
+                let values: Vec<f64> =
+                    values.iter().zip(near).filter(|(_, near)| *near).map(|(v, _)| *v).collect();
                 Ok(Scale::of::<D>(FieldData::Scalar(&values)))
             }
         }
@@ -174,13 +184,19 @@ impl Painter {
         Ok(match self.quantity {
             Quantity::Pressure => Field::Borrowed(FieldData::Scalar(snapshot.scalar("pressure")?)),
             Quantity::Image => Field::Borrowed(FieldData::Scalar(snapshot.scalar("image")?)),
-            Quantity::Velocity | Quantity::Speed => Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?)),
-            Quantity::Vorticity => Field::Vorticity(snapshot.space.vorticity(snapshot.vector("velocity")?)),
+            Quantity::Velocity | Quantity::Speed => {
+                Field::Borrowed(FieldData::Vector(snapshot.vector("velocity")?))
+            }
+            Quantity::Vorticity => {
+                Field::Vorticity(snapshot.space.vorticity(snapshot.vector("velocity")?))
+            }
             Quantity::LevelSet | Quantity::Checkerboard => {
                 Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?))
             }
             Quantity::Stretch => Field::Interface(stretch(snapshot, self.level_set(snapshot)?)),
-            Quantity::AreaChange => Field::Interface(snapshot.scalar(&self.column("area_change"))?.to_vec()),
+            Quantity::AreaChange => {
+                Field::Interface(snapshot.scalar(&self.column("area_change"))?.to_vec())
+            }
             Quantity::Shear => Field::Interface(snapshot.scalar(&self.column("shear"))?.to_vec()),
         })
     }
@@ -199,7 +215,8 @@ impl Painter {
 
     /// The mean position at rest of the material near the interface.
     fn middle_of(&self, snapshot: &Snapshot<3>) -> Result<Point<3>> {
-        let (near, rest) = (near_interface(snapshot, self.level_set(snapshot)?), self.at_rest(snapshot)?);
+        let (near, rest) =
+            (near_interface(snapshot, self.level_set(snapshot)?), self.at_rest(snapshot)?);
         let (mut sum, mut count) = (Point::<3>::zeros(), 0.0);
         for (y, _) in rest.iter().zip(near).filter(|(_, near)| *near) {
             (sum, count) = (sum + y, count + 1.0);
@@ -220,9 +237,12 @@ impl Painter {
         let snapshot = read_vtu::<2>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
         let field = self.field(&snapshot).map_err(place)?;
-        let interfaces = self.interfaces.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
+        let interfaces =
+            self.interfaces.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
         let arrows = match self.fastest {
-            Some(fastest) => Some(Arrows { velocity: snapshot.vector("velocity").map_err(place)?, fastest }),
+            Some(fastest) => {
+                Some(Arrows { velocity: snapshot.vector("velocity").map_err(place)?, fastest })
+            }
             None => None,
         };
         Picture {
@@ -240,7 +260,8 @@ impl Painter {
         .draw()
     }
 
-    /// The picture of a frame of space: the interfaces, or without any two slices through the middle.
+    /// The picture of a frame of space: the interfaces, or without any two slices through the
+    /// middle.
     fn paint_solid(&self, frame: &StoredFields) -> Result<Image> {
         let snapshot = read_vtu::<3>(&frame.file)?;
         let place = |e: Error| e.at(frame.file.display().to_string());
@@ -253,34 +274,47 @@ impl Painter {
             // The level set is zero on the interface.
             (_, Quantity::LevelSet) => Coat::Plain,
             (_, Quantity::Checkerboard) => {
-                let pattern = Pattern::Globe { centre: self.middle, around: GLOBE[0], along: GLOBE[1] };
+                let pattern =
+                    Pattern::Globe { centre: self.middle, around: GLOBE[0], along: GLOBE[1] };
                 Coat::Checkerboard { characteristic: &rest, pattern }
             }
             (field, _) => Coat::Field(field.data()),
         };
         let mut picture = SolidPicture::new(&snapshot.space, self.title());
         picture.window = self.window;
-        let [low, high] = self.window.unwrap_or_else(|| snapshot.space.mesh().bounding_box().into());
+        let [low, high] =
+            self.window.unwrap_or_else(|| snapshot.space.mesh().bounding_box().into());
         let middle = (low + high) * 0.5;
-        let slice =
-            |axis: usize, at: Option<f64>| Slice { axis, position: at.unwrap_or(middle[axis]), field: field.data() };
+        let slice = |axis: usize, at: Option<f64>| Slice {
+            axis,
+            position: at.unwrap_or(middle[axis]),
+            field: field.data(),
+        };
         match self.slice {
             Some(Cut { axis, at }) => {
                 picture.slices = vec![slice(axis, at)];
-                let lines = self.interfaces.iter().map(|name| level_set(&snapshot, name)).collect::<Result<_>>();
+                let lines = self
+                    .interfaces
+                    .iter()
+                    .map(|name| level_set(&snapshot, name))
+                    .collect::<Result<_>>();
                 picture.interfaces = lines.map_err(place)?;
             }
             None if self.interfaces.is_empty() => {
                 picture.slices = SLICES.map(|axis| slice(axis, None)).to_vec();
             }
             None => {
-                let surface = |name: &String| Surface::of_level_set(&snapshot.space, level_set(&snapshot, name)?, coat);
-                picture.surfaces = self.interfaces.iter().map(surface).collect::<Result<_>>().map_err(place)?;
+                let surface = |name: &String| {
+                    Surface::of_level_set(&snapshot.space, level_set(&snapshot, name)?, coat)
+                };
+                picture.surfaces =
+                    self.interfaces.iter().map(surface).collect::<Result<_>>().map_err(place)?;
             }
         }
         let [azimuth, elevation] = self.view;
         picture.view = View { azimuth, elevation, ..View::default() };
-        SolidPicture { scale: self.scale, time: Some(frame.time), size: [self.size; 2], ..picture }.draw()
+        SolidPicture { scale: self.scale, time: Some(frame.time), size: [self.size; 2], ..picture }
+            .draw()
     }
 
     fn title(&self) -> &'static str {
@@ -298,7 +332,8 @@ impl Painter {
     }
 
     fn film_caption(&self, run: &RunFolder, every: usize) -> String {
-        let [first, last] = [run.frames.first(), run.frames.last()].map(|f| f.map_or(0.0, |f| f.time));
+        let [first, last] =
+            [run.frames.first(), run.frames.last()].map(|f| f.map_or(0.0, |f| f.time));
         let mut caption = format!(
             "{} from t = {} to t = {}, all pictures in one colour scale",
             self.title(),
@@ -313,7 +348,8 @@ impl Painter {
             (true, _) if self.slice.is_some() => ", on a plane; the black line is the interface",
             (false, true) => "",
             (false, false) if self.quantity == Quantity::Image => {
-                "; the red line is the contour, the image the mean of the four pixels about each corner"
+                "; the red line is the contour, the image the mean of the four pixels about each \
+                 corner"
             }
             (false, false) => "; the black line is the interface",
             (true, true) => ", on two planes through the middle",

@@ -19,23 +19,30 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
             "energy",
             ["Energy", "energy"],
             &[("together", "energy"), ("misfit", "energy_fidelity"), ("length", "energy_length")],
-            "The misfit of the image and its two levels, and the length of the contour, each with its weight. Together they fall; \
-             where they no longer do the run could have ended.",
+            "The misfit of the image and its two levels, and the length of the contour, each with \
+             its weight. Together they fall; where they no longer do the run could have ended.",
         ),
         chart(
             "levels",
             ["Mean grey levels", "grey level"],
             &[("inside", "c1"), ("outside", "c2")],
-            "The means of the image on the two sides of the contour. They part as the contour finds the objects.",
+            "The means of the image on the two sides of the contour. They part as the contour \
+             finds the objects.",
         ),
         chart(
             "components",
             ["Connected parts of the inside", "number"],
             &[("parts", "components")],
-            "How many pieces the inside has. A single circle may fall apart into many, and pieces may join.",
+            "How many pieces the inside has. A single circle may fall apart into many, and pieces \
+             may join.",
         ),
         chart("area", ["Area inside", "area"], &[("inside", &area)], "The area of the inside."),
-        chart("length", ["Length of the contour", "length"], &[("contour", &perimeter)], "The length of all contours."),
+        chart(
+            "length",
+            ["Length of the contour", "length"],
+            &[("contour", &perimeter)],
+            "The length of all contours.",
+        ),
         chart(
             "misclassified",
             ["Pixels on the wrong side", "pixels"],

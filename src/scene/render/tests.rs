@@ -45,7 +45,15 @@ profiles.line = { from = [0, 0.5], to = [1, 0.5], of = \"speed\" }",
 const PAIR: Case = Case {
     membranes: &["one", "two"],
     output: "picture = { field = \"pressure\", size = 300 }",
-    columns: &["one.area", "one.perimeter", "one.axis_1", "one.axis_2", "two.area", "two.perimeter", "energy_kinetic"],
+    columns: &[
+        "one.area",
+        "one.perimeter",
+        "one.axis_1",
+        "one.axis_2",
+        "two.area",
+        "two.perimeter",
+        "energy_kinetic",
+    ],
     summary: "{ \"status\": \"failed\", \"error\": \"a <b> blow-up\", \"end_time\": 0.3, \"alarms\": [\"first & last\"] }",
     frames: 2,
 };
@@ -54,11 +62,13 @@ fn scene(case: &Case) -> String {
     let membrane = |(k, name): (usize, &&str)| {
         let x = 0.25 + 0.5 * k as f64;
         format!(
-            "[[membrane]]\nname = \"{name}\"\nshape.circle = {{ centre = [{x}, 0.5], radius = 0.15 }}\narea.linear = {{ modulus = 1 }}\n"
+            "[[membrane]]\nname = \"{name}\"\nshape.circle = {{ centre = [{x}, 0.5], radius = \
+             0.15 }}\narea.linear = {{ modulus = 1 }}\n"
         )
     };
     format!(
-        "[mesh]\nrectangle = {{ min = [0, 0], max = [1, 1], cells = [4, 4] }}\n[fluid]\nviscosity = 1\n[boundary.walls]\nno_slip = true\n{}[time]\nend = 1\nstep = 0.1\n[output]\n{}\n",
+        "[mesh]\nrectangle = {{ min = [0, 0], max = [1, 1], cells = [4, 4] }}\n[fluid]\nviscosity \
+         = 1\n[boundary.walls]\nno_slip = true\n{}[time]\nend = 1\nstep = 0.1\n[output]\n{}\n",
         case.membranes.iter().enumerate().map(membrane).collect::<String>(),
         case.output
     )
@@ -76,18 +86,23 @@ fn write_with(case: &Case, folder: &Path, phi: impl Fn(&SVector<f64, 2>, f64) ->
     fs::write(folder.join("summary.json"), case.summary).unwrap();
     let mut series = SeriesWriter::create(&folder.join("series.csv"), case.columns).unwrap();
     for k in 0..11 {
-        let values: Vec<f64> = (0..case.columns.len()).map(|c| 1.0 + (f64::from(k) * 0.1 + c as f64).sin()).collect();
+        let values: Vec<f64> =
+            (0..case.columns.len()).map(|c| 1.0 + (f64::from(k) * 0.1 + c as f64).sin()).collect();
         series.append(0.1 * f64::from(k), &values).unwrap();
     }
     let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], Diagonals::Right).unwrap();
     let space = Space::new(&Arc::new(mesh), Element::P2);
-    let (phi, names) = ([0.25, 0.75].map(|at| space.interpolate(|x| phi(x, at))), case.membranes.iter().map(|m| format!("{m}.level_set")));
+    let (phi, names) = (
+        [0.25, 0.75].map(|at| space.interpolate(|x| phi(x, at))),
+        case.membranes.iter().map(|m| format!("{m}.level_set")),
+    );
     let names: Vec<String> = names.collect();
     let list = (0..case.frames).map(|k| {
         let (t, name) = (k as f64 / 4.0, format!("fields/{k:06}.vtu"));
         let u = space.interpolate(|x| SVector::<f64, 2>::new(x[1] - 0.5, 0.5 - x[0]) * t);
         let p = space.interpolate(|x| x[0] * t);
-        let mut fields = vec![("velocity", FieldData::Vector(&u)), ("pressure", FieldData::Scalar(&p))];
+        let mut fields =
+            vec![("velocity", FieldData::Vector(&u)), ("pressure", FieldData::Scalar(&p))];
         fields.extend(names.iter().zip(&phi).map(|(n, f)| (n.as_str(), FieldData::Scalar(f))));
         write_vtu(&folder.join(&name), &space, t, &fields).unwrap();
         (t, name)
@@ -113,9 +128,13 @@ fn a_flow_without_a_membrane_has_all_that_it_measured() {
     assert!(made.warnings.is_empty(), "{:?}", made.warnings);
     let name = |p: &PathBuf| p.strip_prefix(dir.path()).unwrap().to_string_lossy().into_owned();
     let names: Vec<String> = made.files.iter().map(name).collect();
-    for wanted in
-        ["pictures/000004.png", "film.gif", "charts/energy.svg", "charts/probe-middle.svg", "charts/force-lid.svg"]
-    {
+    for wanted in [
+        "pictures/000004.png",
+        "film.gif",
+        "charts/energy.svg",
+        "charts/probe-middle.svg",
+        "charts/force-lid.svg",
+    ] {
         assert!(names.iter().any(|n| n == wanted), "{wanted} is not among {names:?}");
     }
     assert_eq!(names.last().unwrap(), "report.html");
@@ -130,7 +149,11 @@ fn a_flow_without_a_membrane_has_all_that_it_measured() {
     ] {
         assert!(page.contains(text), "{text} is missing");
     }
-    assert!(!page.contains("Semi-axes") && !page.contains("interface") && !page.contains("elastic</text>"));
+    assert!(
+        !page.contains("Semi-axes")
+            && !page.contains("interface")
+            && !page.contains("elastic</text>")
+    );
 }
 
 #[test]
@@ -138,8 +161,14 @@ fn a_failed_run_of_two_membranes_says_so_and_shows_what_there_is() {
     let dir = tempfile::tempdir().unwrap();
     write(&PAIR, dir.path());
     let page = page(dir.path());
-    let alarms = ["The computation failed at t = 0.3 of 1: a &lt;b&gt; blow-up", "first &amp; last"];
-    for text in alarms.iter().chain(&["Semi-axes of one", "Area inside of two", "Half-chords", "Area inside of one"]) {
+    let alarms =
+        ["The computation failed at t = 0.3 of 1: a &lt;b&gt; blow-up", "first &amp; last"];
+    for text in alarms.iter().chain(&[
+        "Semi-axes of one",
+        "Area inside of two",
+        "Half-chords",
+        "Area inside of one",
+    ]) {
         assert_eq!(page.contains(text), *text != "Half-chords", "{text}");
     }
     assert!(page.find("first &amp; last") < page.find("class=\"numbers\""));
@@ -148,7 +177,10 @@ fn a_failed_run_of_two_membranes_says_so_and_shows_what_there_is() {
 #[test]
 fn an_interrupted_run_without_fields_or_rows_has_a_page() {
     let dir = tempfile::tempdir().unwrap();
-    let case = Case { summary: "{ \"status\": \"interrupted\", \"seconds\": { \"solve\": null } }", ..CAVITY };
+    let case = Case {
+        summary: "{ \"status\": \"interrupted\", \"seconds\": { \"solve\": null } }",
+        ..CAVITY
+    };
     write(&case, dir.path());
     fs::remove_file(dir.path().join("fields.pvd")).unwrap();
     fs::write(dir.path().join("series.csv"), "time,energy_kinetic\n").unwrap();
@@ -156,7 +188,12 @@ fn an_interrupted_run_without_fields_or_rows_has_a_page() {
     let warned: Vec<String> = made.warnings.iter().map(ToString::to_string).collect();
     assert!(warned[0].contains("profile `line`") && warned[1].contains("no fields"), "{warned:?}");
     let page = fs::read_to_string(&made.report).unwrap();
-    assert!(page.contains("was interrupted;") && page.contains("--resume") && page.contains("no fields"), "{page}");
+    assert!(
+        page.contains("was interrupted;")
+            && page.contains("--resume")
+            && page.contains("no fields"),
+        "{page}"
+    );
 }
 
 #[test]
@@ -164,14 +201,20 @@ fn pictures_that_are_not_wanted_are_not_made() {
     let dir = tempfile::tempdir().unwrap();
     write(&PAIR, dir.path());
     let set = |text: &str| vec![text.to_string()];
-    render_with(dir.path(), &[set("output.pictures=false"), set("output.film=false")].concat()).unwrap();
+    render_with(dir.path(), &[set("output.pictures=false"), set("output.film=false")].concat())
+        .unwrap();
     assert!(!dir.path().join("pictures").exists() && !dir.path().join("film.gif").exists());
     render_with(dir.path(), &set("output.film=false")).unwrap();
-    assert!(dir.path().join("pictures/000001.png").exists() && !dir.path().join("film.gif").exists());
+    assert!(
+        dir.path().join("pictures/000001.png").exists() && !dir.path().join("film.gif").exists()
+    );
     let speed = fs::read(dir.path().join("pictures/000001.png")).unwrap();
     render_with(dir.path(), &set("output.picture.field=speed")).unwrap();
     assert_ne!(speed, fs::read(dir.path().join("pictures/000001.png")).unwrap());
-    assert_eq!(render_with(dir.path(), &set("output.picture.field=sped")).unwrap_err().kind(), Kind::Scene);
+    assert_eq!(
+        render_with(dir.path(), &set("output.picture.field=sped")).unwrap_err().kind(),
+        Kind::Scene
+    );
 }
 
 #[test]
@@ -180,12 +223,15 @@ fn one_stored_field_gives_a_picture_and_no_film() {
     write(&Case { frames: 1, ..PAIR }, dir.path());
     let made = render(dir.path()).unwrap();
     assert!(made.warnings[0].what.contains("no film"), "{:?}", made.warnings);
-    assert!(dir.path().join("pictures/000000.png").exists() && !dir.path().join("film.gif").exists());
+    assert!(
+        dir.path().join("pictures/000000.png").exists() && !dir.path().join("film.gif").exists()
+    );
 }
 
 /// Number of pixels of the most frequent colour of a picture, except its white background.
 fn pixels_of_one_colour(picture: &Path) -> usize {
-    let mut reader = png::Decoder::new(BufReader::new(fs::File::open(picture).unwrap())).read_info().unwrap();
+    let mut reader =
+        png::Decoder::new(BufReader::new(fs::File::open(picture).unwrap())).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let frame = reader.next_frame(&mut pixels).unwrap();
     assert_eq!(frame.color_type, png::ColorType::Rgb);
@@ -201,7 +247,11 @@ fn pixels_of_one_colour(picture: &Path) -> usize {
 #[test]
 fn the_stretch_of_a_distance_is_one_in_one_colour() {
     let dir = tempfile::tempdir().unwrap();
-    let case = Case { membranes: &["one"], output: "picture = { field = \"stretch\", size = 300 }", ..PAIR };
+    let case = Case {
+        membranes: &["one"],
+        output: "picture = { field = \"stretch\", size = 300 }",
+        ..PAIR
+    };
     let picture = dir.path().join("pictures/000001.png");
     write_with(&case, dir.path(), |x, at| x[0] - at);
     render(dir.path()).unwrap();
@@ -218,12 +268,27 @@ type Broken = (fn(&Path), &'static [&'static str]);
 #[test]
 fn what_is_missing_or_damaged_is_named() {
     let cases: [Broken; 8] = [
-        (|f| fs::remove_file(f.join("scene.toml")).unwrap(), &["not the folder of a run", "scene.toml", "immersa run"]),
-        (|f| fs::remove_file(f.join("summary.json")).unwrap(), &["has not ended", "summary.json", "--resume"]),
-        (|f| fs::write(f.join("summary.json"), "{ \"status\":").unwrap(), &["summary.json:1:", "again"]),
-        (|f| fs::write(f.join("summary.json"), "{ \"steps\": \"ten\" }").unwrap(), &["summary.json:1:", "\"ten\""]),
+        (
+            |f| fs::remove_file(f.join("scene.toml")).unwrap(),
+            &["not the folder of a run", "scene.toml", "immersa run"],
+        ),
+        (
+            |f| fs::remove_file(f.join("summary.json")).unwrap(),
+            &["has not ended", "summary.json", "--resume"],
+        ),
+        (
+            |f| fs::write(f.join("summary.json"), "{ \"status\":").unwrap(),
+            &["summary.json:1:", "again"],
+        ),
+        (
+            |f| fs::write(f.join("summary.json"), "{ \"steps\": \"ten\" }").unwrap(),
+            &["summary.json:1:", "\"ten\""],
+        ),
         (|f| fs::remove_file(f.join("series.csv")).unwrap(), &["series.csv"]),
-        (|f| fs::write(f.join("series.csv"), "a,b\n1,2\n").unwrap(), &["series.csv", "time", "a, b"]),
+        (
+            |f| fs::write(f.join("series.csv"), "a,b\n1,2\n").unwrap(),
+            &["series.csv", "time", "a, b"],
+        ),
         (|f| fs::remove_file(f.join("fields/000001.vtu")).unwrap(), &["fields/000001.vtu"]),
         (|f| fs::write(f.join("fields.pvd"), "hello").unwrap(), &["fields.pvd", "not a PVD file"]),
     ];
@@ -245,7 +310,10 @@ fn a_scene_that_was_never_computed_is_told_from_a_run_that_was_stopped() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("scene.toml"), scene(&PAIR)).unwrap();
     let error = render(dir.path()).unwrap_err();
-    assert!(error.what().contains("holds a scene but no run") && error.advice().contains("immersa run"), "{error}");
+    assert!(
+        error.what().contains("holds a scene but no run") && error.advice().contains("immersa run"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -255,5 +323,8 @@ fn a_level_set_that_the_fields_do_not_have_is_named() {
     fs::write(dir.path().join("scene.toml"), scene(&PAIR)).unwrap();
     let error = render(dir.path()).unwrap_err();
     assert_eq!(error.kind(), Kind::Input);
-    assert!(error.to_string().contains("one.level_set") && error.place().contains("000000.vtu"), "{error}");
+    assert!(
+        error.to_string().contains("one.level_set") && error.place().contains("000000.vtu"),
+        "{error}"
+    );
 }

@@ -40,7 +40,10 @@ impl Folder {
                 return Err(Error::scene("the run to be resumed was started with another scene")
                     .at(kept.display().to_string())
                     .value(first_difference(&before.to_toml(), &resolved))
-                    .remedy("resume with the same scene and the same --set, or start afresh in another folder"));
+                    .remedy(
+                        "resume with the same scene and the same --set, or start afresh in \
+                         another folder",
+                    ));
             }
         }
         Ok(folder)
@@ -51,7 +54,12 @@ impl Folder {
     /// # Errors
     /// The folder cannot be written.
     pub(super) fn make(&self, scene: &Scene) -> Result<()> {
-        for path in [self.0.clone(), self.0.join("fields"), self.0.join("checkpoint"), self.0.join("profiles")] {
+        for path in [
+            self.0.clone(),
+            self.0.join("fields"),
+            self.0.join("checkpoint"),
+            self.0.join("profiles"),
+        ] {
             std::fs::create_dir_all(&path).map_err(|e| {
                 Error::input(format!("the run folder cannot be made: {e}"))
                     .at(path.display().to_string())
@@ -79,8 +87,8 @@ impl Folder {
     /// whole: the length of the record and its hash, 8 bytes each, the record as JSON; the same for
     /// the mesh, which is empty if not adapted; the state.
     pub(super) fn save(&self, scene: &Scene, record: &Record, problem: &dyn Problem) -> Result<()> {
-        let record =
-            serde_json::to_vec(record).map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
+        let record = serde_json::to_vec(record)
+            .map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
         let [mesh, state] = problem.save(tag(scene));
         let mut bytes = Vec::new();
         for part in [record, mesh] {
@@ -117,10 +125,17 @@ impl Folder {
     }
 
     /// Continues a problem from a checkpoint.
-    pub(super) fn restore(&self, scene: &Scene, kept: &Kept, problem: &mut dyn Problem) -> Result<()> {
+    pub(super) fn restore(
+        &self,
+        scene: &Scene,
+        kept: &Kept,
+        problem: &mut dyn Problem,
+    ) -> Result<()> {
         let saved = [&kept.mesh[..], &kept.state[..]];
         let restored = problem.restore(saved, tag(scene), kept.record.band_edges);
-        restored.map_err(|e| if e.place().is_empty() { e.at(self.latest().display().to_string()) } else { e })
+        restored.map_err(|e| {
+            if e.place().is_empty() { e.at(self.latest().display().to_string()) } else { e }
+        })
     }
 
     /// The field file after `step` steps.
@@ -129,14 +144,21 @@ impl Folder {
     }
 
     pub(super) fn write_collection(&self, record: &Record) -> Result<()> {
-        let entries: Vec<_> = record.fields.iter().map(|&(k, time)| (time, field_file(k))).collect();
+        let entries: Vec<_> =
+            record.fields.iter().map(|&(k, time)| (time, field_file(k))).collect();
         write_pvd(&self.0.join("fields.pvd"), &entries)
     }
 
     /// Writes a profile: the coordinates of its points, and its columns.
-    pub(super) fn write_profile(&self, name: &str, points: &[Vec<f64>], values: &[Column]) -> Result<()> {
+    pub(super) fn write_profile(
+        &self,
+        name: &str,
+        points: &[Vec<f64>],
+        values: &[Column],
+    ) -> Result<()> {
         let column = |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).collect::<Vec<f64>>();
-        let square = |p: &Vec<f64>| p.iter().zip(&points[0]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let square =
+            |p: &Vec<f64>| p.iter().zip(&points[0]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
         let distance = column(&|p| square(p).sqrt());
         let dimension = points.first().map_or(0, Vec::len);
         let places: Vec<Vec<f64>> = (0..dimension).map(|i| column(&|p| p[i])).collect();
@@ -234,5 +256,8 @@ fn tag(scene: &Scene) -> u64 {
 
 fn first_difference(a: &str, b: &str) -> String {
     let pair = a.lines().zip(b.lines()).find(|(x, y)| x != y);
-    pair.map_or_else(|| "the number of lines differs".into(), |(x, y)| format!("`{x}` became `{y}`"))
+    pair.map_or_else(
+        || "the number of lines differs".into(),
+        |(x, y)| format!("`{x}` became `{y}`"),
+    )
 }

@@ -81,7 +81,9 @@ impl Record {
                 time: problem.moment().time,
                 cells: facts.cells,
                 unknowns: facts.unknowns[0] + facts.unknowns[1],
-                energy_transferred: problem.energies().map_or(0.0, |(_, budget)| budget.transferred),
+                energy_transferred: problem
+                    .energies()
+                    .map_or(0.0, |(_, budget)| budget.transferred),
             });
         }
     }
@@ -115,7 +117,8 @@ impl Record {
         let Some((e, budget)) = problem.energies() else { return };
         let put_in = e.power.max(0.0) * problem.moment().dt;
         if budget.initial > 0.0 {
-            self.largest_rise = self.largest_rise.max((e.total() - before - put_in) / budget.initial);
+            self.largest_rise =
+                self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
         self.worst_balance = self.worst_balance.max(budget.residual(&e));
     }
@@ -130,8 +133,13 @@ impl Record {
     /// Records a row of the series.
     pub(super) fn note_row(&mut self, scene: &Scene, row: &Row) {
         // JSON has no NaN: values that could not be measured are omitted.
-        self.last =
-            row.names().iter().cloned().zip(row.values().iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+        self.last = row
+            .names()
+            .iter()
+            .cloned()
+            .zip(row.values().iter().copied())
+            .filter(|(_, v)| v.is_finite())
+            .collect();
         let [enclosed, _] = scene.extents();
         // A segmentation does not conserve the area.
         for name in scene.interfaces().filter(|_| scene.image.is_none()) {

@@ -2,7 +2,8 @@
 
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Item, Kind, Many, Opt, Positive, Set, Table, Tabled, Writer, kinds, last, table, words,
+    Context, Count, Item, Kind, Many, Opt, Positive, Set, Table, Tabled, Writer, kinds, last,
+    table, words,
 };
 use crate::sim::Transfer;
 
@@ -71,9 +72,15 @@ kinds! {
 
 impl Adapt {
     /// Checks that the scene has the interfaces or fields for the adaptation.
-    pub(in crate::scene) fn check_use(&self, item: &Item, has_interfaces: bool, is_prescribed: bool) -> Result<()> {
+    pub(in crate::scene) fn check_use(
+        &self,
+        item: &Item,
+        has_interfaces: bool,
+        is_prescribed: bool,
+    ) -> Result<()> {
         let table = item.open_table()?;
-        if let (Some(item), true) = (table.get("fields"), is_prescribed && self.fields.contains(&AdaptField::Pressure))
+        if let (Some(item), true) =
+            (table.get("fields"), is_prescribed && self.fields.contains(&AdaptField::Pressure))
         {
             return Err(item
                 .key_error("the velocity is prescribed, and there is no pressure to adapt to")
@@ -81,7 +88,9 @@ impl Adapt {
         }
         if let (Some(item), None) = (table.get("fields"), self.every) {
             return Err(item
-                .key_error("fields shape the mesh when it is looked at, and `every` does not say when")
+                .key_error(
+                    "fields shape the mesh when it is looked at, and `every` does not say when",
+                )
                 .remedy("add every = 0.1, or leave fields out"));
         }
         if has_interfaces {
@@ -90,7 +99,9 @@ impl Adapt {
         if let Some(item) = ["edge", "along", "width"].iter().find_map(|key| table.get(key)) {
             return Err(item
                 .key_error(format!("`{}` is for interfaces, and there is none", item.key))
-                .remedy("leave it out; fields = [\"velocity\"] with h_min and h_max shape the mesh"));
+                .remedy(
+                    "leave it out; fields = [\"velocity\"] with h_min and h_max shape the mesh",
+                ));
         }
         if self.fields.is_empty() {
             return Err(item
@@ -107,15 +118,21 @@ impl Adapt {
                 .remedy("keep one of them"));
         }
         if self.fields.is_empty()
-            && let Some(item) = ["error", "vertices", "h_min", "anisotropy"].iter().find_map(|key| table.get(key))
+            && let Some(item) =
+                ["error", "vertices", "h_min", "anisotropy"].iter().find_map(|key| table.get(key))
         {
             return Err(item
-                .key_error(format!("`{}` is for fields that shape the mesh, and none is given", item.key))
+                .key_error(format!(
+                    "`{}` is for fields that shape the mesh, and none is given",
+                    item.key
+                ))
                 .remedy("add fields = [\"velocity\"], or leave it out"));
         }
         let lengths = [("edge", self.edge), ("along", self.along), ("h_min", self.h_min)];
         for (key, length) in lengths.into_iter().filter_map(|(key, l)| Some((key, l?))) {
-            if let (Some(longest), Some(item)) = (self.h_max.filter(|longest| *longest < length), table.get("h_max")) {
+            if let (Some(longest), Some(item)) =
+                (self.h_max.filter(|longest| *longest < length), table.get("h_max"))
+            {
                 return Err(item
                     .error(format!("`h_max` = {longest} is below `{key}` = {length}"))
                     .remedy(format!("give h_max >= {length}")));
@@ -123,14 +140,17 @@ impl Adapt {
         }
         match (self.along, self.edge, table.get("along")) {
             (Some(along), Some(edge), Some(item)) if along < edge => Err(item
-                .error(format!("edges along the interfaces must not be shorter than those across, {edge}"))
+                .error(format!(
+                    "edges along the interfaces must not be shorter than those across, {edge}"
+                ))
                 .remedy(format!("give along >= {edge}"))),
             _ => Ok(()),
         }
     }
 
     fn hides(&self, key: &str) -> bool {
-        let of_fields = ["vertices", "error", "anisotropy"].contains(&key) && self.fields.is_empty();
+        let of_fields =
+            ["vertices", "error", "anisotropy"].contains(&key) && self.fields.is_empty();
         of_fields || key == "error" && self.vertices.is_some()
     }
 
@@ -148,5 +168,7 @@ fn ratio(item: &Item, words: &str, large_enough: impl Fn(f64) -> bool) -> Result
     if large_enough(v) {
         return Ok(v);
     }
-    Err(item.error(format!("`{}` must be {words}", item.key)).remedy(format!("give a ratio {words}, such as 1.5")))
+    Err(item
+        .error(format!("`{}` must be {words}", item.key))
+        .remedy(format!("give a ratio {words}, such as 1.5")))
 }

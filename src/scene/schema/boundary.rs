@@ -2,7 +2,9 @@
 
 use crate::base::Result;
 use crate::scene::expression::Expression;
-use crate::scene::keys::{Components, Context, Item, Kind, Tabled, Text, Typed, Writer, key, one_of};
+use crate::scene::keys::{
+    Components, Context, Item, Kind, Tabled, Text, Typed, Writer, key, one_of,
+};
 
 /// The name of the whole boundary.
 pub const WALLS: &str = "walls";
@@ -71,7 +73,11 @@ impl Typed for True {
 
 /// Reads all entries, in the order of the scene. By default there is no slip on the whole boundary,
 /// or no condition if the velocity is `prescribed`.
-pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Context) -> Result<Vec<Boundary>> {
+pub(in crate::scene) fn read(
+    item: Option<Item>,
+    prescribed: bool,
+    context: &Context,
+) -> Result<Vec<Boundary>> {
     let Some(item) = item else {
         if prescribed {
             return Ok(Vec::new());
@@ -84,7 +90,9 @@ pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Con
         let condition = Condition::read(item, context)?;
         if prescribed && !matches!(condition, Condition::Periodic(_)) {
             return Err(item
-                .key_error("a condition on a boundary means nothing where the velocity is prescribed")
+                .key_error(
+                    "a condition on a boundary means nothing where the velocity is prescribed",
+                )
                 .remedy("leave it out; only periodic sides matter then"));
         }
         boundaries.push(Boundary { name: name.to_string(), condition });
@@ -104,9 +112,12 @@ pub(in crate::scene) fn read(item: Option<Item>, prescribed: bool, context: &Con
 /// own.
 fn check_pair(item: &Item, boundaries: &[Boundary]) -> Result<()> {
     let Some(item) = item.open_table()?.get("periodic") else { return Ok(()) };
-    let name = item.key.strip_prefix("boundary.").and_then(|k| k.strip_suffix(".periodic")).unwrap_or("");
+    let name =
+        item.key.strip_prefix("boundary.").and_then(|k| k.strip_suffix(".periodic")).unwrap_or("");
     let other = item.text()?;
-    let partner = |b: &Boundary| matches!(&b.condition, Condition::Periodic(p) if p == other) && b.name != name;
+    let partner = |b: &Boundary| {
+        matches!(&b.condition, Condition::Periodic(p) if p == other) && b.name != name
+    };
     let conflict = if other == name {
         Some(format!("`{name}` is periodic with itself"))
     } else if [name, other].contains(&WALLS) {
@@ -120,7 +131,9 @@ fn check_pair(item: &Item, boundaries: &[Boundary]) -> Result<()> {
     };
     match conflict {
         None => Ok(()),
-        Some(what) => Err(item.error(what).remedy("pair each periodic boundary with one other that has no entry")),
+        Some(what) => Err(item
+            .error(what)
+            .remedy("pair each periodic boundary with one other that has no entry")),
     }
 }
 

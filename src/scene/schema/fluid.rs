@@ -3,8 +3,8 @@
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Components, Context, Direction, Flag, Item, Kind, NonNegative, Number, Opt, Positive, Table, Tabled, Toml, Typed,
-    kinds, optional, table,
+    Components, Context, Direction, Flag, Item, Kind, NonNegative, Number, Opt, Positive, Table,
+    Tabled, Toml, Typed, kinds, optional, table,
 };
 use std::marker::PhantomData;
 
@@ -45,7 +45,8 @@ table! {
 
 kinds! {
     /// A velocity at time 0.
-    InitialVelocity: Vec<Expression> = Kind::Value("vector of numbers or expressions"), initial, spatial;
+    InitialVelocity: Vec<Expression> = Kind::Value("vector of numbers or \
+        expressions"), initial, spatial;
 }
 
 /// A number of the kind `K`, or one for each side.
@@ -62,7 +63,9 @@ impl<K: Typed<Out = f64>> Typed for Contrasted<K> {
             return K::read(item, context).map(Contrast::uniform);
         }
         let (contrast, table) = (Contrast::read(item, context)?, item.open_table()?);
-        ["inside", "outside"].iter().try_for_each(|key| optional::<K>(&table, key, context).map(drop))?;
+        ["inside", "outside"]
+            .iter()
+            .try_for_each(|key| optional::<K>(&table, key, context).map(drop))?;
         Ok(contrast)
     }
     fn toml(out: &Contrast) -> String {
@@ -82,12 +85,17 @@ impl Contrast {
 }
 
 /// All keys except `prescribed_velocity`.
-const SOLVED: [&str; 6] = ["density", "viscosity", "boussinesq", "gravity", "force", "initial_velocity"];
+const SOLVED: [&str; 6] =
+    ["density", "viscosity", "boussinesq", "gravity", "force", "initial_velocity"];
 
 impl Fluid {
     /// Reads a fluid; `structures` are the names of those that enclose one, each with true if it
     /// specifies the fluid itself.
-    pub(in crate::scene) fn read_among(item: &Item, structures: &[(String, bool)], context: &Context) -> Result<Fluid> {
+    pub(in crate::scene) fn read_among(
+        item: &Item,
+        structures: &[(String, bool)],
+        context: &Context,
+    ) -> Result<Fluid> {
         let (fluid, table) = (Fluid::read(item, context)?, item.open_table()?);
         let sides = ["density", "viscosity"].into_iter().filter_map(|key| table.get(key));
         sides.filter(Item::is_table).try_for_each(|item| check_sides(&item, structures))?;
@@ -96,10 +104,16 @@ impl Fluid {
 
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         let prescribed = optional::<Components>(table, "prescribed_velocity", context)?;
-        match SOLVED.iter().find_map(|key| Some((key, table.get(key)?))).filter(|_| prescribed.is_some()) {
+        match SOLVED
+            .iter()
+            .find_map(|key| Some((key, table.get(key)?)))
+            .filter(|_| prescribed.is_some())
+        {
             None => Ok(()),
             Some((key, item)) => Err(item
-                .key_error(format!("`{key}` means nothing beside `prescribed_velocity`: no flow is solved"))
+                .key_error(format!(
+                    "`{key}` means nothing beside `prescribed_velocity`: no flow is solved"
+                ))
                 .remedy("keep one of the two")),
         }
     }
@@ -110,9 +124,14 @@ impl Fluid {
             *self = Fluid::prescribed(velocity);
             return Ok(());
         }
-        if let (true, 0.0, Some(item)) = (self.boussinesq, self.density.outside, table.get("boussinesq")) {
+        if let (true, 0.0, Some(item)) =
+            (self.boussinesq, self.density.outside, table.get("boussinesq"))
+        {
             return Err(item
-                .key_error("in the Boussinesq form the inertia is that of the fluid outside, and it has none: its density is 0")
+                .key_error(
+                    "in the Boussinesq form the inertia is that of the fluid outside, and it has \
+                     none: its density is 0",
+                )
                 .remedy("give the fluid a density, or leave boussinesq out"));
         }
         let remedy = "give the dynamic viscosity: viscosity = 0.01";
@@ -131,7 +150,8 @@ impl Fluid {
 
     /// A prescribed velocity, so that no flow is solved.
     fn prescribed(velocity: Vec<Expression>) -> Fluid {
-        let (none, zero) = (Contrast::uniform(0.0), vec![Expression::constant(0.0); velocity.len()]);
+        let (none, zero) =
+            (Contrast::uniform(0.0), vec![Expression::constant(0.0); velocity.len()]);
         Fluid {
             density: none,
             viscosity: none,
@@ -169,7 +189,10 @@ fn initial(item: &Item, context: &Context) -> Result<Vec<Expression>> {
 fn check_sides(item: &Item, structures: &[(String, bool)]) -> Result<()> {
     if let Some((drop, _)) = structures.iter().find(|(_, own)| *own) {
         return Err(item
-            .key_error(format!("`{}` differs inside and outside, and so does what the drop `{drop}` says", item.key))
+            .key_error(format!(
+                "`{}` differs inside and outside, and so does what the drop `{drop}` says",
+                item.key
+            ))
             .remedy("give one number, that outside, and the drop its own density or viscosity"));
     }
     if structures.len() != 1 {
@@ -179,7 +202,10 @@ fn check_sides(item: &Item, structures: &[(String, bool)]) -> Result<()> {
                 item.key,
                 structures.len()
             ))
-            .remedy("give one number, and each [[drop]] its own density and viscosity, or a scene with exactly one [[membrane]] or [[drop]]"));
+            .remedy(
+                "give one number, and each [[drop]] its own density and viscosity, or a scene \
+                 with exactly one [[membrane]] or [[drop]]",
+            ));
     }
     Ok(())
 }

@@ -69,7 +69,10 @@ impl Given<'_> {
         let n = self.interfaces.len();
         if self.motion == Motion::Image && quantity != Quantity::LevelSet {
             return Err(item
-                .error(format!("there is no `{}`: an image is segmented, and nothing flows", item.text()?))
+                .error(format!(
+                    "there is no `{}`: an image is segmented, and nothing flows",
+                    item.text()?
+                ))
                 .remedy("ask for level_set"));
         }
         if quantity == Quantity::Pressure && self.motion == Motion::Prescribed {
@@ -79,7 +82,10 @@ impl Given<'_> {
         }
         if matches!(quantity, Quantity::LevelSet | Quantity::Stretch) && n != 1 {
             return Err(item
-                .error(format!("`{}` belongs to one interface, but the scene has {n}", item.text()?))
+                .error(format!(
+                    "`{}` belongs to one interface, but the scene has {n}",
+                    item.text()?
+                ))
                 .remedy("ask for pressure, velocity or speed"));
         }
         Ok(())
@@ -108,8 +114,13 @@ impl Given<'_> {
             for (name, item) in item.open_table()?.items() {
                 if taken.contains(&name) {
                     return Err(item
-                        .key_error(format!("the name `{name}` is taken by another output or an interface"))
-                        .remedy("give every membrane, level set, probe, force, flux and curve a name of its own"));
+                        .key_error(format!(
+                            "the name `{name}` is taken by another output or an interface"
+                        ))
+                        .remedy(
+                            "give every membrane, level set, probe, force, flux and curve a name \
+                             of its own",
+                        ));
                 }
                 taken.push(name);
             }

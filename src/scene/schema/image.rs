@@ -4,7 +4,9 @@ use super::mesh::{MeshSource, Rectangle, absolute};
 use crate::base::Result;
 use crate::mesh::Diagonals;
 use crate::output::{GreyImage, Pixels};
-use crate::scene::keys::{Context, Count, Item, Kind, NonNegative, Opt, Positive, Table, kinds, table};
+use crate::scene::keys::{
+    Context, Count, Item, Kind, NonNegative, Opt, Positive, Table, kinds, table,
+};
 use std::path::PathBuf;
 
 table! {
@@ -43,7 +45,9 @@ const MOST_PIXELS: usize = 1 << 20;
 
 fn file(item: &Item, context: &Context) -> Result<PathBuf> {
     match item.text()? {
-        "" => Err(item.error("the name of the image is empty").remedy("name a PNG file: file = \"shapes.png\"")),
+        "" => Err(item
+            .error("the name of the image is empty")
+            .remedy("name a PNG file: file = \"shapes.png\"")),
         file => Ok(absolute(&context.folder.join(file))),
     }
 }
@@ -61,11 +65,17 @@ impl Image {
     /// the P2 nodes are the corners of the pixels.
     pub(in crate::scene) fn mesh(&self, item: &Item) -> Result<MeshSource> {
         let written = item.open_table()?.get("file");
-        let size = GreyImage::size(&self.file).map_err(|e| written.as_ref().unwrap_or(item).blame(e))?;
+        let size =
+            GreyImage::size(&self.file).map_err(|e| written.as_ref().unwrap_or(item).blame(e))?;
         if size[0] * size[1] > MOST_PIXELS {
             return Err(item
-                .key_error(format!("an image of {} x {} pixels would make too large a mesh", size[0], size[1]))
-                .remedy("make the image smaller, or give a coarser [mesh] with a rectangle over it"));
+                .key_error(format!(
+                    "an image of {} x {} pixels would make too large a mesh",
+                    size[0], size[1]
+                ))
+                .remedy(
+                    "make the image smaller, or give a coarser [mesh] with a rectangle over it",
+                ));
         }
         Ok(MeshSource::Rectangle(Rectangle {
             min: [0.0; 2],
@@ -105,29 +115,38 @@ pub(in crate::scene) fn check(scene: &Table<'_>, image: &Item, dimension: usize)
     ] {
         let Some(open) = scene.get(table).map(|i| i.open_table()).transpose()? else { continue };
         let written = keys.iter().filter_map(|key| open.get(key));
-        if let Some(item) =
-            written.into_iter().find(|i| !i.is_false() && !["nodal", "P1"].iter().any(|word| i.is_word(word)))
+        if let Some(item) = written
+            .into_iter()
+            .find(|i| !i.is_false() && !["nodal", "P1"].iter().any(|word| i.is_word(word)))
         {
             return Err(item
-                .key_error(format!("`{}` means nothing beside `image`, where nothing flows", item.key))
+                .key_error(format!(
+                    "`{}` means nothing beside `image`, where nothing flows",
+                    item.key
+                ))
                 .remedy("leave it out"));
         }
     }
     let numerics = scene.get("numerics").map(|i| i.open_table()).transpose()?;
     if let Some(item) = numerics.and_then(|t| t.get("redistance")) {
         return Err(item
-            .key_error("beside `image` the level set becomes a distance in any case, after every `image.rebuild` steps")
+            .key_error(
+                "beside `image` the level set becomes a distance in any case, after every \
+                 `image.rebuild` steps",
+            )
             .remedy("leave numerics.redistance out, or give image.rebuild"));
     }
     let start = "give one: [[level_set]] with shape.circle = { centre = [64, 64], radius = 40 }";
     let Some(item) = scene.get("level_set") else {
-        return Err(image.key_error("the scene has an image and no contour to start from").remedy(start));
+        return Err(image
+            .key_error("the scene has an image and no contour to start from")
+            .remedy(start));
     };
     match &item.list()?[..] {
         [one] => match one.open_table()?.get("markers").filter(|i| !i.is_zero()) {
-            Some(item) => {
-                Err(item.key_error("markers are carried by a flow, and nothing flows").remedy("leave them out"))
-            }
+            Some(item) => Err(item
+                .key_error("markers are carried by a flow, and nothing flows")
+                .remedy("leave them out")),
             None => Ok(()),
         },
         all => Err(item

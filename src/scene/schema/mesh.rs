@@ -5,8 +5,8 @@ use super::shape::Shape;
 use crate::base::{Error, Result};
 use crate::mesh::{self, Diagonals, Mesh, gmsh};
 use crate::scene::keys::{
-    Absent, Context, Count, Counts, Item, Keys, Kind, Positive, Table, Tabled, Toml, Vector, Writer, key, row, table,
-    words,
+    Absent, Context, Count, Counts, Item, Keys, Kind, Positive, Table, Tabled, Toml, Vector,
+    Writer, key, row, table, words,
 };
 use std::path::{Path, PathBuf};
 
@@ -120,7 +120,8 @@ pub(in crate::scene) static KEYS: Keys = Keys {
             Kind::Count([2, 3]),
             "",
             Absent::Derived("3 where the file has tetrahedra"),
-            "Whether a mesh file has triangles or tetrahedra. Where this is written, the file is not looked into before it is needed.",
+            "Whether a mesh file has triangles or tetrahedra. Where this is written, the file is \
+             not looked into before it is needed.",
         ),
         row(
             "rectangle",
@@ -135,7 +136,8 @@ pub(in crate::scene) static KEYS: Keys = Keys {
             Kind::Table(Block::KEYS),
             "",
             Absent::OneOf,
-            "A box of tetrahedra; its sides are left and right (in x), bottom and top (in y), back and front (in z).",
+            "A box of tetrahedra; its sides are left and right (in x), bottom and top (in y), \
+             back and front (in z).",
         ),
         row(
             "ball_in_box",
@@ -149,14 +151,16 @@ pub(in crate::scene) static KEYS: Keys = Keys {
             Kind::Count([0, MOST_REFINEMENTS]),
             "",
             Absent::Default("0"),
-            "How often every triangle of a mesh file is cut into four, every tetrahedron into eight.",
+            "How often every triangle of a mesh file is cut into four, every tetrahedron into \
+             eight.",
         ),
         row(
             "geometry",
             Kind::Value("shapes with names, each as in `membrane.shape`"),
             "",
             Absent::Optional,
-            "Curves (in space: surfaces) that new points on named boundaries of a mesh file are moved onto when it is refined.",
+            "Curves (in space: surfaces) that new points on named boundaries of a mesh file are \
+             moved onto when it is refined.",
         ),
         row(
             "adapt",
@@ -176,7 +180,11 @@ const MOST_CELLS: usize = 100_000;
 impl MeshSource {
     /// Reads `[mesh]`. Unless the scene gives it, the dimension of a mesh file is `assumed`, or
     /// that in the file, or 2.
-    pub(in crate::scene) fn read(item: &Item, context: &Context, assumed: Option<usize>) -> Result<MeshSource> {
+    pub(in crate::scene) fn read(
+        item: &Item,
+        context: &Context,
+        assumed: Option<usize>,
+    ) -> Result<MeshSource> {
         let mesh = item.table(&KEYS)?;
         let (kind, item) = mesh.exactly_one(&KEYS)?;
         for (key, remedy) in [
@@ -251,10 +259,17 @@ impl MeshSource {
 }
 
 /// Reads a mesh file; `item` is its name.
-fn file(mesh: &Table<'_>, item: &Item<'_>, context: &Context, assumed: Option<usize>) -> Result<MeshSource> {
+fn file(
+    mesh: &Table<'_>,
+    item: &Item<'_>,
+    context: &Context,
+    assumed: Option<usize>,
+) -> Result<MeshSource> {
     let file = item.text()?;
     if file.is_empty() {
-        return Err(item.error("the name of the mesh file is empty").remedy("name a gmsh file (.msh)"));
+        return Err(item
+            .error("the name of the mesh file is empty")
+            .remedy("name a gmsh file (.msh)"));
     }
     let path = absolute(&context.folder.join(file));
     let dimension = match mesh.optional("dimension", |i| i.count(2, 3))? {
@@ -273,7 +288,10 @@ fn file(mesh: &Table<'_>, item: &Item<'_>, context: &Context, assumed: Option<us
 
 /// Reads the curves, by the name of their boundary.
 fn curves(item: &Item, context: &Context) -> Result<Vec<(String, Shape)>> {
-    item.open_table()?.items().map(|(name, item)| Ok((name.to_string(), Shape::read(&item, context)?))).collect()
+    item.open_table()?
+        .items()
+        .map(|(name, item)| Ok((name.to_string(), Shape::read(&item, context)?)))
+        .collect()
 }
 
 impl Rectangle {

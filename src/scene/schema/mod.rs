@@ -22,12 +22,12 @@ pub use boundary::{Boundary, Condition, WALLS};
 pub use exact::Exact;
 pub use fluid::{Contrast, Fluid};
 pub use geometry::{Curve, DeltaName};
+pub use given::Quantity;
+pub(in crate::scene) use given::{Given, Motion};
 pub use image::Image;
 pub use mesh::{BallInBox, Block, Disc, MeshSource, Rectangle};
 pub use numerics::{Numerics, TensionScheme};
 pub use output::{Flux, Force, Output, Probe, Profile};
-pub use given::Quantity;
-pub(in crate::scene) use given::{Given, Motion};
 pub use picture::{Cut, Picture, Window};
 pub use polygon::Polygon;
 pub use redistance::Redistance;
@@ -76,7 +76,13 @@ pub struct Tables {
 /// rest.
 pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
     row("title", Value("text"), "", Derived("the name of the file"), "What the scene is called."),
-    row("units", Value("text"), "", Default("\"\""), "The units of the scene, in words; nothing is converted."),
+    row(
+        "units",
+        Value("text"),
+        "",
+        Default("\"\""),
+        "The units of the scene, in words; nothing is converted.",
+    ),
     row(
         "constants",
         Value("table of numbers or expressions"),
@@ -92,7 +98,13 @@ pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
         "Where the mesh comes from.",
     ),
     row("fluid", Table(Fluid::KEYS), "", OneOf, "What flows, and what drives it."),
-    row("image", Table(Image::KEYS), "", OneOf, "An image that a level set segments, in place of a flow."),
+    row(
+        "image",
+        Table(Image::KEYS),
+        "",
+        OneOf,
+        "An image that a level set segments, in place of a flow.",
+    ),
     row(
         "boundary",
         Named(Condition::KEYS),
@@ -106,7 +118,13 @@ pub(in crate::scene) const KEYS_AFTER: [Key; 4] = [
     row("time", Table(Time::KEYS), "", Required, "How long, in which steps."),
     row("numerics", Table(Numerics::KEYS), "", Optional, "How the equations are solved."),
     row("output", Table(Output::KEYS), "", Optional, "What is written, and when."),
-    row("exact", Table(Exact::KEYS), "", Optional, "A solution that is known, against which the run measures itself."),
+    row(
+        "exact",
+        Table(Exact::KEYS),
+        "",
+        Optional,
+        "A solution that is known, against which the run measures itself.",
+    ),
 ];
 
 impl Tables {

@@ -6,10 +6,10 @@ use crate::elastic::Band;
 use crate::fem::Element;
 use crate::levelset::{Kernel, Norm};
 use crate::scene::keys::{
-    Auto, Context, Count, Flag, Item, Kind, Nested, NonNegative, Opt, Positive, Table, Tabled, Writer, kinds, table,
-    words,
+    Auto, Context, Count, Flag, Item, Kind, Nested, NonNegative, Opt, Positive, Table, Tabled,
+    Writer, kinds, table, words,
 };
-use crate::sim::{Coupling, SolverOptions, SolverKind};
+use crate::sim::{Coupling, SolverKind, SolverOptions};
 use crate::transport::Method;
 
 table! {
@@ -140,7 +140,9 @@ impl Numerics {
         self.coupling = scheme.coupling;
         table.get("coupling").map_or(Ok(()), |item| {
             Err(item
-                .key_error("`surface_tension` says how the force enters a step, and so does `coupling`")
+                .key_error(
+                    "`surface_tension` says how the force enters a step, and so does `coupling`",
+                )
                 .remedy("keep one of the two"))
         })
     }
@@ -163,6 +165,12 @@ fn solve_tolerance(item: &Item, _: &Context) -> Result<f64> {
         return Ok(tolerance);
     }
     Err(item
-        .error(format!("a relative residual of {tolerance} is too large: it would be the largest error of a step"))
-        .remedy(format!("give a number up to {LARGEST_SOLVE_TOLERANCE:e}, or leave it out for {SOLVE_TOLERANCE:e}")))
+        .error(format!(
+            "a relative residual of {tolerance} is too large: it would be the largest error of a \
+             step"
+        ))
+        .remedy(format!(
+            "give a number up to {LARGEST_SOLVE_TOLERANCE:e}, or leave it out for \
+             {SOLVE_TOLERANCE:e}"
+        )))
 }

@@ -1,12 +1,12 @@
 //! `[output]`: results to write, and their times.
 
-use super::given::{Given, Motion, Quantity};
 use super::geometry::{Curve, DeltaName, Deltas};
+use super::given::{Given, Motion, Quantity};
 use super::picture::Picture;
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Flag, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point, Positive, Set, Table, Tabled,
-    Text, Writer, kinds, last, table, words,
+    Context, Count, Flag, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point, Positive,
+    Set, Table, Tabled, Text, Writer, kinds, last, table, words,
 };
 
 table! {
@@ -175,7 +175,8 @@ impl Output {
             table.get("of").map_or(Ok(()), |item| given.check_quantity(&item, quantity))?;
             table.get("times").map_or(Ok(()), |item| given.check_times(&item))?;
         }
-        if let (Some(item), true) = (items(table, "forces")?.first(), given.motion != Motion::Flow) {
+        if let (Some(item), true) = (items(table, "forces")?.first(), given.motion != Motion::Flow)
+        {
             return Err(item
                 .key_error("there are no forces: the velocity is prescribed and no flow is solved")
                 .remedy("leave output.forces out"));
@@ -191,14 +192,19 @@ impl Output {
 
     pub(in crate::scene) fn write(&self, out: &mut Writer) {
         out.header("[output]");
-        out.entries(last(self.entries(), &["picture", "curves", "probes", "profiles", "forces", "fluxes"]));
+        out.entries(last(
+            self.entries(),
+            &["picture", "curves", "probes", "profiles", "forces", "fluxes"],
+        ));
     }
 }
 
 impl Profile {
     fn check(&mut self, table: &Table<'_>, _: &Context) -> Result<()> {
         match table.get("to").filter(|_| self.from == self.to) {
-            Some(to) => Err(to.error("the profile has no length").remedy("give `to` and `from` that differ")),
+            Some(to) => Err(to
+                .error("the profile has no length")
+                .remedy("give `to` and `from` that differ")),
             None => Ok(()),
         }
     }

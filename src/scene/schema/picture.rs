@@ -3,7 +3,8 @@
 use super::given::{Given, Motion, Quantity};
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Flag, Item, Kind, Nested, Number, Numbers, Opt, Table, Typed, Vector, table, words,
+    Context, Count, Flag, Item, Kind, Nested, Number, Numbers, Opt, Table, Typed, Vector, table,
+    words,
 };
 
 table! {
@@ -16,8 +17,8 @@ table! {
         /// characteristics are carried, also the area change Z1 and the shear Z2 of the one
         /// interface, or a checkerboard that its material carries.
         field: Quantity [Shown,
-            Derived("speed; image where one is segmented; the level set where one is \
-                carried by a given velocity", Quantity::Speed)],
+            Derived("speed; image where one is segmented; the level set where one is carried by a \
+                given velocity", Quantity::Speed)],
         /// Whether the edges of the mesh are drawn; in the plane alone.
         mesh: bool [Flag, Default(false)],
         /// Length of the longer side.
@@ -76,7 +77,9 @@ impl Typed for Shown {
     const KIND: Kind = Fields::KIND;
     fn read(item: &Item<'_>, context: &Context) -> Result<Quantity> {
         if item.is_word("velocity") {
-            return Err(item.error("a picture shows one number at each point").remedy("write field = \"speed\""));
+            return Err(item
+                .error("a picture shows one number at each point")
+                .remedy("write field = \"speed\""));
         }
         Fields::read(item, context)
     }
@@ -89,7 +92,10 @@ impl Picture {
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         match ["view", "slice", "window"].into_iter().find_map(|key| table.get(key)) {
             Some(item) if context.dimension == 2 => Err(item
-                .key_error(format!("`{}` is for pictures of space, and the mesh is plane", item.key))
+                .key_error(format!(
+                    "`{}` is for pictures of space, and the mesh is plane",
+                    item.key
+                ))
                 .remedy("leave it out")),
             _ => Ok(()),
         }
@@ -102,17 +108,24 @@ impl Picture {
         }
         if let (true, Some(item)) = (self.mesh, table.get("mesh")) {
             return Err(item
-                .error("the edges of a mesh are drawn in the plane alone, and the scene has 3 dimensions")
+                .error(
+                    "the edges of a mesh are drawn in the plane alone, and the scene has 3 \
+                     dimensions",
+                )
                 .remedy("write mesh = false, or open fields.pvd in ParaView"));
         }
         if let (Quantity::Checkerboard, Some(item)) = (self.field, table.get("slice")) {
             return Err(item
-                .key_error("a checkerboard is on the interface, and `slice` shows a plane in its place")
+                .key_error(
+                    "a checkerboard is on the interface, and `slice` shows a plane in its place",
+                )
                 .remedy("leave slice out, or show another field"));
         }
         match (&self.window, table.get("window")) {
             (Some(Window { min, max }), Some(item)) if !(0..3).all(|k| min[k] < max[k]) => {
-                Err(item.error("the window has no volume").remedy("give `max` larger coordinates than `min`"))
+                Err(item
+                    .error("the window has no volume")
+                    .remedy("give `max` larger coordinates than `min`"))
             }
             _ => Ok(()),
         }
@@ -134,7 +147,9 @@ impl Given<'_> {
         if field == Quantity::Image {
             return match self.motion {
                 Motion::Image => Ok(()),
-                _ => Err(item.error("the scene has no [image] that a picture could show").remedy("show the speed")),
+                _ => Err(item
+                    .error("the scene has no [image] that a picture could show")
+                    .remedy("show the speed")),
             };
         }
         if !matches!(field, Quantity::AreaChange | Quantity::Shear | Quantity::Checkerboard) {
@@ -148,7 +163,8 @@ impl Given<'_> {
             _ => "belongs to one interface",
         };
         Err(item.error(format!("`{word}` {what}")).remedy(
-            "show the speed, or give a scene of space one [[membrane]] with a law of shear, or output.backward_map = true",
+            "show the speed, or give a scene of space one [[membrane]] with a law of shear, or \
+             output.backward_map = true",
         ))
     }
 }

@@ -24,13 +24,20 @@ fn corners(list: &Item, _: &Context) -> Result<Vec<[f64; 2]>> {
     let items = list.list()?;
     let points: Vec<[f64; 2]> = items.iter().map(Item::vector).collect::<Result<_>>()?;
     if points.len() < 3 {
-        return Err(list.error(format!("a polygon has at least 3 corners, not {}", points.len())).remedy(REMEDY));
+        return Err(list
+            .error(format!("a polygon has at least 3 corners, not {}", points.len()))
+            .remedy(REMEDY));
     }
     match crossing(&points) {
         None => Ok(points),
         Some((i, j)) => Err(items[j]
-            .error(format!("sides {i} and {j} of the polygon meet (side 0 runs from the first corner)"))
-            .remedy("list every corner once, in order along the curve, without the first one again at the end")),
+            .error(format!(
+                "sides {i} and {j} of the polygon meet (side 0 runs from the first corner)"
+            ))
+            .remedy(
+                "list every corner once, in order along the curve, without the first one again at \
+                 the end",
+            )),
     }
 }
 
@@ -74,7 +81,10 @@ fn folds((a, b): Side, (_, c): Side) -> bool {
 fn intersect((a, b): Side, (c, d): Side) -> bool {
     let apart = |k: usize| a[k].max(b[k]) < c[k].min(d[k]) || c[k].max(d[k]) < a[k].min(b[k]);
     let opposite = |s: f64, t: f64| !(s > 0.0 && t > 0.0 || s < 0.0 && t < 0.0);
-    !apart(0) && !apart(1) && opposite(turn(a, b, c), turn(a, b, d)) && opposite(turn(c, d, a), turn(c, d, b))
+    !apart(0)
+        && !apart(1)
+        && opposite(turn(a, b, c), turn(a, b, d))
+        && opposite(turn(c, d, a), turn(c, d, b))
 }
 
 #[cfg(test)]
@@ -85,10 +95,26 @@ mod tests {
     fn simple_polygons_pass_and_crossing_ones_do_not() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         assert_eq!(crossing(&square), None);
-        assert_eq!(crossing(&[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 1.0]]), None, "a corner of 180 degrees");
-        assert_eq!(crossing(&[square[0], square[2], square[1], square[3]]), Some((0, 2)), "a bow tie");
-        assert_eq!(crossing(&[square[0], square[1], square[2], square[3], square[0]]), Some((0, 3)), "closed twice");
-        assert_eq!(crossing(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), Some((0, 1)), "runs back");
+        assert_eq!(
+            crossing(&[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 1.0]]),
+            None,
+            "a corner of 180 degrees"
+        );
+        assert_eq!(
+            crossing(&[square[0], square[2], square[1], square[3]]),
+            Some((0, 2)),
+            "a bow tie"
+        );
+        assert_eq!(
+            crossing(&[square[0], square[1], square[2], square[3], square[0]]),
+            Some((0, 3)),
+            "closed twice"
+        );
+        assert_eq!(
+            crossing(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]]),
+            Some((0, 1)),
+            "runs back"
+        );
         assert_eq!(crossing(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), Some((0, 2)), "no area");
     }
 }

@@ -4,8 +4,8 @@ use super::polygon::Polygon;
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Item, Kind, Nested, NonNegative, Number, Numbers, Positive, Table, Tabled, Typed, Vector, kinds, list,
-    one_of, table,
+    Context, Item, Kind, Nested, NonNegative, Number, Numbers, Positive, Table, Tabled, Typed,
+    Vector, kinds, list, one_of, table,
 };
 
 /// A closed curve (in space: a closed surface) and its inside.
@@ -123,7 +123,8 @@ table! {
             Required("give the centre: centre = [1, 1]", "give the centre: centre = [0, 0, 0]")],
         /// Half of the width, of the height and, in space, of the depth.
         half_size: Vec<f64> [HalfSizes, "m",
-            Required("give both: half_size = [0.5, 0.25]", "give all three: half_size = [0.5, 0.25, 0.25]")],
+            Required("give both: half_size = [0.5, \
+                0.25]", "give all three: half_size = [0.5, 0.25, 0.25]")],
         /// Radius of the corners (in space: edges), at most the smallest half size.
         radius: f64 [NonNegative, "m", Required("give the radius of the corners: radius = 0.1")],
         /// Counter-clockwise rotation, in the plane.
@@ -154,10 +155,13 @@ impl Typed for Shapes {
     type Out = Vec<Shape>;
     const KIND: Kind = Kind::Value("list of shapes");
     fn read(item: &Item<'_>, context: &Context) -> Result<Vec<Shape>> {
-        let (parts, depth) = (item.list()?, item.key.split('.').filter(|key| *key == "union").count());
+        let (parts, depth) =
+            (item.list()?, item.key.split('.').filter(|key| *key == "union").count());
         if parts.is_empty() || depth > DEPTH {
             return Err(item
-                .error("a union needs at least one shape, and not too many unions inside one another")
+                .error(
+                    "a union needs at least one shape, and not too many unions inside one another",
+                )
                 .remedy("write union = [{ circle = { ... } }, { ellipse = { ... } }]"));
         }
         parts.iter().map(|part| Shape::read(part, context)).collect()
@@ -188,7 +192,11 @@ impl RoundedBox {
     /// Rejects a rotation that does not fit the dimension.
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         let (other, what, remedy) = match context.dimension {
-            2 => ("rotation", "in the plane a shape is turned by one angle", "give angle = 30, in degrees"),
+            2 => (
+                "rotation",
+                "in the plane a shape is turned by one angle",
+                "give angle = 30, in degrees",
+            ),
             _ => (
                 "angle",
                 "in space one angle does not say how a shape is turned",
@@ -217,7 +225,9 @@ impl RoundedBox {
 fn axis(item: &Item, _: &Context) -> Result<[f64; 3]> {
     match item.vector::<3>()? {
         axis if axis.iter().any(|c| *c != 0.0) => Ok(axis),
-        _ => Err(item.error("the axis of a torus is zero").remedy("give a direction such as [0, 0, 1]")),
+        _ => Err(item
+            .error("the axis of a torus is zero")
+            .remedy("give a direction such as [0, 0, 1]")),
     }
 }
 
@@ -247,7 +257,9 @@ fn lengths(item: &Item, n: usize) -> Result<Vec<f64>> {
         return Ok(v);
     }
     let all = if n == 2 { "both" } else { "all" };
-    Err(item.error(format!("{all} numbers of `{}` must be positive", item.key)).remedy("give lengths > 0"))
+    Err(item
+        .error(format!("{all} numbers of `{}` must be positive", item.key))
+        .remedy("give lengths > 0"))
 }
 
 fn level_function(item: &Item, context: &Context) -> Result<Expression> {
@@ -259,5 +271,7 @@ fn level_function(item: &Item, context: &Context) -> Result<Expression> {
     } else {
         return Ok(e);
     };
-    Err(item.error(what).remedy("write one that is negative inside, such as \"hypot(x - 1, y - 1) - 0.5\""))
+    Err(item
+        .error(what)
+        .remedy("write one that is negative inside, such as \"hypot(x - 1, y - 1) - 0.5\""))
 }

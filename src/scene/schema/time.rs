@@ -41,7 +41,9 @@ impl Time {
         for key in ["step_min", "step_max"] {
             if let (Some(item), None) = (table.get(key), self.tolerance) {
                 return Err(item
-                    .key_error(format!("`{key}` bounds steps that follow the error, and these have one length"))
+                    .key_error(format!(
+                        "`{key}` bounds steps that follow the error, and these have one length"
+                    ))
                     .remedy("add time.tolerance = 1e-2, or leave it out"));
             }
         }
@@ -54,15 +56,18 @@ impl Time {
             return Ok(());
         }
         if ratio > MOST_STEPS {
-            return Err(end
-                .error(format!("{ratio:.1e} time steps are too many"))
-                .remedy(format!("give a larger step or an earlier end; at most {MOST_STEPS:e} steps are made")));
+            return Err(end.error(format!("{ratio:.1e} time steps are too many")).remedy(format!(
+                "give a larger step or an earlier end; at most {MOST_STEPS:e} steps are made"
+            )));
         }
         if (ratio - ratio.round()).abs() <= ROUNDING * ratio && ratio.round() >= 1.0 {
             return Ok(());
         }
-        let ends: Vec<String> =
-            [ratio.floor(), ratio.ceil()].iter().filter(|n| **n >= 1.0).map(|n| short(n * self.step)).collect();
+        let ends: Vec<String> = [ratio.floor(), ratio.ceil()]
+            .iter()
+            .filter(|n| **n >= 1.0)
+            .map(|n| short(n * self.step))
+            .collect();
         Err(end
             .error(format!("`time.end` is not a multiple of the step {}", self.step))
             .remedy(format!("the nearest ends are {}", ends.join(" and "))))

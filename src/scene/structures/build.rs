@@ -31,7 +31,9 @@ impl<const D: usize> Build<'_, '_, D> {
     /// # Errors
     /// Internal, for a structure without a shape.
     pub fn placed(&self) -> Result<&Placed<D>> {
-        self.placed.as_ref().ok_or_else(|| Error::internal("a structure without a shape was placed"))
+        self.placed
+            .as_ref()
+            .ok_or_else(|| Error::internal("a structure without a shape was placed"))
     }
     /// Attaches the position of this key of the structure to an error.
     pub fn blame(&self, key: &str, error: Error) -> Error {
@@ -58,7 +60,8 @@ impl<const D: usize> Build<'_, '_, D> {
         if !Interface::cut(&self.site.space, &self.placed()?.nodal[..])?.points().is_empty() {
             return Ok(());
         }
-        let e = Error::scene("no part of the interface lies on the mesh").remedy("move the shape, or refine the mesh");
+        let e = Error::scene("no part of the interface lies on the mesh")
+            .remedy("move the shape, or refine the mesh");
         Err(self.blame("shape", e))
     }
     /// Checks that the mesh resolves the band of the structure `name`, if it has one, and that the
@@ -70,8 +73,8 @@ impl<const D: usize> Build<'_, '_, D> {
     pub fn check_band(&mut self, name: &str, banded: bool, widest: f64) -> Result<()> {
         let (eps, distance) = (self.thickness, self.placed()?.nodal.clone());
         let adapts = self.site.script.adapt.is_some();
-        let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted edges reach 1.4 times what is asked for), \
-                      or a mesh.adapt.width above the thickness";
+        let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted \
+            edges reach 1.4 times what is asked for), or a mesh.adapt.width above the thickness";
         let check = if banded { check_band(&self.site.space, &distance, eps) } else { Ok(None) };
         let check = check.map_err(|e| if adapts { e.remedy(remedy) } else { e });
         let check = check.and_then(|warning| {
@@ -129,7 +132,10 @@ pub(super) fn band_words(name: &str, numerics: &Numerics, band: Band) -> String 
         }
         Band::Carried => {
             let keeps = if numerics.has_continuum_force() { "" } else { " keeps the energy," };
-            format!("band of `{name}` carried with the fluid{given}:{keeps} of this half-width at the start")
+            format!(
+                "band of `{name}` carried with the fluid{given}:{keeps} of this half-width at the \
+                 start"
+            )
         }
     }
 }

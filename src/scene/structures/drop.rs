@@ -9,7 +9,9 @@ use crate::mesh::Point;
 use crate::output::Figure;
 use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
-use crate::scene::keys::{Context, Identifier, Item, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer, table};
+use crate::scene::keys::{
+    Context, Identifier, Item, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer, table,
+};
 use crate::scene::row::Row;
 use crate::scene::schema::{Numerics, Shape, Tables};
 use crate::scene::view::View;
@@ -44,8 +46,8 @@ table! {
         /// Where surface tension acts: on the interface itself, cut out of the cells, or over a
         /// band of half-width `numerics.thickness`.
         force: Force [Forces,
-            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the \
-                semi-implicit coupling is given", Force::Sharp)],
+            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the semi-implicit \
+                coupling is given", Force::Sharp)],
         /// Lines along which the contour is measured.
         chords: Vec<Named<Chord>> [Named<Chord>],
         /// Planes through the surface in which its form is measured; in space alone.
@@ -58,7 +60,8 @@ impl Drop {
     /// band.
     fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
         let mut drop = Drop::read(item, context)?;
-        let banded = numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;
+        let banded =
+            numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;
         if banded && item.open_table()?.get("force").is_none() {
             drop.force = Force::Smeared;
         }
@@ -89,7 +92,9 @@ impl<const D: usize> KindIn<D> for Drop {
         };
         let law = AreaLaw::Tension { tension: self.tension };
         Ok(match self.force {
-            Force::Sharp => Immersed::boxed(interface, SharpMembrane::new(law, of.mean_viscosity())),
+            Force::Sharp => {
+                Immersed::boxed(interface, SharpMembrane::new(law, of.mean_viscosity()))
+            }
             Force::Smeared => build::smeared(interface, law, (numerics, band)),
         })
     }
@@ -123,14 +128,16 @@ impl StructureKind for Drop {
     }
     fn words(&self) -> Vec<String> {
         let own = [("density", self.density), ("viscosity", self.viscosity)];
-        let own = own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
+        let own =
+            own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
         let own: String = own.collect();
         let (name, tension) = (&self.name, self.tension);
         vec![format!("drop `{name}`: surface tension {tension}{own}; its level set by (1.34)")]
     }
     fn numerics(&self, tables: &Tables) -> Option<String> {
         if self.force == Force::Sharp {
-            return (self.tension > 0.0).then(|| format!("force of `{}` on the interface itself", self.name));
+            return (self.tension > 0.0)
+                .then(|| format!("force of `{}` on the interface itself", self.name));
         }
         Some(build::band_words(&self.name, &tables.numerics, self.band(&tables.numerics)))
     }

@@ -88,7 +88,10 @@ pub(super) fn check(table: &Table<'_>, force: Force, context: &Context) -> Resul
         return match shear.as_ref().or(table.get("area").as_ref()) {
             None => Ok(()),
             Some(other) => Err(other
-                .key_error(format!("`law` is a law of area and shear together, and `{}` comes on top of it", other.key))
+                .key_error(format!(
+                    "`law` is a law of area and shear together, and `{}` comes on top of it",
+                    other.key
+                ))
                 .remedy("give `law` alone, or `area` and `shear`")),
         };
     }

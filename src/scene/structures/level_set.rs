@@ -53,7 +53,10 @@ impl LevelSet {
         match table.get("markers").filter(|i| !i.is_zero() && context.dimension == 3) {
             None => Ok(()),
             Some(item) => Err(item
-                .key_error("markers follow a curve, and the interface is a surface: the scene has 3 dimensions")
+                .key_error(
+                    "markers follow a curve, and the interface is a surface: the scene has 3 \
+                     dimensions",
+                )
                 .remedy("leave them out")),
         }
     }
@@ -130,13 +133,15 @@ fn length_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
     if of.dimension == 3 {
         sheet.line("interface", of.column_of(name, "surface"));
         let title = format!("Surface of {name}");
-        let caption = "The area of the interface. It falls where thin parts of the interface are lost to the mesh.";
+        let caption = "The area of the interface. It falls where thin parts of the interface are \
+            lost to the mesh.";
         return sheet.draw(format!("surface-{name}"), [&title, "area"], caption);
     }
     sheet.line("interface", of.column_of(name, "perimeter"));
     sheet.dashed("markers", of.column_of(name, MARKERS[0]).map(<[f64]>::to_vec));
     let title = format!("Length of {name}");
-    let caption = "The length of the interface, and (dashed) that of the closed polygon of markers that are carried with it, if there are any: \
-                   the truth, as long as neighbours are near each other. Where the interface is shorter, thin parts of it have been lost.";
+    let caption = "The length of the interface, and (dashed) that of the closed polygon of \
+        markers that are carried with it, if there are any: the truth, as long as neighbours are \
+        near each other. Where the interface is shorter, thin parts of it have been lost.";
     sheet.draw(format!("length-{name}"), [&title, "length"], caption)
 }

@@ -3,21 +3,25 @@
 use super::build::{self, Build, band_of};
 use super::{KindIn, Registered, StructureKind, Traits, laws};
 use crate::base::{Error, Result};
-use crate::elastic::{AreaFrom, AreaLaw, Band, Force, SharpMembrane, ShearLaw, ShearMembrane, SurfaceLaw};
+use crate::elastic::{
+    AreaFrom, AreaLaw, Band, Force, SharpMembrane, ShearLaw, ShearMembrane, SurfaceLaw,
+};
 use crate::mesh::Point;
 use crate::output::Figure;
 use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Identifier, Item, Kind, Many, Named, Nested, NonNegative, Opt, Positive, Table, Tabled, Writer, kinds,
-    optional, table, words,
+    Context, Identifier, Item, Kind, Many, Named, Nested, NonNegative, Opt, Positive, Table,
+    Tabled, Writer, kinds, optional, table, words,
 };
 use crate::scene::points::coordinates;
 use crate::scene::row::Row;
 use crate::scene::schema::{Numerics, Shape, Tables};
 use crate::scene::view::View;
-use crate::structure::{Immersed, ImmersedInterface, InitialFunction, RestMap, Structure, SurfaceStrain};
+use crate::structure::{
+    Immersed, ImmersedInterface, InitialFunction, RestMap, Structure, SurfaceStrain,
+};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -81,12 +85,15 @@ impl Membrane {
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         let force = optional::<Forces>(table, "force", context)?.unwrap_or(Force::Smeared);
         laws::check(table, force, context)?;
-        let of_shear = ["map", "area_change", "level_set"].into_iter().find_map(|key| table.get(key));
+        let of_shear =
+            ["map", "area_change", "level_set"].into_iter().find_map(|key| table.get(key));
         let resists_shear = ["shear", "law"].into_iter().any(|key| table.get(key).is_some());
         if let (false, Some(item)) = (resists_shear, of_shear) {
             return Err(item
                 .key_error(format!("`{}` is for membranes that resist shear", item.key))
-                .remedy("give shear.linear = { modulus = 1 } beside the law of area, or leave it out"));
+                .remedy(
+                    "give shear.linear = { modulus = 1 } beside the law of area, or leave it out",
+                ));
         }
         cuts::check(table, context)
     }
@@ -131,7 +138,8 @@ impl Membrane {
                 distance(&(x + step)) - distance(&(x - step))
             };
             let gradient = SVector::<f64, D>::from_fn(|k, _| along(k));
-            let derivative = |i: usize, j: usize| map[i].eval_with_gradient(coordinates(x), 0.0).1[j];
+            let derivative =
+                |i: usize, j: usize| map[i].eval_with_gradient(coordinates(x), 0.0).1[j];
             let grad_y = SMatrix::<f64, D, D>::from_fn(derivative);
             let area = SurfaceStrain::new(&gradient.normalize(), &grad_y, stretch).z1;
             // The distance has no gradient on the medial axis of a shape.
@@ -153,13 +161,18 @@ impl Membrane {
             let wrong_area = near && distance[n] != 0.0 && !range.contains(&ratio);
             if !y.iter().all(|v| v.is_finite()) || wrong_area {
                 let what = match wrong_area {
-                    true => "the map to the place at rest has no area along the membrane, or too much",
+                    true => {
+                        "the map to the place at rest has no area along the membrane, or too much"
+                    }
                     false => "the map to the place at rest has no finite value everywhere",
                 };
                 let (y, x) = (y.as_slice(), x.as_slice());
                 let e = Error::scene(what)
                     .value(format!("{y:?} at {x:.4?}, area over that at rest {ratio:.3e}"))
-                    .remedy("write a map that is finite on the whole mesh and keeps points of the membrane apart");
+                    .remedy(
+                        "write a map that is finite on the whole mesh and keeps points of the \
+                         membrane apart",
+                    );
                 return Err(of.blame("map", e));
             }
         }
@@ -191,7 +204,9 @@ fn rest_map<const D: usize>(map: &[Expression]) -> Arc<RestMap<D>> {
 fn read_map(item: &Item, context: &Context) -> Result<Vec<Expression>> {
     let map = item.components(context)?;
     if map.iter().any(Expression::depends_on_time) {
-        return Err(item.error("the map to the place at rest depends on time").remedy("write it in x, y and z alone"));
+        return Err(item
+            .error("the map to the place at rest depends on time")
+            .remedy("write it in x, y and z alone"));
     }
     Ok(map)
 }
@@ -223,8 +238,12 @@ impl<const D: usize> KindIn<D> for Membrane {
         };
         Ok(match (self.surface(), self.force) {
             (Some(law), _) => Immersed::boxed(interface, self.sheared(law, of)),
-            (None, Force::Sharp) => Immersed::boxed(interface, SharpMembrane::new(self.area(), of.mean_viscosity())),
-            (None, Force::Smeared) => build::smeared(interface, self.area(), (numerics, self.band(numerics))),
+            (None, Force::Sharp) => {
+                Immersed::boxed(interface, SharpMembrane::new(self.area(), of.mean_viscosity()))
+            }
+            (None, Force::Smeared) => {
+                build::smeared(interface, self.area(), (numerics, self.band(numerics)))
+            }
         })
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
@@ -250,7 +269,8 @@ impl StructureKind for Membrane {
         };
         Traits {
             slope: self.stretch,
-            constant_tension: self.surface().is_none() && matches!(self.area(), AreaLaw::Tension { .. }),
+            constant_tension: self.surface().is_none()
+                && matches!(self.area(), AreaLaw::Tension { .. }),
             modulus: self.surface().map_or(self.area().modulus(), SurfaceLaw::modulus),
             pulls: self.area().modulus() > 0.0,
             on_interface: self.force == Force::Sharp,
@@ -270,7 +290,8 @@ impl StructureKind for Membrane {
         let law = laws::words(self.area(), self.surface());
         if self.surface().is_none() {
             return vec![format!(
-                "membrane `{name}`: stress (3.16) with {law}, initial stretch {stretch}{mass}; its level set by (3.22)"
+                "membrane `{name}`: stress (3.16) with {law}, initial stretch {stretch}{mass}; \
+                 its level set by (3.22)"
             )];
         }
         let level_set = if self.level_set { "phi0(Y) (3.32)" } else { "carried by (3.31)" };
@@ -279,9 +300,13 @@ impl StructureKind for Membrane {
             AreaFrom::Map => "the map (3.40)",
         };
         let mut lines = vec![
-            format!("membrane `{name}`: forces F1 + F2 (3.47) with {law}, initial stretch {stretch}{mass}"),
             format!(
-                "its level set {level_set}, Z1 from {from}, Z2 from the backward characteristics Y by (3.38), (3.41)"
+                "membrane `{name}`: forces F1 + F2 (3.47) with {law}, initial stretch \
+                 {stretch}{mass}"
+            ),
+            format!(
+                "its level set {level_set}, Z1 from {from}, Z2 from the backward characteristics \
+                 Y by (3.38), (3.41)"
             ),
         ];
         if !self.map.is_empty() {
@@ -294,7 +319,10 @@ impl StructureKind for Membrane {
         if self.force == Force::Sharp {
             let pulls = self.area().modulus() > 0.0;
             return pulls.then(|| {
-                format!("force of `{}` on the interface itself, with the stretch carried along it", self.name)
+                format!(
+                    "force of `{}` on the interface itself, with the stretch carried along it",
+                    self.name
+                )
             });
         }
         Some(build::band_words(&self.name, &tables.numerics, self.band(&tables.numerics)))
@@ -304,7 +332,8 @@ impl StructureKind for Membrane {
     }
     fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
         let cuts = self.cuts();
-        let (axes, chords) = (of.axes(&self.name, self.surface().is_none()), of.chords(&self.name, cuts.names()));
+        let (axes, chords) =
+            (of.axes(&self.name, self.surface().is_none()), of.chords(&self.name, cuts.names()));
         axes.into_iter().chain(chords).collect()
     }
     fn write(&self, out: &mut Writer) {

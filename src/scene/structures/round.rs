@@ -67,7 +67,8 @@ pub(super) fn velocity_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
     for axis in &AXES[..of.dimension] {
         sheet.line(*axis, measured(of, name, &format!("velocity_{axis}")));
     }
-    let caption = "Components of the mean velocity of what is inside, by the flux through the interface.";
+    let caption =
+        "Components of the mean velocity of what is inside, by the flux through the interface.";
     sheet.draw(format!("velocity-{name}"), [&format!("Velocity of {name}"), "velocity"], caption)
 }
 
@@ -77,7 +78,8 @@ pub(super) fn roundness_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
     let column = roundness(of.dimension);
     sheet.line(column, measured(of, name, column));
     let caption = format!(
-        "The {size} of the {round} that holds the same {enclosed} over that of the drop: 1 for a {round}.",
+        "The {size} of the {round} that holds the same {enclosed} over that of the drop: 1 for a \
+         {round}.",
         size = words.size,
         round = words.round,
         enclosed = words.enclosed

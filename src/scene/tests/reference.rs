@@ -26,8 +26,12 @@ fn described(
             let number = |text: &str| text.parse::<f64>().ok();
             let same = number(stated).is_some_and(|v| number(&value.to_string()) == Some(v));
             // A default vector of the plane is extended to space with its last component.
-            let vector = stated.strip_suffix("]").and_then(|v| Some(format!("{v}, {}]", v.rsplit_once(", ")?.1)));
-            let same = same || value.to_string() == stated || vector.is_some_and(|v| v == value.to_string());
+            let vector = stated
+                .strip_suffix("]")
+                .and_then(|v| Some(format!("{v}, {}]", v.rsplit_once(", ")?.1)));
+            let same = same
+                || value.to_string() == stated
+                || vector.is_some_and(|v| v == value.to_string());
             assert!(same, "default of {path}: {value}, said to be {stated}");
             seen.insert(path.clone());
         }
@@ -119,7 +123,8 @@ fn with_kind(text: &str, kind: &Registered) -> String {
             || (line.starts_with("rings") && kind.keys.get("rings").is_none())
     };
     let kept = text.lines().filter(|line| !other(line)).collect::<Vec<_>>().join("\n");
-    let example = (kind.example)(if text.contains("box = {") && !text.contains("rectangle") { 3 } else { 2 });
+    let example =
+        (kind.example)(if text.contains("box = {") && !text.contains("rectangle") { 3 } else { 2 });
     kept.replacen("[[membrane]]\n", &format!("[[{}]]\n{example}\n", kind.list), 1)
 }
 
@@ -127,19 +132,31 @@ fn with_kind(text: &str, kind: &Registered) -> String {
 fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let mut seen = BTreeSet::new();
     let box_shape = "shape.rounded_box = { centre = [1, 1], half_size = [1, 2], radius = 0.1 }";
-    let rounded = BARE.replace("shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }", box_shape);
-    let file = BARE.replace("rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }", "file = \"box.msh\"");
-    let adapted = BARE.replace("[fluid]", "[mesh.adapt]\nevery = 0.1\nedge = 0.01\nfields = [\"velocity\"]\n[fluid]");
+    let rounded =
+        BARE.replace("shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }", box_shape);
+    let file = BARE.replace(
+        "rectangle = { min = [0, 0], max = [2, 2], cells = [60, 60] }",
+        "file = \"box.msh\"",
+    );
+    let adapted = BARE.replace(
+        "[fluid]",
+        "[mesh.adapt]\nevery = 0.1\nedge = 0.01\nfields = [\"velocity\"]\n[fluid]",
+    );
     let ellipsoid = "shape.ellipsoid = { centre = [1, 1, 1], semi_axes = [0.75, 0.5, 0.5] }";
-    let torus = SOLID.replace(ellipsoid, "shape.torus = { centre = [1, 1, 1], major = 0.5, minor = 0.2 }");
-    let block =
-        SOLID.replace(ellipsoid, "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }");
+    let torus =
+        SOLID.replace(ellipsoid, "shape.torus = { centre = [1, 1, 1], major = 0.5, minor = 0.2 }");
+    let block = SOLID.replace(
+        ellipsoid,
+        "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }",
+    );
     let redistanced = format!("{BARE}[numerics.redistance]\nmethod = \"exact\"\n");
     let bare = [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &torus, &block, IMAGE];
-    let others =
-        KINDS.iter().filter(|kind| kind.keys.get("shape").is_some() && !["membrane", "level_set"].contains(&kind.list));
+    let others = KINDS.iter().filter(|kind| {
+        kind.keys.get("shape").is_some() && !["membrane", "level_set"].contains(&kind.list)
+    });
     let shapes = [BARE, &rounded, SOLID, &torus, &block];
-    let others: Vec<String> = others.flat_map(|kind| shapes.map(|text| with_kind(text, kind))).collect();
+    let others: Vec<String> =
+        others.flat_map(|kind| shapes.map(|text| with_kind(text, kind))).collect();
     let bare = bare.into_iter().chain(others.iter().map(String::as_str)).map(|text| (text, true));
     for (text, bare) in [(MEMBRANE, false), (FULL, false)].into_iter().chain(bare) {
         let written: toml::Table = parse(text).unwrap().to_toml().parse().unwrap();
@@ -156,8 +173,12 @@ fn the_reference_has_the_keys_that_reading_allows() {
     let mut tables = vec![(String::new(), &*KEYS, toml::Value::Table(written))];
     while let Some((path, keys, value)) = tables.pop() {
         let dot = if path.is_empty() { "" } else { "." };
-        let e =
-            Scene::parse_with(FULL, Path::new("case/scene.toml"), &[format!("{path}{dot}no_such_key=1")]).unwrap_err();
+        let e = Scene::parse_with(
+            FULL,
+            Path::new("case/scene.toml"),
+            &[format!("{path}{dot}no_such_key=1")],
+        )
+        .unwrap_err();
         let names = keys.names().collect::<Vec<_>>().join(", ");
         assert!(e.advice().ends_with(&format!("alid keys here: {names}")), "{path}: {e}");
         for (name, value) in value.as_table().unwrap() {
@@ -173,7 +194,11 @@ fn the_reference_has_the_keys_that_reading_allows() {
                     let (name, value) = named.iter().next().unwrap();
                     // A name with a space cannot be given by an override.
                     let name = if name.contains(' ') { "left" } else { name };
-                    tables.push((format!("{path}.{name}"), inner, named.get(name).unwrap_or(value).clone()));
+                    tables.push((
+                        format!("{path}.{name}"),
+                        inner,
+                        named.get(name).unwrap_or(value).clone(),
+                    ));
                 }
                 _ => (),
             }

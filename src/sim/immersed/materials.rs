@@ -42,7 +42,8 @@ impl<const D: usize> Simulation<D> {
         };
         let at_point = |at: &At<D>, id: FieldId| basis.value(at, fields.scalar(id));
         let Fluid { density, viscosity } = settings.fluid;
-        let buoyant = settings.boussinesq && settings.fluids(structures).any(|f| f.density != density);
+        let buoyant =
+            settings.boussinesq && settings.fluids(structures).any(|f| f.density != density);
         let held = self.held();
         let rho_of = |at: &At<D>| density_of(settings.fluid, &held, |id| at_point(at, id));
         let buoyancy = buoyant.then(|| pointwise(&|at| rho_of(at) - density));
@@ -93,7 +94,9 @@ fn density_of(outside: Fluid, held: &[Held], phi: impl Fn(FieldId) -> f64) -> f6
         }
     }
     let heavy = held.iter().filter(|h| h.surface_mass > 0.0);
-    heavy.fold(rho, |rho, h| rho + band::density(phi(h.level_set), h.thickness, 0.0, 0.0, h.surface_mass))
+    heavy.fold(rho, |rho, h| {
+        rho + band::density(phi(h.level_set), h.thickness, 0.0, 0.0, h.surface_mass)
+    })
 }
 
 /// Viscosity by (3.19) where level set `id` has the value `phi(id)`, as the density.

@@ -45,7 +45,10 @@ impl<const D: usize> Simulation<D> {
     }
     /// True if the end is reached; never with steps of one length.
     pub fn is_done(&self) -> bool {
-        self.pacing.as_ref().zip(self.state.pace.as_ref()).is_some_and(|(p, pace)| pace.clock.is_done(p))
+        self.pacing
+            .as_ref()
+            .zip(self.state.pace.as_ref())
+            .is_some_and(|(p, pace)| pace.clock.is_done(p))
     }
     /// True if the time is one of the instants.
     pub fn is_at_instant(&self) -> bool {
@@ -55,7 +58,8 @@ impl<const D: usize> Simulation<D> {
     /// The largest stable step of the explicit coupling: (1.54) with the largest tension and the
     /// shortest edge of the bands.
     fn explicit_limit(&mut self) -> Result<f64> {
-        let explicit = |s: &dyn crate::structure::Structure<D>| s.acts() && s.coupling().is_explicit();
+        let explicit =
+            |s: &dyn crate::structure::Structure<D>| s.acts() && s.coupling().is_explicit();
         if !self.carried.structures.iter().any(|s| explicit(&**s)) {
             return Ok(f64::INFINITY);
         }
@@ -79,7 +83,9 @@ impl<const D: usize> Simulation<D> {
                 return Err(Error::internal("steps that follow the error have no clock"));
             };
             let start = self.state.steps == 0;
-            let dt = clock.propose(pacing, limit, 1 + u64::from(start)).map_err(|e| failure.take().unwrap_or(e))?;
+            let dt = clock
+                .propose(pacing, limit, 1 + u64::from(start))
+                .map_err(|e| failure.take().unwrap_or(e))?;
             let before = self.state.clone();
             let tried = self.try_step(pacing, dt, &before);
             let error = match tried {
@@ -113,7 +119,12 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Takes a step `dt` (at the start two) and returns its error relative to the tolerance.
-    fn try_step(&mut self, pacing: &Pacing, dt: f64, before: &State<D>) -> Result<(StepReport, f64)> {
+    fn try_step(
+        &mut self,
+        pacing: &Pacing,
+        dt: f64,
+        before: &State<D>,
+    ) -> Result<(StepReport, f64)> {
         self.settings.dt = dt;
         let end = pacing.instants.last().copied().unwrap_or(dt);
         let (mut report, start) = (self.single_step()?, before.steps == 0);
@@ -141,11 +152,16 @@ impl<const D: usize> Simulation<D> {
         let velocity = greatest((0..new.len()).map(|n| new[n] - ahead(n))) * part / (1.0 + part);
         let second = |n: usize| ((new[n] - now[n]) / dt - slope(n)) * (2.0 / (dt + h1));
         let position = greatest((0..new.len()).map(second)) * dt.powi(3) / 12.0;
-        Ok((report, (velocity / speed).max(position / pacing.length) / (pacing.tolerance * dt / end)))
+        Ok((
+            report,
+            (velocity / speed).max(position / pacing.length) / (pacing.tolerance * dt / end),
+        ))
     }
 }
 
 /// The largest norm; NaN counts as infinite.
 fn greatest<const D: usize>(vectors: impl Iterator<Item = SVector<f64, D>>) -> f64 {
-    vectors.map(|v| v.norm()).fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
+    vectors
+        .map(|v| v.norm())
+        .fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
 }

@@ -15,10 +15,10 @@ impl Simulation<2> {
     ///
     /// Matrices, orderings and factors are those of the new mesh. The change of kinetic and elastic
     /// energy by the transfer is added to
-    /// [`EnergyBalance::transferred`](crate::sim::EnergyBalance::transferred) and stays in the residual
-    /// of the energy balance. The velocity is not projected to discretely divergence-free functions
-    /// on the new mesh: old velocities enter the next step through its right-hand side only, and
-    /// the step computes a divergence-free velocity.
+    /// [`EnergyBalance::transferred`](crate::sim::EnergyBalance::transferred) and stays in the
+    /// residual of the energy balance. The velocity is not projected to discretely divergence-free
+    /// functions on the new mesh: old velocities enter the next step through its right-hand side
+    /// only, and the step computes a divergence-free velocity.
     ///
     /// # Errors
     /// Those of [`Simulation::new`]; a mesh that does not cover the domain.
@@ -33,7 +33,9 @@ impl Simulation<2> {
         let (from, to) = (self.flow.pressure().space(), sim.flow.pressure().space());
         let p = Bring::new(transfer, from, to, &links)?.scalar(&old.flow.p)?;
         let pace = match &old.pace {
-            Some(pace) => Some(Pace { earliest_u: bring.vector(&pace.earliest_u)?, ..pace.clone() }),
+            Some(pace) => {
+                Some(Pace { earliest_u: bring.vector(&pace.earliest_u)?, ..pace.clone() })
+            }
             None => None,
         };
         sim.state = State {

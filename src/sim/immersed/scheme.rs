@@ -47,7 +47,8 @@ impl<const D: usize> Simulation<D> {
     /// The scheme of the coming step.
     pub(super) fn scheme(&self) -> Scheme {
         let dt = self.settings.dt;
-        let paced = |p: &crate::sim::Pace<D>| if p.clock.last > 0.0 { dt / p.clock.last } else { 1.0 };
+        let paced =
+            |p: &crate::sim::Pace<D>| if p.clock.last > 0.0 { dt / p.clock.last } else { 1.0 };
         let inertia = !self.is_stokes();
         Scheme {
             second: self.settings.order == 2 && self.state.steps > 0,
@@ -86,7 +87,8 @@ mod tests {
                 for power in 0..=s.order() as i32 {
                     let f = |t: f64| t.powi(power);
                     let [a, b] = s.history();
-                    let value = s.weight() * f(time) - a * f(time - dt) - b * f(time - dt - dt / ratio);
+                    let value =
+                        s.weight() * f(time) - a * f(time - dt) - b * f(time - dt - dt / ratio);
                     let exact = f64::from(power) * time.powi(power - 1);
                     assert!((value / dt - exact).abs() < 1e-12, "{ratio} {second} {power}");
                 }

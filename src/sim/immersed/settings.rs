@@ -95,6 +95,9 @@ impl<const D: usize> SimulationSettings<D> {
     /// A coupling that is not possible with these settings.
     pub fn check_couplings(&self, structures: &[Box<dyn Structure<D>>]) -> crate::base::Result<()> {
         let lightest = self.lightest(structures);
-        structures.iter().filter(|s| s.acts()).try_for_each(|s| s.check_coupling(self.order, lightest))
+        structures
+            .iter()
+            .filter(|s| s.acts())
+            .try_for_each(|s| s.check_coupling(self.order, lightest))
     }
 }

@@ -85,7 +85,8 @@ impl<const D: usize> Simulation<D> {
         let velocity = Velocity::Computed { ends: [current, current], mean: current };
         let (fields, of) = (&self.state.fields, (scheme.dt, scheme.time, true));
         let acting = || self.carried.structures.iter().filter(|s| s.acts());
-        let (acts, semi) = (acting().count() > 0, acting().any(|s| s.coupling() == Coupling::SemiImplicit));
+        let (acts, semi) =
+            (acting().count() > 0, acting().any(|s| s.coupling() == Coupling::SemiImplicit));
         if scheme.second && acts {
             self.carried.carry(fields, velocity, of, &[], ahead)?;
         } else {
@@ -138,7 +139,8 @@ impl<const D: usize> Simulation<D> {
             History { weight: now, u: current, feet: feet(0) },
             History { weight: earlier, u: &self.state.earlier_u, feet: feet(1) },
         ];
-        let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) = <_>::default();
+        let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) =
+            <_>::default();
         for s in &self.carried.structures {
             s.terms(&mut terms);
             s.blocks(&mut blocks);

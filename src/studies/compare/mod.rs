@@ -45,7 +45,8 @@ impl std::str::FromStr for Bound {
             None => (None, text),
         };
         let value = number.trim().parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
-        let value = value.ok_or("write a positive number, or COLUMN=NUMBER, as in membrane.horizontal=1e-5")?;
+        let value = value
+            .ok_or("write a positive number, or COLUMN=NUMBER, as in membrane.horizontal=1e-5")?;
         Ok(Bound { column, value })
     }
 }
@@ -82,7 +83,8 @@ impl Pair<'_> {
     }
     /// KeyNumber of the row with the largest difference, and the difference.
     fn worst(&self) -> (usize, f64) {
-        let differences = self.ours.iter().zip(&self.theirs).map(|(a, b)| (a - b).abs()).enumerate();
+        let differences =
+            self.ours.iter().zip(&self.theirs).map(|(a, b)| (a - b).abs()).enumerate();
         differences.fold((0, 0.0), |m, d| if d.1 > m.1 || d.1.is_nan() { d } else { m })
     }
     fn relative(&self) -> f64 {
@@ -109,7 +111,8 @@ pub(super) fn compare_and_cost(
     let scene = campaign.scene();
     let case = Case::new(twin, scene)?;
     let (ours, readings) = runs(campaign, &case, twin.loops(), options.repeat.max(1))?;
-    let (Some(outcome), Some(reading)) = (ours.first(), readings.first().and_then(|r| r.first())) else {
+    let (Some(outcome), Some(reading)) = (ours.first(), readings.first().and_then(|r| r.first()))
+    else {
         return Err(Error::internal("a comparison without runs"));
     };
     let (times, pairs) = common(&outcome.series, &reading.table, twin.path())?;
@@ -138,7 +141,11 @@ pub(super) fn compare_and_cost(
     found.alarms = page::alarms(&pairs, &options.bounds);
     found.notes = page::notes(&case, twin, reading, &pairs, outcome);
     found.key_numbers = page::key_numbers(&pairs, &costs, reading);
-    let costs = Costs { unknowns: outcome.unknowns() as f64, recorded: reading.recorded.is_some(), of: costs };
+    let costs = Costs {
+        unknowns: outcome.unknowns() as f64,
+        recorded: reading.recorded.is_some(),
+        of: costs,
+    };
     Ok((found, costs))
 }
 
@@ -149,29 +156,40 @@ fn runs(
     loops: &[Loop],
     repeat: usize,
 ) -> Result<(Vec<Outcome>, Vec<Vec<Reading>>)> {
-    let (time, runs, stop) = (campaign.scene().time, campaign.folder().join("runs"), campaign.stop());
+    let (time, runs, stop) =
+        (campaign.scene().time, campaign.folder().join("runs"), campaign.stop());
     let mut ours = Vec::new();
     let mut theirs: Vec<Vec<Reading>> = vec![Vec::new(); loops.len()];
     for repetition in 0..repeat {
         let trial = Trial { label: "immersa".into(), set: vec![], repetition };
         let outcome = campaign.run(&trial, repetition + 1, repeat)?;
         if !outcome.finished() {
-            return Err(Error::computation(format!("immersa's own run {}", outcome.end.in_words()))
-                .value(outcome.end.reason())
-                .remedy("take a smaller time.step with --set: explicit coupling has a limit, which `immersa explain` prints"));
+            return Err(Error::computation(format!(
+                "immersa's own run {}",
+                outcome.end.in_words()
+            ))
+            .value(outcome.end.reason())
+            .remedy(
+                "take a smaller time.step with --set: explicit coupling has a limit, which \
+                 `immersa explain` prints",
+            ));
         }
         ours.push(outcome);
         for (k, work) in loops.iter().enumerate() {
             let end = if k == 0 { time.end } else { time.end.min(time.step * TIMED_STEPS as f64) };
             match case.run(work, end, repetition, &runs, stop)? {
                 Some(reading) => {
-                    let cost =
-                        reading.about.per_step.map_or(String::new(), |s| format!(", {} s a step", rounded(s, 3)));
+                    let cost = reading
+                        .about
+                        .per_step
+                        .map_or(String::new(), |s| format!(", {} s a step", rounded(s, 3)));
                     campaign.listener().note(&format!("FreeFEM {}{cost}", work.name));
                     theirs[k].push(reading);
                 }
                 None => {
-                    campaign.listener().note("FreeFEM is not installed: its recorded result is taken");
+                    campaign
+                        .listener()
+                        .note("FreeFEM is not installed: its recorded result is taken");
                     return Ok((ours, vec![vec![case.recorded()?]]));
                 }
             }
@@ -181,10 +199,15 @@ fn runs(
 }
 
 /// The times that both have, and the quantities that both have, at these times.
-fn common<'a>(ours: &Series, theirs: &'a Series, script: &Path) -> Result<(Vec<f64>, Vec<Pair<'a>>)> {
+fn common<'a>(
+    ours: &Series,
+    theirs: &'a Series,
+    script: &Path,
+) -> Result<(Vec<f64>, Vec<Pair<'a>>)> {
     let (mine, other) = (ours.column("time")?, theirs.column("time")?);
     let at = |t: f64| mine.iter().position(|&m| same_time(m, t));
-    let rows: Vec<(usize, usize)> = other.iter().enumerate().filter_map(|(j, t)| Some((at(*t)?, j))).collect();
+    let rows: Vec<(usize, usize)> =
+        other.iter().enumerate().filter_map(|(j, t)| Some((at(*t)?, j))).collect();
     let mut pairs = Vec::new();
     for (name, column) in theirs.names.iter().zip(&theirs.columns).filter(|(n, _)| *n != "time") {
         if let Ok(values) = ours.column(name) {
@@ -195,29 +218,42 @@ fn common<'a>(ours: &Series, theirs: &'a Series, script: &Path) -> Result<(Vec<f
     if pairs.is_empty() || rows.is_empty() {
         return Err(Error::input("the twin and the scene have no quantity or no time in common")
             .at(script.display().to_string())
-            .value(format!("columns of the twin: {}; {} times", theirs.names.join(", "), other.len()))
-            .remedy(format!("name the columns of the twin as in the series: {}", ours.names.join(", "))));
+            .value(format!(
+                "columns of the twin: {}; {} times",
+                theirs.names.join(", "),
+                other.len()
+            ))
+            .remedy(format!(
+                "name the columns of the twin as in the series: {}",
+                ours.names.join(", ")
+            )));
     }
     Ok((rows.iter().map(|&(_, j)| other[j]).collect(), pairs))
 }
 
 fn record(reading: &Reading, twin: &Twin, name: &str) -> Result<()> {
     if reading.recorded.is_some() {
-        return Err(Error::input("there is nothing to record: FreeFEM is not installed").value(name).remedy(INSTALL));
+        return Err(Error::input("there is nothing to record: FreeFEM is not installed")
+            .value(name)
+            .remedy(INSTALL));
     }
     let folder = twin.path().with_file_name("data");
-    std::fs::create_dir_all(&folder)
-        .map_err(|e| Error::input(format!("a folder cannot be made: {e}")).at(folder.display().to_string()))?;
+    std::fs::create_dir_all(&folder).map_err(|e| {
+        Error::input(format!("a folder cannot be made: {e}")).at(folder.display().to_string())
+    })?;
     reading.keep(&folder, name)
 }
 
 /// `side_by_side.csv`: all common values of both.
 fn write_both(folder: &Path, times: &[f64], pairs: &[Pair<'_>]) -> Result<()> {
-    let names: Vec<[String; 2]> =
-        pairs.iter().map(|p| ["immersa", "freefem"].map(|who| format!("{}.{who}", p.name))).collect();
+    let names: Vec<[String; 2]> = pairs
+        .iter()
+        .map(|p| ["immersa", "freefem"].map(|who| format!("{}.{who}", p.name)))
+        .collect();
     let mut columns: Vec<(&str, &[f64])> = vec![("time", times)];
     for (p, [ours, theirs]) in pairs.iter().zip(&names) {
-        columns.extend([(ours.as_str(), p.ours.as_slice()), (theirs.as_str(), p.theirs.as_slice())]);
+        columns
+            .extend([(ours.as_str(), p.ours.as_slice()), (theirs.as_str(), p.theirs.as_slice())]);
     }
     Series::new(&columns).write(&folder.join("side_by_side.csv"))
 }
@@ -232,8 +268,14 @@ fn costs(ours: &[Outcome], theirs: &[Vec<Reading>], loops: &[Loop]) -> Vec<Cost>
         per_step: least(&mut ours.iter().map(Outcome::cpu_per_later_step)),
     };
     let of = |(work, readings): (&Loop, &Vec<Reading>)| {
-        let number = |f: fn(&Reading) -> Option<f64>| least(&mut readings.iter().map(|r| f(r).unwrap_or(f64::NAN)));
-        let who = if work.name.is_empty() { "FreeFEM".into() } else { format!("FreeFEM's {} loop", work.name) };
+        let number = |f: fn(&Reading) -> Option<f64>| {
+            least(&mut readings.iter().map(|r| f(r).unwrap_or(f64::NAN)))
+        };
+        let who = if work.name.is_empty() {
+            "FreeFEM".into()
+        } else {
+            format!("FreeFEM's {} loop", work.name)
+        };
         Cost {
             who,
             steps: number(|r| r.about.steps),

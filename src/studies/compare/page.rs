@@ -23,7 +23,10 @@ pub(super) fn differences(times: &[f64], pairs: &[Pair<'_>]) -> Table {
             Cell::number(relative, 2),
         ]);
     }
-    table.caption = format!("Over {} common times; relative to FreeFEM's largest value of the quantity.", times.len());
+    table.caption = format!(
+        "Over {} common times; relative to FreeFEM's largest value of the quantity.",
+        times.len()
+    );
     table
 }
 
@@ -52,7 +55,11 @@ pub(super) fn side_by_side(times: &[f64], pairs: &[Pair<'_>]) -> Table {
 
 pub(super) fn times_of(costs: &[Cost], loops: &[Loop], reading: &Reading) -> Table {
     let title = "CPU seconds a step, one thread";
-    let mut table = Table::new("times", title, ["program", "steps", "first step", "per later step", "over immersa's"]);
+    let mut table = Table::new(
+        "times",
+        title,
+        ["program", "steps", "first step", "per later step", "over immersa's"],
+    );
     let ours = costs.first().map_or(f64::NAN, |c| c.per_step);
     for (k, c) in costs.iter().enumerate() {
         // Seconds of another machine say nothing about ours.
@@ -66,8 +73,8 @@ pub(super) fn times_of(costs: &[Cost], loops: &[Loop], reading: &Reading) -> Tab
             number(ratio),
         ]);
     }
-    table.caption = "The least of the repetitions, which were run in turn. Set-up and output are left out; the first step factors, and ours \
-                    counts its energy balance in every step."
+    table.caption = "The least of the repetitions, which were run in turn. Set-up and output are \
+        left out; the first step factors, and ours counts its energy balance in every step."
         .into();
     for work in loops.iter().filter(|l| !l.words.is_empty()) {
         table.caption += &format!(" FreeFEM's {} loop: {}.", work.name, work.words);
@@ -83,9 +90,11 @@ pub(super) fn charts(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Ve
     let mut all = Vec::new();
     for p in pairs {
         let curve = |name, y, stroke| Curve { name, x: times, y, stroke, colour: None };
-        let curves = vec![curve("immersa", &p.ours, Stroke::Line), curve(theirs, &p.theirs, Stroke::Points)];
+        let curves =
+            vec![curve("immersa", &p.ours, Stroke::Line), curve(theirs, &p.theirs, Stroke::Points)];
         let chart = Chart { x_label: "time", y_label: p.name, curves, ..Chart::default() };
-        let caption = format!("The largest difference is {} of the largest value.", rounded(p.relative(), 2));
+        let caption =
+            format!("The largest difference is {} of the largest value.", rounded(p.relative(), 2));
         all.push(Figure::chart(p.name.replace('.', "_"), p.name, chart.svg(), caption));
     }
     let relative: Vec<Vec<f64>> = pairs
@@ -95,10 +104,18 @@ pub(super) fn charts(times: &[f64], pairs: &[Pair<'_>], reading: &Reading) -> Ve
             p.ours.iter().zip(&p.theirs).map(|(a, b)| (a - b).abs() / largest).collect()
         })
         .collect();
-    let curves =
-        pairs.iter().zip(&relative).map(|(p, y)| Curve { name: p.name, x: times, y, ..Curve::default() }).collect();
-    let chart =
-        Chart { x_label: "time", y_label: "difference over largest value", log_y: true, curves, ..Chart::default() };
+    let curves = pairs
+        .iter()
+        .zip(&relative)
+        .map(|(p, y)| Curve { name: p.name, x: times, y, ..Curve::default() })
+        .collect();
+    let chart = Chart {
+        x_label: "time",
+        y_label: "difference over largest value",
+        log_y: true,
+        curves,
+        ..Chart::default()
+    };
     let caption = "Relative to FreeFEM's largest value of the quantity.";
     all.push(Figure::chart("differences", "Differences", chart.svg(), caption));
     all
@@ -118,7 +135,9 @@ pub(super) fn statements(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) 
         .collect();
     if reading.recorded.is_some() {
         said.push(
-            "FreeFEM is not installed here: its results are recorded ones, and its times cannot be compared.".into(),
+            "FreeFEM is not installed here: its results are recorded ones, and its times cannot \
+             be compared."
+                .into(),
         );
     } else if let [ours, theirs @ ..] = costs {
         said.extend(theirs.iter().filter(|c| c.per_step.is_finite()).map(|c| {
@@ -144,14 +163,19 @@ pub(super) fn alarms(pairs: &[Pair<'_>], bounds: &[Bound]) -> Vec<String> {
         .filter(|(p, bound)| p.relative().is_nan() || p.relative() > *bound)
         .map(|(p, bound)| {
             format!(
-                "{} differs by {} of its largest value, more than the {bound:?} that was asked for.",
+                "{} differs by {} of its largest value, more than the {bound:?} that was asked \
+                 for.",
                 p.name,
                 rounded(p.relative(), 2)
             )
         })
         .collect();
-    let unknown = bounds.iter().filter_map(|b| b.column.as_deref()).filter(|c| pairs.iter().all(|p| p.name != *c));
-    alarms.extend(unknown.map(|c| format!("{c} was to be compared, but not both programs give it.")));
+    let unknown = bounds
+        .iter()
+        .filter_map(|b| b.column.as_deref())
+        .filter(|c| pairs.iter().all(|p| p.name != *c));
+    alarms
+        .extend(unknown.map(|c| format!("{c} was to be compared, but not both programs give it.")));
     alarms
 }
 
@@ -178,19 +202,27 @@ pub(super) fn notes(
     }
     let labels: Vec<String> = case.labels.iter().map(|(name, k)| format!("{name} {k}")).collect();
     notes.push(format!("Labels of the boundaries in the mesh for FreeFEM: {}.", labels.join(", ")));
-    let alone = reading.table.names.iter().filter(|n| *n != "time" && pairs.iter().all(|p| p.name != *n));
+    let alone =
+        reading.table.names.iter().filter(|n| *n != "time" && pairs.iter().all(|p| p.name != *n));
     let alone: Vec<&str> = alone.map(String::as_str).collect();
     if !alone.is_empty() {
         notes.push(format!("Of the twin's columns the series has no {}.", alone.join(", ")));
     }
-    notes.extend(outcome.summary.alarms.iter().map(|a| format!("immersa's run raised an alarm. {a}")));
+    notes.extend(
+        outcome.summary.alarms.iter().map(|a| format!("immersa's run raised an alarm. {a}")),
+    );
     notes
 }
 
 pub(super) fn key_numbers(pairs: &[Pair<'_>], costs: &[Cost], reading: &Reading) -> Vec<KeyNumber> {
     let worst = pairs.iter().map(Pair::relative).fold(0.0, f64::max);
-    let made = if reading.recorded.is_some() { "FreeFEM's results are recorded" } else { "both run now" };
-    let number = |label: &str, value: String, note: &str| KeyNumber { label: label.into(), value, note: note.into() };
+    let made =
+        if reading.recorded.is_some() { "FreeFEM's results are recorded" } else { "both run now" };
+    let number = |label: &str, value: String, note: &str| KeyNumber {
+        label: label.into(),
+        value,
+        note: note.into(),
+    };
     let mut all = vec![number("Largest difference", rounded(worst, 2), made)];
     if let [ours, theirs @ ..] = costs {
         all.push(number("CPU seconds a step", rounded(ours.per_step, 3), "immersa, one thread"));

@@ -14,7 +14,8 @@ impl Study<'_> {
         let draw = |&time: &f64| {
             let rows: Vec<&Observation> = self.rows.iter().filter(|r| r.time == time).collect();
             let drawn = |r: &&Observation| r.shrinking().iter().any(|v| *v > 0.0);
-            let rows: Vec<&Observation> = rows.into_iter().filter(drawn).take(MOST_CURVES).collect();
+            let rows: Vec<&Observation> =
+                rows.into_iter().filter(drawn).take(MOST_CURVES).collect();
             let y: Vec<Vec<f64>> = rows.iter().map(|r| r.shrinking()).collect();
             let curves = rows.iter().zip(&y).map(|(r, y)| Curve {
                 name: &r.quantity.name,
@@ -38,9 +39,9 @@ impl Study<'_> {
                 curves: curves.collect(),
                 slopes: slopes(self.sizes, &y, rows.iter().map(|r| r.order())),
             };
-            let caption = "Errors against the exact solution; of other quantities the change from the level before, which \
-                           falls with the same order and needs no limit. The triangles have the slope of the whole orders \
-                           nearest to those seen.";
+            let caption = "Errors against the exact solution; of other quantities the change from \
+                the level before, which falls with the same order and needs no limit. The \
+                triangles have the slope of the whole orders nearest to those seen.";
             Figure::chart(format!("convergence-t{time}"), title.as_str(), chart.svg(), caption)
         };
         times.iter().map(draw).collect()
@@ -72,10 +73,16 @@ impl Study<'_> {
             .filter_map(|(k, r)| {
                 let limit = r.limit?;
                 let finest = r.sequence.values.iter().rposition(|v| v.is_finite())?;
-                Some((k, [0.0, self.sizes[finest]], [limit.value, r.sequence.values[finest]], limit))
+                Some((
+                    k,
+                    [0.0, self.sizes[finest]],
+                    [limit.value, r.sequence.values[finest]],
+                    limit,
+                ))
             })
             .collect();
-        let bars: Vec<[f64; 2]> = limits.iter().map(|l| [l.3.value - l.3.bar, l.3.value + l.3.bar]).collect();
+        let bars: Vec<[f64; 2]> =
+            limits.iter().map(|l| [l.3.value - l.3.bar, l.3.value + l.3.bar]).collect();
         let mut curves: Vec<Curve<'_>> = Vec::new();
         for (k, (row, name)) in of.iter().zip(&names).enumerate() {
             let (x, y) = (self.sizes, row.sequence.values.as_slice());
@@ -88,7 +95,9 @@ impl Study<'_> {
             curves.push(part(&[0.0, 0.0], bar, Stroke::Line));
         }
         let title = format!("{name} over the thickness");
-        let svg = Chart { title: &title, x_label: "eps", y_label: name, curves, ..Chart::default() }.svg();
+        let svg =
+            Chart { title: &title, x_label: "eps", y_label: name, curves, ..Chart::default() }
+                .svg();
         let caption = "At eps = 0 the sharp-interface limits, each with its error bar.";
         Figure::chart(format!("limit-{name}"), title.as_str(), svg, caption)
     }
@@ -102,9 +111,15 @@ fn slopes(sizes: &[f64], y: &[Vec<f64>], seen: impl Iterator<Item = f64>) -> Vec
     orders.dedup();
     let positive = || y.iter().flatten().copied().filter(|v| v.is_finite() && *v > 0.0);
     let (low, high) = positive().fold((f64::INFINITY, 0.0), |(a, b), v| (v.min(a), v.max(b)));
-    let drawn: Vec<f64> =
-        sizes.iter().enumerate().filter(|(k, _)| y.iter().any(|y| y[*k] > 0.0)).map(|s| *s.1).collect();
-    let ([coarse, second, ..], [.., last, fine]) = (&drawn[..], &drawn[..]) else { return Vec::new() };
+    let drawn: Vec<f64> = sizes
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| y.iter().any(|y| y[*k] > 0.0))
+        .map(|s| *s.1)
+        .collect();
+    let ([coarse, second, ..], [.., last, fine]) = (&drawn[..], &drawn[..]) else {
+        return Vec::new();
+    };
     let mut slopes = Vec::new();
     if let Some(&order) = orders.last() {
         slopes.push(Slope { x: [*fine, *last], y: low / 2.5, order, above: false });

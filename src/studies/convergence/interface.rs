@@ -18,10 +18,12 @@ pub struct Distance {
 /// Steps along the gradient to the zero set.
 const STEPS: usize = 8;
 
-/// The distance of the P2 zero set of `name.level_set` in `first` from that in `second`, two fields on any meshes.
+/// The distance of the P2 zero set of `name.level_set` in `first` from that in `second`, two fields
+/// on any meshes.
 ///
-/// The points are those of [`Contour::quadrature`]; from each, Newton's method along the gradient of the second field leads to
-/// its zero set. Right to first order in the distance over the radius of curvature; meant for interfaces that are close.
+/// The points are those of [`Contour::quadrature`]; from each, Newton's method along the gradient
+/// of the second field leads to its zero set. Right to first order in the distance over the radius
+/// of curvature; meant for interfaces that are close.
 ///
 /// # Errors
 /// A field that is missing; no interface in the first, or one that leaves the mesh of the second.
@@ -38,7 +40,8 @@ pub fn distance(first: &Snapshot<2>, second: &Snapshot<2>, name: &str) -> Result
             let Some(at) = locator.locate(mesh, &x) else { return Err(lost(name)) };
             let cell = at.cell as usize;
             let gradient = second.space.gradient(far, cell, &at.barycentric);
-            let step = gradient * (second.space.value(far, cell, &at.barycentric) / gradient.norm_squared());
+            let step = gradient
+                * (second.space.value(far, cell, &at.barycentric) / gradient.norm_squared());
             if step.iter().any(|c| !c.is_finite()) {
                 return Err(lost(name));
             }
@@ -57,7 +60,8 @@ pub fn distance(first: &Snapshot<2>, second: &Snapshot<2>, name: &str) -> Result
 
 fn lost(name: &str) -> Error {
     Error::computation(format!(
-        "the interfaces of `{name}` on two levels cannot be compared: one is gone, or they lie far apart"
+        "the interfaces of `{name}` on two levels cannot be compared: one is gone, or they lie \
+         far apart"
     ))
 }
 
@@ -66,9 +70,12 @@ fn lost(name: &str) -> Error {
 /// # Errors
 /// There are none, or they cannot be read.
 pub fn fields_at(folder: &Path, time: f64) -> Result<Snapshot<2>> {
-    let entry = read_pvd(&folder.join("fields.pvd"))?.into_iter().find(|(t, _)| same_time(*t, time));
+    let entry =
+        read_pvd(&folder.join("fields.pvd"))?.into_iter().find(|(t, _)| same_time(*t, time));
     let Some((_, file)) = entry else {
-        return Err(Error::input("the run has no fields at this time").at(folder.display().to_string()).value(time));
+        return Err(Error::input("the run has no fields at this time")
+            .at(folder.display().to_string())
+            .value(time));
     };
     read_vtu(&folder.join(file))
 }
@@ -85,7 +92,9 @@ mod tests {
         let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [n; 2], Diagonals::UnionJack).unwrap());
         let space = Space::new(&mesh, Element::P2);
         // Not a distance: the slope must not matter.
-        let phi = space.interpolate(|x| 3.0 * ((x[0] - 1.0 - shift).powi(2) + (x[1] - 1.0).powi(2) - radius * radius));
+        let phi = space.interpolate(|x| {
+            3.0 * ((x[0] - 1.0 - shift).powi(2) + (x[1] - 1.0).powi(2) - radius * radius)
+        });
         Snapshot { time: 0.0, space, fields: vec![("drop.level_set".into(), Values::Scalar(phi))] }
     }
 
@@ -96,7 +105,10 @@ mod tests {
         assert!((d.mean - 0.0023).abs() < 1e-10 && (d.largest - 0.0023).abs() < 1e-10, "{d:?}");
         let d = distance(&circle(12, 0.5, 0.0), &circle(31, 0.5, 1e-3), "drop").unwrap();
         // A shift by s: the mean of s |cos| is 2 s/pi.
-        assert!((d.largest - 1e-3).abs() < 1e-5 && (d.mean - 2e-3 / std::f64::consts::PI).abs() < 1e-5, "{d:?}");
+        assert!(
+            (d.largest - 1e-3).abs() < 1e-5 && (d.mean - 2e-3 / std::f64::consts::PI).abs() < 1e-5,
+            "{d:?}"
+        );
     }
 
     #[test]

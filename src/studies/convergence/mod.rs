@@ -31,7 +31,8 @@ pub struct Convergence {
     pub levels: usize,
     /// Mesh files, from coarse to fine, instead of halving.
     pub meshes: Vec<PathBuf>,
-    /// Columns of the series, or `interface` for the distances of the interfaces from level to level; a choice if empty.
+    /// Columns of the series, or `interface` for the distances of the interfaces from level to
+    /// level; a choice if empty.
     pub quantities: Vec<String>,
     /// Times at which they are taken, multiples of the scene's step; its end if empty.
     pub times: Vec<f64>,
@@ -76,7 +77,8 @@ struct Observation {
 /// Runs the levels of a study; the result is its page.
 ///
 /// # Errors
-/// A quantity or a time that the scene does not have; whatever [`Campaign::run`] gives. A level that fails is left out.
+/// A quantity or a time that the scene does not have; whatever [`Campaign::run`] gives. A level
+/// that fails is left out.
 pub fn convergence(campaign: &mut Campaign<'_>, settings: &Convergence) -> Result<Page> {
     let scene = campaign.scene().clone();
     // The model of the coarsest level knows the columns, and the band that the mesh would choose.
@@ -88,12 +90,16 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Convergence) -> Resul
     if !settings.meshes.is_empty() && !matches!(scene.mesh, MeshSource::File { .. }) {
         return Err(Error::scene("a list of meshes needs a scene with a mesh file")
             .at("--meshes")
-            .remedy("write mesh.file in the scene; its other keys then fit every mesh of the list"));
+            .remedy(
+                "write mesh.file in the scene; its other keys then fit every mesh of the list",
+            ));
     }
     let ladder = Ladder::new(&scene, settings, thickness, &common)?;
-    let trials: Vec<_> = ladder.levels.iter().chain(ladder.checks.iter().map(|c| &c.1)).cloned().collect();
+    let trials: Vec<_> =
+        ladder.levels.iter().chain(ladder.checks.iter().map(|c| &c.1)).cloned().collect();
     // The checks come first: they are cheap.
-    let order: Vec<usize> = (ladder.levels.len()..trials.len()).chain(0..ladder.levels.len()).collect();
+    let order: Vec<usize> =
+        (ladder.levels.len()..trials.len()).chain(0..ladder.levels.len()).collect();
     let mut outcomes: Vec<Option<Outcome>> = trials.iter().map(|_| None).collect();
     for (k, &i) in order.iter().enumerate() {
         outcomes[i] = Some(campaign.run(&trials[i], k + 1, trials.len())?);
@@ -106,12 +112,18 @@ pub fn convergence(campaign: &mut Campaign<'_>, settings: &Convergence) -> Resul
         let apart = distances(campaign, &scene, &quantities, levels, time)?;
         for quantity in &quantities {
             let values = match quantity.meaning {
-                Meaning::Change => {
-                    apart.iter().map(|of| of.iter().find(|d| d.0 == quantity.name).map_or(f64::NAN, |d| d.1)).collect()
-                }
-                _ => levels.iter().map(|o| o.value(&quantity.name, time)).collect::<Result<Vec<f64>>>()?,
+                Meaning::Change => apart
+                    .iter()
+                    .map(|of| of.iter().find(|d| d.0 == quantity.name).map_or(f64::NAN, |d| d.1))
+                    .collect(),
+                _ => levels
+                    .iter()
+                    .map(|o| o.value(&quantity.name, time))
+                    .collect::<Result<Vec<f64>>>()?,
             };
-            let moved = |o: &Outcome| Ok(o.value(&quantity.name, time)? - values.first().copied().unwrap_or(f64::NAN));
+            let moved = |o: &Outcome| {
+                Ok(o.value(&quantity.name, time)? - values.first().copied().unwrap_or(f64::NAN))
+            };
             let checks = match quantity.meaning {
                 Meaning::Change => vec![f64::NAN; checks.len()],
                 _ => checks.iter().map(moved).collect::<Result<_>>()?,
@@ -141,7 +153,13 @@ fn known(settings: &Convergence) -> Option<f64> {
 }
 
 impl Observation {
-    fn new(quantity: Observable, time: f64, sequence: Sequence, checks: Vec<f64>, known: Option<f64>) -> Observation {
+    fn new(
+        quantity: Observable,
+        time: f64,
+        sequence: Sequence,
+        checks: Vec<f64>,
+        known: Option<f64>,
+    ) -> Observation {
         let (orders, limit) = match quantity.meaning {
             Meaning::Value => (sequence.orders(), sequence.limit(known)),
             Meaning::Error => (orders_of_errors(&sequence.sizes, &sequence.values), None),
@@ -188,14 +206,20 @@ fn sizes(scene: &Scene, settings: &Convergence, ladder: &Ladder, levels: &[Outco
     if settings.meshes.is_empty() {
         return edges;
     }
-    // The longest edge of a mesh of a generator is a matter of chance; the mean size of its cells is not.
+    // The longest edge of a mesh of a generator is a matter of chance; the mean size of its cells
+    // is not.
     let power = -1.0 / scene.mesh.dimension() as f64;
-    let sizes: Vec<f64> = levels.iter().map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(power))).collect();
-    let scale = edges.iter().zip(&sizes).map(|(e, s)| e / s).find(|s| s.is_finite()).unwrap_or(f64::NAN);
+    let sizes: Vec<f64> = levels
+        .iter()
+        .map(|o| o.summary.cells.map_or(f64::NAN, |n| (n as f64).powf(power)))
+        .collect();
+    let scale =
+        edges.iter().zip(&sizes).map(|(e, s)| e / s).find(|s| s.is_finite()).unwrap_or(f64::NAN);
     sizes.iter().map(|s| s * scale).collect()
 }
 
-/// By level, the distances of the interfaces from those one level before, with the names of their quantities.
+/// By level, the distances of the interfaces from those one level before, with the names of their
+/// quantities.
 fn distances(
     campaign: &Campaign<'_>,
     scene: &Scene,
@@ -213,8 +237,12 @@ fn distances(
             for s in scene.acting().filter(|_| before.is_some()) {
                 let apart = before.as_ref().map(|b| distance(b, &fields, s.name())).transpose();
                 match apart {
-                    Ok(Some(d)) => found
-                        .extend(DISTANCES.map(|n| format!("{}.{n}", s.name())).into_iter().zip([d.mean, d.largest])),
+                    Ok(Some(d)) => found.extend(
+                        DISTANCES
+                            .map(|n| format!("{}.{n}", s.name()))
+                            .into_iter()
+                            .zip([d.mean, d.largest]),
+                    ),
                     Ok(None) => {}
                     // An interface that is gone has no distance.
                     Err(e) if e.kind() == Kind::Computation => {}

@@ -2,7 +2,6 @@
 
 use super::ladder::Ladder;
 use super::sequence::{Basis, WHOLE};
-use super::tables::digits;
 use super::{Convergence, Limit, Meaning, Observation};
 use crate::output::{KeyNumber, Page, rounded};
 use crate::scene::Scene;
@@ -64,10 +63,11 @@ impl Study<'_> {
         if !self.settings.meshes.is_empty() {
             return format!("{} mesh files", self.settings.meshes.len());
         }
-        let parts: Vec<&str> = [(h.thickness, "thickness"), (h.space, "mesh size"), (h.time, "time step")]
-            .into_iter()
-            .filter_map(|(on, name)| on.then_some(name))
-            .collect();
+        let parts: Vec<&str> =
+            [(h.thickness, "thickness"), (h.space, "mesh size"), (h.time, "time step")]
+                .into_iter()
+                .filter_map(|(on, name)| on.then_some(name))
+                .collect();
         format!("{} levels, halving {}", self.settings.levels, parts.join(", "))
     }
 
@@ -78,18 +78,34 @@ impl Study<'_> {
         };
         let say = |row: &Observation| {
             let (name, order, at) = (&row.quantity.name, row.order(), format!("t = {}", row.time));
-            let seen = if order.is_nan() { "no order seen".to_string() } else { format!("order {order:.2}") };
+            let seen = if order.is_nan() {
+                "no order seen".to_string()
+            } else {
+                format!("order {order:.2}")
+            };
             match (row.quantity.meaning, row.limit) {
-                (Meaning::Value, Some(l)) => format!("{name} at {at}: {limit} {}, {seen}.", with_bar(&l)),
-                (Meaning::Value, None) if self.levels().iter().filter(|o| o.finished()).count() < 3 => {
+                (Meaning::Value, Some(l)) => {
+                    format!("{name} at {at}: {limit} {}, {seen}.", with_bar(&l))
+                }
+                (Meaning::Value, None)
+                    if self.levels().iter().filter(|o| o.finished()).count() < 3 =>
+                {
                     format!("{name} at {at}: an order and a limit need three levels.")
                 }
-                (Meaning::Value, None) => format!("{name} at {at}: {seen}, and no limit: the changes do not fall."),
+                (Meaning::Value, None) => {
+                    format!("{name} at {at}: {seen}, and no limit: the changes do not fall.")
+                }
                 (Meaning::Error, _) => {
-                    format!("{name} at {at}: {} on the finest level, {seen}.", rounded(row.finest(), 3))
+                    format!(
+                        "{name} at {at}: {} on the finest level, {seen}.",
+                        rounded(row.finest(), 3)
+                    )
                 }
                 (Meaning::Change, _) => {
-                    format!("{name} at {at}: {} between the two finest levels, {seen}.", rounded(row.finest(), 3))
+                    format!(
+                        "{name} at {at}: {} between the two finest levels, {seen}.",
+                        rounded(row.finest(), 3)
+                    )
                 }
             }
         };
@@ -101,7 +117,11 @@ impl Study<'_> {
         let show = |row: &Observation| KeyNumber {
             label: format!("{} at t = {}", row.quantity.name, row.time),
             value: row.limit.map_or_else(|| rounded(row.finest(), 3), |l| with_bar(&l)),
-            note: if row.order().is_nan() { "no order seen".into() } else { format!("order {:.2}", row.order()) },
+            note: if row.order().is_nan() {
+                "no order seen".into()
+            } else {
+                format!("order {:.2}", row.order())
+            },
         };
         self.rows.iter().filter(|r| r.time == last).take(HEADLINES).map(show).collect()
     }
@@ -121,17 +141,29 @@ impl Study<'_> {
         }
         if let (Some(eps), false) = (self.ladder.thickness, h.thickness) {
             notes.push(format!(
-                "the half-width of the band stays {eps} on all levels: its error, of first order, is in the limits"
+                "the half-width of the band stays {eps} on all levels: its error, of first order, \
+                 is in the limits"
             ));
         }
         for o in self.outcomes.iter().filter(|o| !o.finished()) {
-            let what = if matches!(o.end, End::Refused { .. }) { "is left out" } else { "counts up to there" };
-            notes.push(format!("{} {}, and {what}: {}", o.trial.label, o.end.in_words(), o.end.reason()));
+            let what = if matches!(o.end, End::Refused { .. }) {
+                "is left out"
+            } else {
+                "counts up to there"
+            };
+            notes.push(format!(
+                "{} {}, and {what}: {}",
+                o.trial.label,
+                o.end.in_words(),
+                o.end.reason()
+            ));
         }
         if self.levels().iter().filter(|o| o.finished()).count() < 3 {
             notes.push("values show an order on three levels that finished, not on fewer".into());
         }
-        notes.extend(self.ladder.checks.iter().enumerate().filter_map(|(k, c)| self.outweighed(k, c.0)));
+        notes.extend(
+            self.ladder.checks.iter().enumerate().filter_map(|(k, c)| self.outweighed(k, c.0)),
+        );
         notes.extend(self.rows.iter().filter_map(|r| self.not_yet(r)));
         notes.extend(self.rows.iter().filter_map(|r| self.flattening(r)));
         notes
@@ -142,16 +174,25 @@ impl Study<'_> {
         let mut moved = Vec::new();
         for row in self.rows {
             let by = row.checks.get(check).copied().unwrap_or(f64::NAN);
-            let believed =
-                if row.quantity.meaning == Meaning::Error { Some(row.finest()) } else { row.limit.map(|l| l.bar) };
+            let believed = if row.quantity.meaning == Meaning::Error {
+                Some(row.finest())
+            } else {
+                row.limit.map(|l| l.bar)
+            };
             if believed.is_some_and(|b| by.abs() > b) {
-                moved.push(format!("{} at t = {} (by {})", row.quantity.name, row.time, rounded(by, 2)));
+                moved.push(format!(
+                    "{} at t = {} (by {})",
+                    row.quantity.name,
+                    row.time,
+                    rounded(by, 2)
+                ));
             }
         }
         (!moved.is_empty()).then(|| {
             format!(
-                "with the {name}, the coarsest level moves by more than the error bar, or the error on the finest level, in {}: \
-                 there, that error is larger than the one that is studied",
+                "with the {name}, the coarsest level moves by more than the error bar, or the \
+                 error on the finest level, in {}: there, that error is larger than the one that \
+                 is studied",
                 moved.join(", ")
             )
         })
@@ -159,10 +200,13 @@ impl Study<'_> {
 
     /// That the order which is known beforehand is not seen yet.
     fn not_yet(&self, row: &Observation) -> Option<String> {
-        let (Some(Basis::Whole(taken)), seen) = (row.limit.map(|l| l.basis), row.order()) else { return None };
+        let (Some(Basis::Whole(taken)), seen) = (row.limit.map(|l| l.basis), row.order()) else {
+            return None;
+        };
         ((seen - taken).abs() > WHOLE).then(|| {
             format!(
-                "{} at t = {}: the order seen is {seen:.2}; limit and bar assume that order {taken} sets in on finer levels",
+                "{} at t = {}: the order seen is {seen:.2}; limit and bar assume that order \
+                 {taken} sets in on finer levels",
                 row.quantity.name, row.time
             )
         })
@@ -171,10 +215,13 @@ impl Study<'_> {
     /// That the order of an error falls on the finest level.
     fn flattening(&self, row: &Observation) -> Option<String> {
         let orders: Vec<f64> = row.orders.iter().copied().filter(|p| p.is_finite()).collect();
-        let (Meaning::Error, [.., before, after]) = (row.quantity.meaning, &orders[..]) else { return None };
+        let (Meaning::Error, [.., before, after]) = (row.quantity.meaning, &orders[..]) else {
+            return None;
+        };
         (before - after > FALL).then(|| {
             format!(
-                "{} at t = {}: its order falls from {before:.1} to {after:.1} on the finest level, where another error begins to show",
+                "{} at t = {}: its order falls from {before:.1} to {after:.1} on the finest \
+                 level, where another error begins to show",
                 row.quantity.name, row.time
             )
         })
@@ -190,4 +237,10 @@ impl Study<'_> {
 /// `0.7157 +- 0.0005`.
 fn with_bar(limit: &Limit) -> String {
     format!("{} ± {}", rounded(limit.value, digits(limit)), rounded(limit.bar, 2))
+}
+
+/// Digits that show a limit down to its bar.
+pub(super) fn digits(limit: &Limit) -> usize {
+    let spread = (limit.value.abs() / limit.bar).log10();
+    if spread.is_finite() { (spread.ceil() + 2.0).clamp(2.0, 12.0) as usize } else { DIGITS }
 }

@@ -11,7 +11,11 @@ const INTERFACE: &str = "interface";
 pub(super) const DISTANCES: [&str; 2] = ["distance_mean", "distance_largest"];
 
 /// The quantities that are asked for, or a choice of those that the scene has.
-pub(super) fn quantities(scene: &Scene, asked: &[String], columns: &[String]) -> Result<Vec<Observable>> {
+pub(super) fn quantities(
+    scene: &Scene,
+    asked: &[String],
+    columns: &[String],
+) -> Result<Vec<Observable>> {
     // Surfaces in space are not compared.
     let compared: Vec<&str> = match scene.dimension() {
         2 => scene.acting().map(|s| s.name()).collect(),
@@ -51,7 +55,8 @@ pub(super) fn quantities(scene: &Scene, asked: &[String], columns: &[String]) ->
 /// Errors where they are known; lengths, area and place of the interfaces; energies; what the scene
 /// measures itself.
 fn choice(scene: &Scene, columns: &[String]) -> Vec<String> {
-    let mut names: Vec<String> = columns.iter().filter(|c| c.starts_with("error_")).cloned().collect();
+    let mut names: Vec<String> =
+        columns.iter().filter(|c| c.starts_with("error_")).cloned().collect();
     let (dimension, [enclosed, own]) = (scene.mesh.dimension(), scene.extents());
     for s in scene.structures().iter().filter(|s| s.shape().is_some()) {
         let (name, chords) = (s.name(), s.chords());
@@ -61,7 +66,9 @@ fn choice(scene: &Scene, columns: &[String]) -> Vec<String> {
         names.extend(chords.iter().map(|c| format!("{name}.{c}")));
         names.extend([own, enclosed].map(|c| format!("{name}.{c}")));
     }
-    if columns.iter().any(|c| c == "energy_kinetic") && names.iter().all(|n| !n.starts_with("error_")) {
+    if columns.iter().any(|c| c == "energy_kinetic")
+        && names.iter().all(|n| !n.starts_with("error_"))
+    {
         names.push("energy_kinetic".into());
     }
     if scene.acting().next().is_some() {
@@ -69,7 +76,11 @@ fn choice(scene: &Scene, columns: &[String]) -> Vec<String> {
         names.extend((dimension == 2).then(|| INTERFACE.into()));
     }
     // Columns of forces, fluxes and probes come after those that every run has.
-    let own = columns.iter().skip_while(|c| *c != "step_over_limit").skip(1).filter(|c| !c.starts_with("error_"));
+    let own = columns
+        .iter()
+        .skip_while(|c| *c != "step_over_limit")
+        .skip(1)
+        .filter(|c| !c.starts_with("error_"));
     names.extend(own.cloned());
     names
 }
@@ -85,10 +96,12 @@ pub(super) fn times(scene: &Scene, asked: &[f64]) -> Result<Vec<f64>> {
     for &t in &times {
         let steps = t / scene.time.step;
         if !(t.is_finite() && steps >= 0.5 && (steps - steps.round()).abs() < 1e-6) {
-            return Err(Error::scene("a time of the study is not reached by the steps of its coarsest level")
-                .at("--at")
-                .value(t)
-                .remedy(format!("give a multiple of the step, {}", scene.time.step)));
+            return Err(Error::scene(
+                "a time of the study is not reached by the steps of its coarsest level",
+            )
+            .at("--at")
+            .value(t)
+            .remedy(format!("give a multiple of the step, {}", scene.time.step)));
         }
     }
     Ok(times)
@@ -99,8 +112,9 @@ pub(super) fn times(scene: &Scene, asked: &[f64]) -> Result<Vec<f64>> {
 pub(super) fn common(scene: &Scene, times: &[f64], fields: bool) -> Vec<String> {
     let step = scene.time.step;
     let end = times.last().copied().unwrap_or(scene.time.end);
-    let whole =
-        |interval: f64| times.iter().all(|t| ((t / interval).round() * interval - t).abs() < 1e-9 * t.max(interval));
+    let whole = |interval: f64| {
+        times.iter().all(|t| ((t / interval).round() * interval - t).abs() < 1e-9 * t.max(interval))
+    };
     let every = if whole(scene.output.every) { scene.output.every } else { step };
     let mut set = vec![format!("time.end={end:?}"), format!("output.every={every:?}")];
     if fields {

@@ -23,11 +23,12 @@ pub struct Limit {
 /// Derivation of a limit and its bar from the finest levels, the last being `v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Basis {
-    /// Extrapolated from the two finest levels with a whole (or the given) order; the bar is the distance from the same
-    /// extrapolation one level earlier and, where the order was not given, from that with the observed order if it is larger.
+    /// Extrapolated from the two finest levels with a whole (or the given) order; the bar is the
+    /// distance from the same extrapolation one level earlier and, where the order was not given,
+    /// from that with the observed order if it is larger.
     Whole(f64),
-    /// Extrapolated from the three finest levels with the order observed on them, which is no whole one; the bar is all that the
-    /// extrapolation adds to `v`.
+    /// Extrapolated from the three finest levels with the order observed on them, which is no whole
+    /// one; the bar is all that the extrapolation adds to `v`.
     Observed(f64),
     /// `v` itself, as no order is seen; the bar is the spread of the three finest values.
     Spread,
@@ -44,7 +45,9 @@ impl Sequence {
     /// The levels that gave a value.
     fn finished(&self) -> Vec<(usize, f64, f64)> {
         let all = self.sizes.iter().zip(&self.values).enumerate();
-        all.filter(|(_, (h, v))| h.is_finite() && v.is_finite()).map(|(k, (h, v))| (k, *h, *v)).collect()
+        all.filter(|(_, (h, v))| h.is_finite() && v.is_finite())
+            .map(|(k, (h, v))| (k, *h, *v))
+            .collect()
     }
 
     /// The change of the value from the level before, a level; NaN where there is none.
@@ -58,8 +61,9 @@ impl Sequence {
 
     /// The order seen on each level and the two before; NaN where none is credible.
     ///
-    /// It is the `p` of `v(h) = v + C h^p` through the three values: `(v_1 - v_0)/(v_2 - v_1) = (h_0^p - h_1^p)/(h_1^p - h_2^p)`,
-    /// which for halved sizes is `p = log2((v_1 - v_0)/(v_2 - v_1))`.
+    /// It is the `p` of `v(h) = v + C h^p` through the three values: `(v_1 - v_0)/(v_2 - v_1) =
+    /// (h_0^p - h_1^p)/(h_1^p - h_2^p)`, which for halved sizes is `p = log2((v_1 - v_0)/(v_2 -
+    /// v_1))`.
     pub fn orders(&self) -> Vec<f64> {
         let mut orders = vec![f64::NAN; self.values.len()];
         for three in self.finished().windows(3) {
@@ -71,9 +75,11 @@ impl Sequence {
         orders
     }
 
-    /// The limit of the values and its error bar; `None` with fewer than three levels or where nothing converges.
+    /// The limit of the values and its error bar; `None` with fewer than three levels or where
+    /// nothing converges.
     ///
-    /// With `known`, the order that theory gives, extrapolation is with that one, provided that some order is seen.
+    /// With `known`, the order that theory gives, extrapolation is with that one, provided that
+    /// some order is seen.
     pub fn limit(&self, known: Option<f64>) -> Option<Limit> {
         let levels = self.finished();
         let [.., (_, a, u), (_, b, v), (last, c, w)] = levels[..] else { return None };
@@ -81,13 +87,19 @@ impl Sequence {
         if seen.is_nan() {
             let [before, after] = [v - u, w - v];
             let quiet = after.abs() <= ROUNDING * w.abs();
-            let settles = (before * after < 0.0 && after.abs() <= before.abs()) || too_fast([a, b, c], [before, after]);
+            let settles = (before * after < 0.0 && after.abs() <= before.abs())
+                || too_fast([a, b, c], [before, after]);
             let spread = u.max(v).max(w) - u.min(v).min(w);
-            return (quiet || settles).then_some(Limit { value: w, bar: spread, basis: Basis::Spread });
+            return (quiet || settles).then_some(Limit {
+                value: w,
+                bar: spread,
+                basis: Basis::Spread,
+            });
         }
         let whole = known.unwrap_or(seen.round());
         if known.is_some() || (whole >= 1.0 && (seen - whole).abs() <= WHOLE) {
-            let (value, before) = (extrapolated([b, c], [v, w], whole), extrapolated([a, b], [u, v], whole));
+            let (value, before) =
+                (extrapolated([b, c], [v, w], whole), extrapolated([a, b], [u, v], whole));
             // An order that is taken for a whole one may yet be what it looks like.
             let as_seen = if known.is_some() { value } else { extrapolated([b, c], [v, w], seen) };
             let bar = (value - before).abs().max((value - as_seen).abs());
@@ -110,12 +122,13 @@ pub fn orders_of_errors(sizes: &[f64], errors: &[f64]) -> Vec<f64> {
     orders
 }
 
-/// The order of changes between levels, such as distances, `changes[k]` being that from level `k - 1` to `k`; NaN where none is
-/// credible.
+/// The order of changes between levels, such as distances, `changes[k]` being that from level `k -
+/// 1` to `k`; NaN where none is credible.
 pub fn orders_of_changes(sizes: &[f64], changes: &[f64]) -> Vec<f64> {
     let mut orders = vec![f64::NAN; changes.len()];
     for k in 2..changes.len().min(sizes.len()) {
-        orders[k] = order_of_changes([sizes[k - 2], sizes[k - 1], sizes[k]], [changes[k - 1], changes[k]]);
+        orders[k] =
+            order_of_changes([sizes[k - 2], sizes[k - 1], sizes[k]], [changes[k - 1], changes[k]]);
     }
     orders
 }
@@ -224,7 +237,11 @@ mod tests {
     fn errors_and_distances_have_orders() {
         let sizes = [0.4, 0.2, 0.1];
         let orders = orders_of_errors(&sizes, &[0.64, 0.08, 0.01]);
-        assert!(orders[0].is_nan() && (orders[1] - 3.0).abs() < 1e-12 && (orders[2] - 3.0).abs() < 1e-12);
+        assert!(
+            orders[0].is_nan()
+                && (orders[1] - 3.0).abs() < 1e-12
+                && (orders[2] - 3.0).abs() < 1e-12
+        );
         let orders = orders_of_changes(&sizes, &[f64::NAN, 0.12, 0.03]);
         assert!((orders[2] - 2.0).abs() < 1e-9 && orders[1].is_nan());
     }

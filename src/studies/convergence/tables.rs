@@ -1,6 +1,6 @@
 //! The tables of a convergence study.
 
-use super::page::{DIGITS, Study};
+use super::page::{DIGITS, Study, digits};
 use super::sequence::Basis;
 use super::{Limit, Meaning};
 use crate::output::{Cell, Table};
@@ -33,7 +33,9 @@ impl Study<'_> {
             for (k, &size) in self.sizes.iter().enumerate() {
                 let value = row.sequence.values[k];
                 let (value, change, error) = match row.quantity.meaning {
-                    Meaning::Value => (value, changes[k], row.limit.map_or(f64::NAN, |l| (value - l.value).abs())),
+                    Meaning::Value => {
+                        (value, changes[k], row.limit.map_or(f64::NAN, |l| (value - l.value).abs()))
+                    }
                     Meaning::Error => (f64::NAN, f64::NAN, value),
                     Meaning::Change => (f64::NAN, value, f64::NAN),
                 };
@@ -48,8 +50,9 @@ impl Study<'_> {
                 ]);
             }
         }
-        table.caption = "Change: from the level before (of an interface: its distance from there). Error: against the exact \
-                        solution, or else against the limit below. Order: from a level and those before it; - where none is seen."
+        table.caption = "Change: from the level before (of an interface: its distance from \
+            there). Error: against the exact solution, or else against the limit below. Order: \
+            from a level and those before it; - where none is seen."
             .into();
         table
     }
@@ -57,7 +60,8 @@ impl Study<'_> {
     /// The limits of all values; none if every quantity is an error or a distance.
     pub(super) fn limits(&self) -> Option<Table> {
         let zero = format!("{} -> 0", self.size_name());
-        let mut header = vec!["quantity", "time", "finest", "order", zero.as_str(), "error bar", "taken"];
+        let mut header =
+            vec!["quantity", "time", "finest", "order", zero.as_str(), "error bar", "taken"];
         header.extend(self.ladder.checks.iter().map(|c| c.0));
         let mut table = Table::new("limits", "What the values tend to", header);
         for row in self.rows.iter().filter(|r| r.quantity.meaning == Meaning::Value) {
@@ -74,12 +78,15 @@ impl Study<'_> {
             cells.extend(row.checks.iter().map(|&moved| Cell::number(moved, 2)));
             table.rows.push(cells);
         }
-        table.caption = "Extrapolated from the two finest levels with a whole order, the bar is the distance from the same \
-                        extrapolation a level earlier, or with the order as seen; with an observed order that is no whole one, it is all that the extrapolation \
-                        adds; where no order is seen but the values settle, the finest value stands, and the spread of the last three."
+        table.caption = "Extrapolated from the two finest levels with a whole order, the bar is \
+            the distance from the same extrapolation a level earlier, or with the order as seen; \
+            with an observed order that is no whole one, it is all that the extrapolation adds; \
+            where no order is seen but the values settle, the finest value stands, and the spread \
+            of the last three."
             .into();
         if !self.ladder.checks.is_empty() {
-            table.caption += " The last columns: by how much halving what is not refined moves the coarsest level.";
+            table.caption += " The last columns: by how much halving what is not refined moves \
+                the coarsest level.";
         }
         (!table.rows.is_empty()).then_some(table)
     }
@@ -91,7 +98,12 @@ impl Study<'_> {
         table.rows = times.iter().map(|t| vec![Cell::number(*t, DIGITS)]).collect();
         for row in self.rows {
             let limit = row.limit.map_or([f64::NAN; 2], |l| [l.value, l.bar]);
-            let columns = [("limit", limit[0]), ("bar", limit[1]), ("order", row.order()), ("finest", row.finest())];
+            let columns = [
+                ("limit", limit[0]),
+                ("bar", limit[1]),
+                ("order", row.order()),
+                ("finest", row.finest()),
+            ];
             let skipped = if row.quantity.meaning == Meaning::Value { 0 } else { 2 };
             for (end, value) in columns.into_iter().skip(skipped) {
                 let name = format!("{}.{end}", row.quantity.name);
@@ -105,12 +117,6 @@ impl Study<'_> {
         }
         table
     }
-}
-
-/// Digits that show a limit down to its bar.
-pub(super) fn digits(limit: &Limit) -> usize {
-    let spread = (limit.value.abs() / limit.bar).log10();
-    if spread.is_finite() { (spread.ceil() + 2.0).clamp(2.0, 12.0) as usize } else { DIGITS }
 }
 
 fn basis(limit: &Limit) -> String {

@@ -82,12 +82,17 @@ impl<'a> Case<'a> {
     pub fn new(twin: &'a Twin, scene: &'a Scene) -> Result<Case<'a>> {
         let refused = [
             (scene.acting().any(|s| s.traits().on_interface), "force = \"sharp\"", "smeared"),
-            (scene.adapt.as_ref().is_some_and(|a| a.every.is_some()), "mesh.adapt.every", "a mesh that stays"),
+            (
+                scene.adapt.as_ref().is_some_and(|a| a.every.is_some()),
+                "mesh.adapt.every",
+                "a mesh that stays",
+            ),
             (scene.time.tolerance.is_some(), "time.tolerance", "steps of one length"),
         ];
         if let Some((_, value, remedy)) = refused.into_iter().find(|(has, ..)| *has) {
             return Err(Error::scene(
-                "the twin has no counterpart of what the scene asks for, and would compute something else",
+                "the twin has no counterpart of what the scene asks for, and would compute \
+                 something else",
             )
             .at(twin.path().display().to_string())
             .value(value)
@@ -97,7 +102,9 @@ impl<'a> Case<'a> {
             return Err(Error::scene("a twin is compared in the plane only")
                 .at(twin.path().display().to_string())
                 .value(format!("{} dimensions", scene.dimension()))
-                .remedy("take a scene whose mesh is plane: rectangle, disc or a gmsh file of triangles"));
+                .remedy(
+                    "take a scene whose mesh is plane: rectangle, disc or a gmsh file of triangles",
+                ));
         }
         let problem = problem(scene)?;
         let Some(mesh) = problem.plane_mesh() else {
@@ -113,12 +120,20 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// Runs the twin until `end` in a folder of its own in `runs`, unless it ran there before; `None` if FreeFEM is not installed.
+    /// Runs the twin until `end` in a folder of its own in `runs`, unless it ran there before;
+    /// `None` if FreeFEM is not installed.
     ///
     /// # Errors
-    /// FreeFEM failed, with the last lines it printed; what it wrote cannot be used; a file cannot be written;
-    /// [`Kind::Interrupted`](crate::base::Kind::Interrupted) when `stop` was set.
-    pub fn run(&self, work: &Loop, end: f64, again: usize, runs: &Path, stop: &AtomicBool) -> Result<Option<Reading>> {
+    /// FreeFEM failed, with the last lines it printed; what it wrote cannot be used; a file cannot
+    /// be written; [`Kind::Interrupted`](crate::base::Kind::Interrupted) when `stop` was set.
+    pub fn run(
+        &self,
+        work: &Loop,
+        end: f64,
+        again: usize,
+        runs: &Path,
+        stop: &AtomicBool,
+    ) -> Result<Option<Reading>> {
         let mut about = About {
             work: work.name.clone(),
             switches: self.switches.iter().cloned().collect(),
@@ -129,7 +144,12 @@ impl<'a> Case<'a> {
         about.switches.insert("-tmax".into(), format!("{end:?}"));
         about.switches.insert("-every".into(), format!("{:?}", self.scene.output.every));
         let words = format!("{about:?}{}", self.twin.text());
-        let folder = runs.join(format!("freefem-{}-{:08x}-{}", work.name, fnv1a(words.as_bytes()) as u32, again + 1));
+        let folder = runs.join(format!(
+            "freefem-{}-{:08x}-{}",
+            work.name,
+            fnv1a(words.as_bytes()) as u32,
+            again + 1
+        ));
         // The folder as FreeFEM sees it, which starts beside the script.
         let folder = std::path::absolute(&folder).unwrap_or(folder);
         if folder.join("series.json").exists() {
@@ -147,7 +167,10 @@ impl<'a> Case<'a> {
         let command = self.command(&about, &folder);
         let Some(log) = execute(command, &folder, self.twin.path(), stop)? else { return Ok(None) };
         let number = |name: &str| {
-            let words = log.lines().filter_map(|l| l.trim().split_once(' ')).find(|(word, _)| *word == name);
+            let words = log
+                .lines()
+                .filter_map(|l| l.trim().split_once(' '))
+                .find(|(word, _)| *word == name);
             words.and_then(|(_, v)| v.trim().parse::<f64>().ok())
         };
         about.made_by = number("freefem").map_or(PROGRAM.to_string(), |v| format!("{PROGRAM} {v}"));
@@ -172,7 +195,11 @@ impl<'a> Case<'a> {
         if !about.work.is_empty() {
             command.args(["-loop", &about.work]);
         }
-        command.arg("-mesh").arg(folder.join("mesh.msh")).arg("-out").arg(folder.join("series.csv"));
+        command
+            .arg("-mesh")
+            .arg(folder.join("mesh.msh"))
+            .arg("-out")
+            .arg(folder.join("series.csv"));
         command.current_dir(self.twin.path().parent().unwrap_or(Path::new(".")));
         // One thread, as immersa is timed with.
         command.env("OPENBLAS_NUM_THREADS", "1").env("OMP_NUM_THREADS", "1");
@@ -185,7 +212,8 @@ impl<'a> Case<'a> {
     /// There is none, or it cannot be read.
     pub fn recorded(&self) -> Result<Reading> {
         let data = self.twin.path().with_file_name("data");
-        let entries = std::fs::read_dir(&data).map(|d| d.flatten().map(|e| e.path()).collect::<Vec<_>>());
+        let entries =
+            std::fs::read_dir(&data).map(|d| d.flatten().map(|e| e.path()).collect::<Vec<_>>());
         let mut files = entries.unwrap_or_default();
         files.retain(|p| p.extension().is_some_and(|e| e == "json"));
         files.sort();
@@ -203,10 +231,13 @@ impl<'a> Case<'a> {
             found.push(format!("{}{}", reading.about.mesh, other.collect::<String>()));
         }
         let found = if found.is_empty() { "nothing".into() } else { found.join("; ") };
-        Err(Error::input("FreeFEM is not installed, and no result was recorded for this mesh, step and these values")
-            .at(data.display().to_string())
-            .value(format!("{}, time.step={:?}", self.size, self.scene.time.step))
-            .remedy(format!("{INSTALL}, or compare with the values that were recorded: {found}")))
+        Err(Error::input(
+            "FreeFEM is not installed, and no result was recorded for this mesh, step and these \
+             values",
+        )
+        .at(data.display().to_string())
+        .value(format!("{}, time.step={:?}", self.size, self.scene.time.step))
+        .remedy(format!("{INSTALL}, or compare with the values that were recorded: {found}")))
     }
 
     /// True for a result with the mesh, step and values of this case.
@@ -252,14 +283,17 @@ fn read(csv: &Path) -> Result<Reading> {
 /// The table of a twin; its times may be called `t`.
 fn table(path: &Path) -> Result<Series> {
     let at = path.display().to_string();
-    let mut table =
-        Series::read(path).map_err(|e| Error::computation("FreeFEM wrote no table").at(&at).value(e.what()))?;
+    let mut table = Series::read(path)
+        .map_err(|e| Error::computation("FreeFEM wrote no table").at(&at).value(e.what()))?;
     if let Some(t) = table.names.iter_mut().find(|n| *n == "t") {
         *t = "time".into();
     }
-    let wrong = table.names.iter().zip(&table.columns).find(|(_, c)| c.iter().any(|v| !v.is_finite()));
+    let wrong =
+        table.names.iter().zip(&table.columns).find(|(_, c)| c.iter().any(|v| !v.is_finite()));
     if let Some((name, _)) = wrong {
-        let e = Error::computation("FreeFEM gave a value that is no number").at(at).value(format!("column {name}"));
+        let e = Error::computation("FreeFEM gave a value that is no number")
+            .at(at)
+            .value(format!("column {name}"));
         return Err(e.remedy("take a smaller time.step: explicit coupling has a limit"));
     }
     table.column("time").map_err(|e| e.at(at.clone()))?;

@@ -15,9 +15,16 @@ pub(super) const FAILED: &str = "failed.txt";
 const SHOWN: usize = 8;
 
 /// Runs a command; the result is its output, `None` if the program is not there.
-pub(super) fn execute(mut command: Command, folder: &Path, script: &Path, stop: &AtomicBool) -> Result<Option<String>> {
+pub(super) fn execute(
+    mut command: Command,
+    folder: &Path,
+    script: &Path,
+    stop: &AtomicBool,
+) -> Result<Option<String>> {
     let path = folder.join("log.txt");
-    let broken = |e: std::io::Error| Error::input("FreeFEM cannot be run").at(script.display().to_string()).value(e);
+    let broken = |e: std::io::Error| {
+        Error::input("FreeFEM cannot be run").at(script.display().to_string()).value(e)
+    };
     let log = File::create(&path).map_err(broken)?;
     command.stdout(log.try_clone().map_err(broken)?).stderr(log).stdin(std::process::Stdio::null());
     let status = match command.spawn() {
@@ -25,15 +32,21 @@ pub(super) fn execute(mut command: Command, folder: &Path, script: &Path, stop: 
         started => started.and_then(|child| wait(child, stop)).map_err(broken)?,
     };
     if stop.load(Ordering::Relaxed) {
-        return Err(Error::interrupted("the study was interrupted while FreeFEM ran; all runs that ended are kept")
-            .remedy("start the same command again: it goes on from here"));
+        return Err(Error::interrupted(
+            "the study was interrupted while FreeFEM ran; all runs that ended are kept",
+        )
+        .remedy("start the same command again: it goes on from here"));
     }
     let text = String::from_utf8_lossy(&std::fs::read(&path).map_err(broken)?).into_owned();
     if status.success() {
         return Ok(Some(text));
     }
-    let reason =
-        format!("{status}; see {}; by hand: {}; its last words: {}", path.display(), words(&command), tail(&text));
+    let reason = format!(
+        "{status}; see {}; by hand: {}; its last words: {}",
+        path.display(),
+        words(&command),
+        tail(&text)
+    );
     // Kept like a result: the same script with the same values would fail again.
     write_file(&folder.join(FAILED), reason.as_bytes())?;
     Err(failure(script, reason))

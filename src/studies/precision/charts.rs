@@ -1,7 +1,6 @@
 //! The charts of a precision study.
 
-use super::report::offers;
-use super::{CostPoint, Reference};
+use super::{CostPoint, Reference, offers};
 use crate::output::{Chart, Curve, Figure, Stroke};
 use crate::studies::front::front;
 use crate::studies::per_cent;
@@ -24,7 +23,11 @@ pub(super) fn rows<'a>(points: &'a [CostPoint], methods: &[&str]) -> Vec<MethodC
     for p in order {
         if rows.iter().all(|r| r.name != p.method) {
             let ours = rows.iter().filter(|r| r.colour != GREY).count();
-            rows.push(MethodCurve { name: &p.method, points: vec![], colour: if p.ours { ours % GREY } else { GREY } });
+            rows.push(MethodCurve {
+                name: &p.method,
+                points: vec![],
+                colour: if p.ours { ours % GREY } else { GREY },
+            });
         }
         let Some(row) = rows.iter_mut().find(|r| r.name == p.method) else { continue };
         if row.points.last().copied().flatten().is_some_and(|last| last.family != p.family) {
@@ -35,13 +38,21 @@ pub(super) fn rows<'a>(points: &'a [CostPoint], methods: &[&str]) -> Vec<MethodC
     rows
 }
 
-pub(super) fn charts(points: &[CostPoint], methods: &[&str], what: &str, reference: &Reference) -> Vec<Figure> {
+pub(super) fn charts(
+    points: &[CostPoint],
+    methods: &[&str],
+    what: &str,
+    reference: &Reference,
+) -> Vec<Figure> {
     let known = match reference.error() {
         e if e > 0.0 => format!(" The reference is known to {}.", per_cent(e)),
         _ => String::new(),
     };
     let lines = "Each line is a method on one mesh, each mark a time step.";
-    let work = format!("{lines} The dashed line joins the runs that no other beats in both error and CPU time.{known}");
+    let work = format!(
+        "{lines} The dashed line joins the runs that no other beats in both error and CPU \
+         time.{known}"
+    );
     let against = format!("{lines}{known}");
     let mut all = vec![chart(
         ["work", "Error against CPU time.", "CPU seconds of the time steps", what, &work],
@@ -73,12 +84,19 @@ fn chart(
         row.points.iter().map(|p| p.map_or(f64::NAN, f)).collect()
     };
     let rows = rows(points, methods);
-    let columns: Vec<[Vec<f64>; 2]> = rows.iter().map(|r| [values(r, &cost), values(r, &CostPoint::usable)]).collect();
+    let columns: Vec<[Vec<f64>; 2]> =
+        rows.iter().map(|r| [values(r, &cost), values(r, &CostPoint::usable)]).collect();
     let best: Vec<&CostPoint> = front(&offers(points)).iter().map(|&i| &points[i]).collect();
     let (x, y): (Vec<f64>, Vec<f64>) = best.iter().map(|p| (cost(p), p.usable())).unzip();
     let mut curves: Vec<Curve<'_>> = Vec::new();
     if with_front && best.len() > 1 {
-        curves.push(Curve { name: "not beaten", x: &x, y: &y, stroke: Stroke::Dashed, colour: Some(GREY) });
+        curves.push(Curve {
+            name: "not beaten",
+            x: &x,
+            y: &y,
+            stroke: Stroke::Dashed,
+            colour: Some(GREY),
+        });
     }
     curves.extend(rows.iter().zip(&columns).map(|(row, [x, y])| {
         let stroke = Stroke::Marked;
@@ -87,6 +105,7 @@ fn chart(
     // What an error is of stands in the subtitle of the page when it is long.
     let y_label = if what.len() > 40 { "relative error" } else { what };
     let y_label = if y_label == what { format!("error of {what}") } else { y_label.to_string() };
-    let chart = Chart { x_label, y_label: &y_label, log_x: true, log_y: true, curves, ..Chart::default() };
+    let chart =
+        Chart { x_label, y_label: &y_label, log_x: true, log_y: true, curves, ..Chart::default() };
     Figure::chart(name, title, chart.svg(), caption)
 }

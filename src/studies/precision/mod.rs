@@ -83,7 +83,11 @@ struct CostPoint {
 impl CostPoint {
     /// The largest of its errors; NaN if one is.
     fn error(&self) -> f64 {
-        if self.errors.iter().any(|e| e.is_nan()) { f64::NAN } else { self.errors.iter().copied().fold(0.0, f64::max) }
+        if self.errors.iter().any(|e| e.is_nan()) {
+            f64::NAN
+        } else {
+            self.errors.iter().copied().fold(0.0, f64::max)
+        }
     }
     /// The error if anything of the result is right: NaN from 100 % on, which is how a run may end
     /// that was unstable without overflow.
@@ -93,6 +97,11 @@ impl CostPoint {
     fn offer(&self) -> Offer {
         Offer { cost: self.cpu, error: self.usable() }
     }
+}
+
+/// Costs and errors of all points.
+fn offers(points: &[CostPoint]) -> Vec<Offer> {
+    points.iter().map(CostPoint::offer).collect()
 }
 
 /// Runs all methods on all meshes with all steps; the result is a page of errors and costs.
@@ -125,12 +134,27 @@ pub fn precision(campaign: &mut Campaign<'_>, options: &Precision) -> Result<Pag
                 let set = [setting.set.clone(), method.set.clone()].concat();
                 let trial = Trial { label: label.trim_start_matches(", ").into(), set, repetition };
                 let outcome = campaign.run(&trial, k, of)?;
-                merge(&mut points, of_ours(&method.name, setting, &outcome, &quantities, &reference)?);
+                merge(
+                    &mut points,
+                    of_ours(&method.name, setting, &outcome, &quantities, &reference)?,
+                );
             }
-            for (twin, method) in
-                twin.into_iter().flat_map(|twin| twin_methods(options, setting).map(move |m| (twin, m)))
+            for (twin, method) in twin
+                .into_iter()
+                .flat_map(|twin| twin_methods(options, setting).map(move |m| (twin, m)))
             {
-                merge(&mut points, of_freefem(campaign, twin, setting, &method, repetition, &quantities, &reference)?);
+                merge(
+                    &mut points,
+                    of_freefem(
+                        campaign,
+                        twin,
+                        setting,
+                        &method,
+                        repetition,
+                        &quantities,
+                        &reference,
+                    )?,
+                );
             }
         }
     }
@@ -173,10 +197,13 @@ fn of_freefem(
     quantities: &[(String, f64)],
     reference: &Reference,
 ) -> Result<CostPoint> {
-    let scene = campaign.scene().with(&[twin.settings(), &keep(campaign.scene(), setting), &method.set].concat())?;
+    let scene = campaign
+        .scene()
+        .with(&[twin.settings(), &keep(campaign.scene(), setting), &method.set].concat())?;
     let runs = campaign.folder().join("runs");
     let work = twin.loops().first().cloned().unwrap_or_default();
-    let run = Case::new(twin, &scene).and_then(|c| c.run(&work, scene.time.end, again, &runs, campaign.stop()));
+    let run = Case::new(twin, &scene)
+        .and_then(|c| c.run(&work, scene.time.end, again, &runs, campaign.stop()));
     let mut point = CostPoint {
         method: method.name.clone(),
         setting: setting.words.clone(),
@@ -201,7 +228,9 @@ fn of_freefem(
                 .value("FreeFem++")
                 .remedy(format!("{}, or leave --twin out", super::freefem::INSTALL)));
         }
-        Err(e) if matches!(e.kind(), Kind::Computation | Kind::Scene) => point.end = "failed".into(),
+        Err(e) if matches!(e.kind(), Kind::Computation | Kind::Scene) => {
+            point.end = "failed".into()
+        }
         Err(e) => return Err(e),
     }
     campaign.listener().note(&format!("{}, {}: {}", method.name, setting.words, point.end));
@@ -236,13 +265,18 @@ mod tests {
     #[test]
     fn the_error_of_a_point_is_the_largest_and_nothing_if_one_failed() {
         assert_eq!(
-            relative(&[1.1, 0.2], &[1.0, 0.0]).iter().map(|e| (e * 1e6).round()).collect::<Vec<_>>(),
+            relative(&[1.1, 0.2], &[1.0, 0.0])
+                .iter()
+                .map(|e| (e * 1e6).round())
+                .collect::<Vec<_>>(),
             [1e5, 2e5]
         );
         let point = |errors: &[f64]| CostPoint { errors: errors.to_vec(), ..bare() };
         assert_eq!(point(&[0.1, 0.3, 0.2]).error(), 0.3);
         assert!(point(&[1.0, 0.3]).usable().is_nan() && point(&[0.3]).usable() == 0.3);
-        assert!(point(&[f64::NAN, 0.3]).error().is_nan() && point(&[0.3, f64::NAN]).error().is_nan());
+        assert!(
+            point(&[f64::NAN, 0.3]).error().is_nan() && point(&[0.3, f64::NAN]).error().is_nan()
+        );
     }
 
     #[test]

@@ -22,12 +22,17 @@ pub(super) struct Combination {
 }
 
 /// Refuses options that are wrong before the first run.
-pub(super) fn check(campaign: &Campaign<'_>, options: &Precision, quantities: &[(String, f64)]) -> Result<()> {
+pub(super) fn check(
+    campaign: &Campaign<'_>,
+    options: &Precision,
+    quantities: &[(String, f64)],
+) -> Result<()> {
     let scene = campaign.scene();
     if quantities.is_empty() {
-        return Err(Error::scene("a study of precision needs a quantity")
-            .at("--quantity")
-            .remedy("name a column of series.csv, with @TIME if it is not the end: --quantity membrane.area@0.4"));
+        return Err(Error::scene("a study of precision needs a quantity").at("--quantity").remedy(
+            "name a column of series.csv, with @TIME if it is not the end: --quantity \
+             membrane.area@0.4",
+        ));
     }
     let columns = problem(scene)?.row()?.names().to_vec();
     if let Some((column, _)) = quantities.iter().find(|q| !columns.contains(&q.0)) {
@@ -36,7 +41,8 @@ pub(super) fn check(campaign: &Campaign<'_>, options: &Precision, quantities: &[
             .value(column)
             .remedy(advice(column, columns.iter().map(String::as_str))));
     }
-    if let Some((column, t)) = quantities.iter().find(|(_, t)| !(0.0..=scene.time.end).contains(t)) {
+    if let Some((column, t)) = quantities.iter().find(|(_, t)| !(0.0..=scene.time.end).contains(t))
+    {
         return Err(Error::scene(format!("the time of {column} lies outside the run"))
             .at("--quantity")
             .value(t)
@@ -50,7 +56,8 @@ pub(super) fn check(campaign: &Campaign<'_>, options: &Precision, quantities: &[
             .value(format!("{} values for {} quantities", values.len(), quantities.len()))
             .remedy("give --exact once for each --quantity, in the same order, or --reference"));
     }
-    let mut names: Vec<&str> = options.methods.iter().chain(&options.twin_methods).map(|m| m.name.as_str()).collect();
+    let mut names: Vec<&str> =
+        options.methods.iter().chain(&options.twin_methods).map(|m| m.name.as_str()).collect();
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|w| w[0] == w[1]) {
         return Err(Error::scene("two methods have the same name")
@@ -113,9 +120,13 @@ pub(super) fn methods(options: &Precision, setting: &Combination) -> Vec<Method>
 }
 
 /// The settings that the twin is run with in a setting.
-pub(super) fn twin_methods(options: &Precision, setting: &Combination) -> impl Iterator<Item = Method> {
+pub(super) fn twin_methods(
+    options: &Precision,
+    setting: &Combination,
+) -> impl Iterator<Item = Method> {
     let plain = Method { name: "FreeFEM".into(), ..Method::default() };
-    let all = if options.twin_methods.is_empty() { vec![plain] } else { options.twin_methods.clone() };
+    let all =
+        if options.twin_methods.is_empty() { vec![plain] } else { options.twin_methods.clone() };
     all.into_iter().filter(move |m| fits(m, options, setting))
 }
 

@@ -1,10 +1,10 @@
 //! The page of a precision study.
 
 use super::charts::charts;
-use super::{CostPoint, Precision, Reference};
+use super::{CostPoint, Precision, Reference, offers};
 use crate::output::{Cell, KeyNumber, Page, Table, rounded};
 use crate::scene::Scene;
-use crate::studies::front::{Offer, cheapest, front};
+use crate::studies::front::{cheapest, front};
 use crate::studies::per_cent;
 
 pub(super) fn page(
@@ -29,7 +29,8 @@ pub(super) fn page(
     };
     found.tables.push(all(points, &names));
     found.tables.push(best(points, &options.tolerances));
-    found.statements = options.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
+    found.statements =
+        options.tolerances.iter().map(|t| sentence(points, *t, &what, reference)).collect();
     found.notes = notes(scene, options, reference, points);
     let methods: Vec<&str> = options.methods.iter().map(|m| m.name.as_str()).collect();
     found.charts = charts(points, &methods, &what, reference);
@@ -37,21 +38,24 @@ pub(super) fn page(
     found
 }
 
-pub(super) fn offers(points: &[CostPoint]) -> Vec<Offer> {
-    points.iter().map(CostPoint::offer).collect()
-}
-
 fn all(points: &[CostPoint], names: &[String]) -> Table {
     let front = front(&offers(points));
-    let values: Vec<&str> = points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
+    let values: Vec<&str> =
+        points.first().map(|p| p.values.iter().map(|v| v.0.as_str()).collect()).unwrap_or_default();
     let fixed = ["error", "CPU", "unknowns", "memory", "front", "end"];
-    let single: Vec<&str> = if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
-    let mut table = Table::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat())
-        .with_unit("CPU", "s")
-        .with_unit("memory", "MB");
+    let single: Vec<&str> =
+        if names.len() > 1 { names.iter().map(String::as_str).collect() } else { vec![] };
+    let mut table =
+        Table::new("points", "All runs", [&["method"], &values[..], &fixed, &single[..]].concat())
+            .with_unit("CPU", "s")
+            .with_unit("memory", "MB");
     for (i, p) in points.iter().enumerate() {
         let mut row = vec![Cell::text(&p.method)];
-        row.extend(p.values.iter().map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::number(v, 6))));
+        row.extend(
+            p.values
+                .iter()
+                .map(|(_, v)| v.parse().map_or_else(|_| Cell::text(v), |v| Cell::number(v, 6))),
+        );
         row.extend([
             Cell::number(p.error(), 3),
             Cell::number(p.cpu, 3),
@@ -63,15 +67,19 @@ fn all(points: &[CostPoint], names: &[String]) -> Table {
         row.extend(single.iter().zip(&p.errors).map(|(_, e)| Cell::number(*e, 3)));
         table.rows.push(row);
     }
-    table.caption = "The error is relative, the largest of the quantities; `front` marks the runs that no other beats in both error and CPU time."
+    table.caption = "The error is relative, the largest of the quantities; `front` marks the runs \
+        that no other beats in both error and CPU time."
         .into();
     table
 }
 
 fn best(points: &[CostPoint], tolerances: &[f64]) -> Table {
-    let mut table =
-        Table::new("cheapest", "The cheapest setting for an error", ["error", "method", "setting", "reached", "CPU"])
-            .with_unit("CPU", "s");
+    let mut table = Table::new(
+        "cheapest",
+        "The cheapest setting for an error",
+        ["error", "method", "setting", "reached", "CPU"],
+    )
+    .with_unit("CPU", "s");
     for &tolerance in tolerances {
         let mut row = vec![Cell::text(per_cent(tolerance))];
         match cheapest(&offers(points), tolerance) {
@@ -84,7 +92,12 @@ fn best(points: &[CostPoint], tolerances: &[f64]) -> Table {
                     Cell::number(p.cpu, 3),
                 ]);
             }
-            _ => row.extend([Cell::text("none"), Cell::text(""), Cell::text("-"), Cell::optional(None, 3)]),
+            _ => row.extend([
+                Cell::text("none"),
+                Cell::text(""),
+                Cell::text("-"),
+                Cell::optional(None, 3),
+            ]),
         }
         table.rows.push(row);
     }
@@ -97,12 +110,20 @@ fn sentence(points: &[CostPoint], tolerance: f64, what: &str, reference: &Refere
         [p.setting.as_str(), &p.method, &format!("{} s", rounded(p.cpu, 2))]
             .iter()
             .filter(|w| !w.is_empty())
-            .fold(String::new(), |s, w| if s.is_empty() { w.to_string() } else { format!("{s}, {w}") })
+            .fold(
+                String::new(),
+                |s, w| if s.is_empty() { w.to_string() } else { format!("{s}, {w}") },
+            )
     };
-    let (ours, theirs): (Vec<CostPoint>, Vec<CostPoint>) = points.iter().cloned().partition(|p| p.ours);
+    let (ours, theirs): (Vec<CostPoint>, Vec<CostPoint>) =
+        points.iter().cloned().partition(|p| p.ours);
     let of = |points: &[CostPoint]| match cheapest(&offers(points), tolerance) {
         Some(Ok(i)) => format!("{} (error {})", told(&points[i]), per_cent(points[i].error())),
-        Some(Err(i)) => format!("not reached; closest came {} with {}", told(&points[i]), per_cent(points[i].error())),
+        Some(Err(i)) => format!(
+            "not reached; closest came {} with {}",
+            told(&points[i]),
+            per_cent(points[i].error())
+        ),
         None => "no run finished".into(),
     };
     let who = if theirs.is_empty() { "" } else { "immersa: " };
@@ -125,11 +146,17 @@ fn number(points: &[CostPoint], tolerance: f64) -> Option<KeyNumber> {
     })
 }
 
-fn notes(scene: &Scene, options: &Precision, reference: &Reference, points: &[CostPoint]) -> Vec<String> {
+fn notes(
+    scene: &Scene,
+    options: &Precision,
+    reference: &Reference,
+    points: &[CostPoint],
+) -> Vec<String> {
     let mut notes = vec![match &options.truth {
         super::Truth::Exact(_) => "Errors are against exact values.".to_string(),
         super::Truth::Reference(_) => format!(
-            "Errors are against a reference run ({}). Its own error is about {}, estimated {}; errors below it mean nothing.",
+            "Errors are against a reference run ({}). Its own error is about {}, estimated {}; \
+             errors below it mean nothing.",
             reference.words,
             per_cent(reference.error()),
             reference.notes.join(" and ")
@@ -139,12 +166,13 @@ fn notes(scene: &Scene, options: &Precision, reference: &Reference, points: &[Co
     let by_run = matches!(options.truth, super::Truth::Reference(_));
     let all_methods = options.methods.iter().chain(&options.twin_methods).flat_map(|m| &m.set);
     let varies = |set: &String| set.starts_with("numerics.thickness") || set.contains(".force");
-    let same = options.factors.iter().all(|f| f.name != "thickness") && !all_methods.into_iter().any(varies);
+    let same = options.factors.iter().all(|f| f.name != "thickness")
+        && !all_methods.into_iter().any(varies);
     if by_run && same && scene.acting().next().is_some() {
         let eps = scene.numerics.thickness.map_or(String::new(), |eps| format!(" = {eps:?}"));
         notes.push(format!(
-            "The half-width eps{eps} of the band is the same in all runs: the error of thickness, of first order in eps and often the largest \
-             of all, is not in this chart."
+            "The half-width eps{eps} of the band is the same in all runs: the error of thickness, \
+             of first order in eps and often the largest of all, is not in this chart."
         ));
     }
     let failed: Vec<String> = points
@@ -199,27 +227,41 @@ mod tests {
 
     #[test]
     fn the_cheapest_setting_is_a_sentence() {
-        let say = |tolerance| sentence(&points(), tolerance, "perimeter at t = 1.0", &Reference::default());
+        let say = |tolerance| {
+            sentence(&points(), tolerance, "perimeter at t = 1.0", &Reference::default())
+        };
         assert_eq!(
             say(1e-3),
-            "0.1 % in perimeter at t = 1.0: immersa: n = 60, dt = 0.02, BDF2, 3.1 s (error 0.08 %); FreeFEM: not reached; closest came \
-             n = 60, dt = 0.001, 60 s with 0.5 %."
+            "0.1 % in perimeter at t = 1.0: immersa: n = 60, dt = 0.02, BDF2, 3.1 s (error 0.08 \
+             %); FreeFEM: not reached; closest came n = 60, dt = 0.001, 60 s with 0.5 %."
         );
-        assert!(say(1e-5).contains(": not reached; closest came n = 60, dt = 0.02, BDF2, 3.1 s with 0.08 %"));
+        assert!(
+            say(1e-5)
+                .contains(": not reached; closest came n = 60, dt = 0.02, BDF2, 3.1 s with 0.08 %")
+        );
         let vague = Reference { own: vec![2e-3], ..Reference::default() };
-        assert!(sentence(&points(), 1e-3, "a", &vague).ends_with("The reference itself is known to 0.2 % only."));
+        assert!(
+            sentence(&points(), 1e-3, "a", &vague)
+                .ends_with("The reference itself is known to 0.2 % only.")
+        );
     }
 
     #[test]
     fn the_table_marks_the_front_and_names_failures() {
-        let marked: Vec<String> = all(&points(), &["a".into()]).rows.iter().map(|r| r[5].shown()).collect();
+        let marked: Vec<String> =
+            all(&points(), &["a".into()]).rows.iter().map(|r| r[5].shown()).collect();
         assert_eq!(marked.concat(), "yesyesyes");
         assert_eq!(marked[2], "", "BDF1 on the finer mesh costs more and errs as much");
-        let scene = "[mesh]\nrectangle = { min = [0, 0], max = [1, 1], cells = [2, 2] }\n[fluid]\nviscosity = 1\n[boundary.walls]\n\
+        let scene = "[mesh]\nrectangle = \
+            { min = [0, 0], max = [1, 1], cells = [2, 2] }\n[fluid]\nviscosity = \
+            1\n[boundary.walls]\n\
                      no_slip = true\n[time]\nend = 1\nstep = 1\n";
         let scene = Scene::parse(scene, std::path::Path::new("a.toml")).unwrap();
         let notes = notes(&scene, &Precision::default(), &Reference::default(), &points());
-        assert!(notes.iter().any(|n| n.contains("BDF1, n = 60, dt = 0.1: blew up at t = 0.1")), "{notes:?}");
+        assert!(
+            notes.iter().any(|n| n.contains("BDF1, n = 60, dt = 0.1: blew up at t = 0.1")),
+            "{notes:?}"
+        );
     }
 
     #[test]

@@ -4,7 +4,8 @@ use super::limit::{StepLimit, is_scheme};
 use crate::output::{Chart, Curve, Figure, Stroke};
 use crate::studies::axis::{Axis, Choice, in_words};
 
-/// The limits over axis number `k`, if it has two numbers or more: over the edge of the mesh for the number of cells.
+/// The limits over axis number `k`, if it has two numbers or more: over the edge of the mesh for
+/// the number of cells.
 pub(super) fn chart(axes: &[Axis], k: usize, limits: &[StepLimit]) -> Option<Figure> {
     let axis = axes.get(k)?;
     if is_scheme(&axis.name) || axis.choices.iter().filter(|c| c.number().is_some()).count() < 2 {
@@ -36,8 +37,8 @@ pub(super) fn chart(axes: &[Axis], k: usize, limits: &[StepLimit]) -> Option<Fig
         ..Chart::default()
     };
     let name = format!("limit-over-{}", view.name.replace('.', "-"));
-    let caption =
-        "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at the largest step tried.";
+    let caption = "Marks: measured. Dashed: the formula (1.54) at the start. \"up to\": stable at \
+        the largest step tried.";
     Some(Figure::chart(name, title.as_str(), chart.svg(), caption))
 }
 
@@ -81,7 +82,11 @@ impl CurvePoints {
             (_, true) => format!("{words}: up to"),
             (_, false) => words,
         };
-        (name, self.points.iter().map(|p| p[0]).collect(), self.points.iter().map(|p| p[1]).collect())
+        (
+            name,
+            self.points.iter().map(|p| p[0]).collect(),
+            self.points.iter().map(|p| p[1]).collect(),
+        )
     }
 }
 
@@ -108,7 +113,9 @@ fn measured(limits: &[StepLimit], view: &View) -> Vec<CurvePoints> {
 
 /// The formula, once for all schemes and in the colour of the first.
 fn formulas(limits: &[StepLimit], view: &View, measured: &[CurvePoints]) -> Vec<CurvePoints> {
-    let physics = |key: &[Choice]| -> Vec<Choice> { key.iter().filter(|c| !is_scheme(&c.name)).cloned().collect() };
+    let physics = |key: &[Choice]| -> Vec<Choice> {
+        key.iter().filter(|c| !is_scheme(&c.name)).cloned().collect()
+    };
     let mut rows = Vec::new();
     for l in limits {
         let row = row(&mut rows, physics(&view.others(l)), Stroke::Dashed);

@@ -23,7 +23,8 @@ impl StepLimit {
     pub fn ratio(&self) -> Option<f64> {
         Some(self.limit()? / self.formula?)
     }
-    /// The limit as far as it is known; none for a combination that is unstable at every step or was refused.
+    /// The limit as far as it is known; none for a combination that is unstable at every step or
+    /// was refused.
     pub fn limit(&self) -> Option<f64> {
         self.bracket.stable.and_then(|_| self.bracket.limit())
     }
@@ -33,7 +34,9 @@ impl StepLimit {
             (Some(_), ..) => "refused",
             (None, Some(_), None) => "stable at the largest step tried",
             (None, None, _) => "unstable at the smallest step tried",
-            (None, Some(_), Some(_)) if !self.bracket.islands.is_empty() => "unstable at smaller steps too",
+            (None, Some(_), Some(_)) if !self.bracket.islands.is_empty() => {
+                "unstable at smaller steps too"
+            }
             (None, Some(_), Some(_)) => "",
         }
     }

@@ -1,7 +1,9 @@
-//! Stability: the largest stable step of a scene, and which other values of it are stable at its own step.
+//! Stability: the largest stable step of a scene, and which other values of it are stable at its
+//! own step.
 //!
-//! A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put in by
-//! more than a tolerance ([`TOLERANCE`]): growth beyond the balance (3.23), long before numbers overflow.
+//! A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the
+//! start and the work put in by more than a tolerance ([`TOLERANCE`]): growth beyond the balance
+//! (3.23), long before numbers overflow.
 
 mod chart;
 mod limit;
@@ -20,13 +22,15 @@ use crate::base::{Error, Result};
 use crate::output::Cell;
 use crate::studies::{Campaign, Trial, per_cent};
 
-/// Refuses values that the scene does not take, or that stand on two axes or on one and among the keys that the study sets
-/// itself, before anything is computed.
+/// Refuses values that the scene does not take, or that stand on two axes or on one and among the
+/// keys that the study sets itself, before anything is computed.
 fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
     if campaign.scene().fluid.prescribed_velocity.is_some() {
-        return Err(Error::scene("no flow is solved in this scene, and what is carried has no energy that could grow")
-            .value("fluid.prescribed_velocity")
-            .remedy("study its errors with `immersa study convergence`"));
+        return Err(Error::scene(
+            "no flow is solved in this scene, and what is carried has no energy that could grow",
+        )
+        .value("fluid.prescribed_velocity")
+        .remedy("study its errors with `immersa study convergence`"));
     }
     combinations(axes).iter().try_for_each(|c| {
         let set = assignments(c);
@@ -39,7 +43,11 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
 fn trial(combination: &[Choice], dt: f64, steps: usize) -> Trial {
     let mut set = assignments(combination);
     // The end must be a multiple of the step: both are set.
-    set.extend([format!("time.step={dt}"), format!("time.end={}", dt * steps as f64), format!("output.every={dt}")]);
+    set.extend([
+        format!("time.step={dt}"),
+        format!("time.end={}", dt * steps as f64),
+        format!("output.every={dt}"),
+    ]);
     let label = [in_words(combination), format!("dt = {dt}")];
     Trial::new(label.iter().filter(|l| !l.is_empty()).cloned().collect::<Vec<_>>().join(", "), set)
 }
@@ -51,7 +59,10 @@ fn columns<'a>(axes: &'a [Axis], more: &'a [&str]) -> impl Iterator<Item = &'a s
 
 /// A combination as the first cells of a row.
 fn cells(combination: &[Choice]) -> Vec<Cell> {
-    combination.iter().map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::number(v, 6))).collect()
+    combination
+        .iter()
+        .map(|c| c.number().map_or_else(|| Cell::text(&c.value), |v| Cell::number(v, 6)))
+        .collect()
 }
 
 /// A combination as the beginning of a sentence.

@@ -15,7 +15,8 @@ pub struct Scan {
     pub axes: Vec<Axis>,
     /// Steps of a run; those of the scene without it.
     pub steps: Option<usize>,
-    /// Growth of the energy beyond the balance above which a run is unstable, [`TOLERANCE`](super::TOLERANCE) or another.
+    /// Growth of the energy beyond the balance above which a run is unstable,
+    /// [`TOLERANCE`](super::TOLERANCE) or another.
     pub tolerance: f64,
 }
 
@@ -54,7 +55,8 @@ impl Scan {
     /// Runs all combinations; the result is a page of their outcomes.
     ///
     /// # Errors
-    /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is refused is a result.
+    /// Values that the scene does not take; as for [`Campaign::run`]. A run that fails or is
+    /// refused is a result.
     pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
         check(campaign, &self.axes, &[])?;
         let all = combinations(&self.axes);
@@ -90,10 +92,13 @@ impl Scan {
             let v = &p.verdict;
             let numbers = [v.growth, v.residual, v.area].map(|v| Cell::number(v, 3));
             let [resolution, outcome] = [Cell::number(p.resolution, 3), Cell::text(v.in_words())];
-            table.rows.push([cells(&p.combination), vec![resolution], numbers.to_vec(), vec![outcome]].concat());
+            table.rows.push(
+                [cells(&p.combination), vec![resolution], numbers.to_vec(), vec![outcome]].concat(),
+            );
         }
-        table.caption = "Growth: of kinetic and elastic energy beyond what was there and was put in, over that. From_nowhere: the \
-                        residual of the energy balance (3.23). Area: relative change of an enclosed area. Of each the largest in the run."
+        table.caption = "Growth: of kinetic and elastic energy beyond what was there and was put \
+            in, over that. From_nowhere: the residual of the energy balance (3.23). Area: \
+            relative change of an enclosed area. Of each the largest in the run."
             .into();
         table
     }
@@ -105,8 +110,15 @@ impl Scan {
         if rows.len() < 2 {
             return None;
         }
-        let header = others.iter().map(|a| a.name.clone()).chain(first.choices.iter().map(|c| c.label.clone()));
-        let mut table = Table::new("map", "Residual of the energy balance, or start of the instability", header);
+        let header = others
+            .iter()
+            .map(|a| a.name.clone())
+            .chain(first.choices.iter().map(|c| c.label.clone()));
+        let mut table = Table::new(
+            "map",
+            "Residual of the energy balance, or start of the instability",
+            header,
+        );
         for rest in rows {
             let outcome = |choice: &Choice| {
                 let found = points.iter().find(|p| p.is_at(choice, &rest)).map(|p| &p.verdict);
@@ -115,7 +127,9 @@ impl Scan {
                     false => v.in_words(),
                 }))
             };
-            table.rows.push(cells(&rest).into_iter().chain(first.choices.iter().map(outcome)).collect());
+            table
+                .rows
+                .push(cells(&rest).into_iter().chain(first.choices.iter().map(outcome)).collect());
         }
         Some(table)
     }
@@ -129,14 +143,18 @@ impl Scan {
                 let value = p.first().map_or("", |c| c.value.as_str());
                 match (&p.verdict.refused, p.verdict.unstable_from) {
                     (Some(_), _) => refused.push(value.to_string()),
-                    (None, Some(t)) => unstable.push(format!("{value} (from t = {})", rounded(t, 3))),
+                    (None, Some(t)) => {
+                        unstable.push(format!("{value} (from t = {})", rounded(t, 3)))
+                    }
                     (None, None) => stable.push(value.to_string()),
                 }
             }
             let parts = [("unstable", unstable), ("stable", stable), ("refused", refused)];
-            let part =
-                |(word, values): &(&str, Vec<String>)| format!("{word} at {} = {}", first.name, values.join(", "));
-            let text = parts.iter().filter(|p| !p.1.is_empty()).map(part).collect::<Vec<_>>().join("; ");
+            let part = |(word, values): &(&str, Vec<String>)| {
+                format!("{word} at {} = {}", first.name, values.join(", "))
+            };
+            let text =
+                parts.iter().filter(|p| !p.1.is_empty()).map(part).collect::<Vec<_>>().join("; ");
             match rest.is_empty() {
                 true => format!("At the step of the scene {text}."),
                 false => format!("{}{text}.", heading(&rest)),
@@ -147,11 +165,13 @@ impl Scan {
 
     fn notes(&self, points: &[ScanPoint]) -> Vec<String> {
         let mut notes = vec![format!(
-            "A run is unstable when it fails, or when kinetic and elastic energy exceed the energy at the start and the work put \
-             in by more than {}.",
+            "A run is unstable when it fails, or when kinetic and elastic energy exceed the \
+             energy at the start and the work put in by more than {}.",
             per_cent(self.tolerance)
         )];
-        notes.extend(refusals(points.iter().filter_map(|p| Some((&p.combination[..], p.verdict.refused.as_deref()?)))));
+        notes.extend(refusals(
+            points.iter().filter_map(|p| Some((&p.combination[..], p.verdict.refused.as_deref()?))),
+        ));
         notes
     }
 
@@ -174,12 +194,16 @@ impl Scan {
             for panel in &panels {
                 let of = |c: &Vec<Choice>| (in_words(c), [&c[..], panel].concat());
                 let curves = second.iter().map(of);
-                let curves = curves.map(|(words, rest)| curve(words, points.iter().filter(|p| p.is_of(&rest)), value));
-                let within = points.iter().filter(|p| p.is_in(panel) && p.verdict.unstable_from.is_some());
-                let lines: Vec<Line> = curves.chain([curve("unstable".into(), within, value)]).collect();
+                let curves = curves.map(|(words, rest)| {
+                    curve(words, points.iter().filter(|p| p.is_of(&rest)), value)
+                });
+                let within =
+                    points.iter().filter(|p| p.is_in(panel) && p.verdict.unstable_from.is_some());
+                let lines: Vec<Line> =
+                    curves.chain([curve("unstable".into(), within, value)]).collect();
                 let title = [format!("{what} over {}", first.name), in_words(panel)];
-                let file =
-                    std::iter::once(format!("{name}-over-{}", first.name)).chain(panel.iter().map(|c| c.label.clone()));
+                let file = std::iter::once(format!("{name}-over-{}", first.name))
+                    .chain(panel.iter().map(|c| c.label.clone()));
                 charts.extend(chart(first, file.collect::<Vec<_>>().join("-"), title, &lines));
             }
         }
@@ -193,27 +217,36 @@ type Value = fn(&Verdict) -> f64;
 type Line = (String, Vec<f64>, Vec<f64>);
 
 /// A curve over the first axis, in per cent up to [`CEILING`].
-fn curve<'a>(name: String, points: impl Iterator<Item = &'a ScanPoint>, value: &dyn Fn(&Verdict) -> f64) -> Line {
+fn curve<'a>(
+    name: String,
+    points: impl Iterator<Item = &'a ScanPoint>,
+    value: &dyn Fn(&Verdict) -> f64,
+) -> Line {
     let shown = |v: f64| if v > CEILING { CEILING } else { v };
     let at = |p: &ScanPoint| {
-        [p.first().and_then(Choice::number).unwrap_or(f64::NAN), shown((100.0 * value(&p.verdict)).abs())]
+        [
+            p.first().and_then(Choice::number).unwrap_or(f64::NAN),
+            shown((100.0 * value(&p.verdict)).abs()),
+        ]
     };
     let mut row: Vec<[f64; 2]> = points.map(at).collect();
     row.sort_by(|a, b| a[0].total_cmp(&b[0]));
     (name, row.iter().map(|p| p[0]).collect(), row.iter().map(|p| p[1]).collect())
 }
 
-/// The chart of some curves and, as the last one, the points that are unstable; none without a value.
+/// The chart of some curves and, as the last one, the points that are unstable; none without a
+/// value.
 fn chart(axis: &Axis, file: String, title: [String; 2], lines: &[Line]) -> Option<Figure> {
     if lines.iter().all(|(_, _, y)| y.iter().all(|v| v.is_nan())) {
         return None;
     }
-    let curves = lines.iter().enumerate().filter(|(_, line)| !line.1.is_empty()).map(|(i, (name, x, y))| {
-        let unstable = i + 1 == lines.len();
-        let name = if name.is_empty() { "measured" } else { name };
-        let stroke = if unstable { Stroke::Points } else { Stroke::Marked };
-        Curve { name, x, y, stroke, colour: Some(if unstable { GREY } else { i % GREY }) }
-    });
+    let curves =
+        lines.iter().enumerate().filter(|(_, line)| !line.1.is_empty()).map(|(i, (name, x, y))| {
+            let unstable = i + 1 == lines.len();
+            let name = if name.is_empty() { "measured" } else { name };
+            let stroke = if unstable { Stroke::Points } else { Stroke::Marked };
+            Curve { name, x, y, stroke, colour: Some(if unstable { GREY } else { i % GREY }) }
+        });
     let numbers = || axis.choices.iter().filter_map(Choice::number);
     let (low, high) = (numbers().fold(f64::INFINITY, f64::min), numbers().fold(0.0, f64::max));
     let title = title.iter().filter(|t| !t.is_empty()).cloned().collect::<Vec<_>>().join(", ");
@@ -227,8 +260,11 @@ fn chart(axis: &Axis, file: String, title: [String; 2], lines: &[Line]) -> Optio
         ..Chart::default()
     }
     .svg();
-    let letter = |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { Some(c) } else { None };
-    let name: String = file.replace(" = ", "-").replace(' ', "-").chars().filter_map(letter).collect();
-    let caption = format!("Magnitudes. Grey: unstable runs; what is above {CEILING} % is drawn there.");
+    let letter =
+        |c: char| if c.is_ascii_alphanumeric() || "._-".contains(c) { Some(c) } else { None };
+    let name: String =
+        file.replace(" = ", "-").replace(' ', "-").chars().filter_map(letter).collect();
+    let caption =
+        format!("Magnitudes. Grey: unstable runs; what is above {CEILING} % is drawn there.");
     Some(Figure::chart(name, title, svg, caption))
 }

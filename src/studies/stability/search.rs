@@ -29,10 +29,12 @@ impl Bracket {
     }
 }
 
-/// Finds the largest step between `range[0]` and `range[1]` that `is_stable`, with a relative accuracy.
+/// Finds the largest step between `range[0]` and `range[1]` that `is_stable`, with a relative
+/// accuracy.
 ///
-/// Starts at `guess` and goes by factors of two until a stable and an unstable step are found, then bisects on the
-/// logarithm; tries 0.8, 0.6 and 0.4 of what was found, too, for steps that are unstable below stable ones.
+/// Starts at `guess` and goes by factors of two until a stable and an unstable step are found, then
+/// bisects on the logarithm; tries 0.8, 0.6 and 0.4 of what was found, too, for steps that are
+/// unstable below stable ones.
 ///
 /// # Errors
 /// Those of `is_stable`.
@@ -43,8 +45,13 @@ pub fn largest_stable_step(
     mut is_stable: impl FnMut(f64) -> Result<bool>,
 ) -> Result<Bracket> {
     let [least, most] = range;
-    let within =
-        |step: f64| if step > least && step < most { short(step).clamp(least, most) } else { step.clamp(least, most) };
+    let within = |step: f64| {
+        if step > least && step < most {
+            short(step).clamp(least, most)
+        } else {
+            step.clamp(least, most)
+        }
+    };
     let mut bracket = Bracket::default();
     let mut step = within(guess);
     loop {
@@ -85,19 +92,29 @@ mod tests {
             });
             let found = found.unwrap();
             let (s, u) = (found.stable.unwrap(), found.unstable.unwrap());
-            assert!(s < 0.0165 && 0.0165 <= u && u <= 1.05 * s && found.islands.is_empty(), "{found:?}");
+            assert!(
+                s < 0.0165 && 0.0165 <= u && u <= 1.05 * s && found.islands.is_empty(),
+                "{found:?}"
+            );
             assert!(tried < 15, "{tried} runs");
         }
     }
 
     #[test]
     fn ends_and_islands_are_results() {
-        let find =
-            |is_stable: fn(f64) -> bool| largest_stable_step(0.3, [0.1, 3.0], 0.01, |dt| Ok(is_stable(dt))).unwrap();
+        let find = |is_stable: fn(f64) -> bool| {
+            largest_stable_step(0.3, [0.1, 3.0], 0.01, |dt| Ok(is_stable(dt))).unwrap()
+        };
         assert_eq!(find(|_| true), Bracket { stable: Some(3.0), unstable: None, islands: vec![] });
         assert_eq!(find(|_| false), Bracket { stable: None, unstable: Some(0.1), islands: vec![] });
         let island = find(|dt| dt < 1.0 && !(0.35..0.45).contains(&dt));
-        assert!(island.stable.is_some_and(|s| (0.98..1.0).contains(&s)) && island.islands.len() == 1, "{island:?}");
-        assert_eq!(Bracket { stable: Some(1.0), unstable: Some(4.0), islands: vec![] }.limit(), Some(2.0));
+        assert!(
+            island.stable.is_some_and(|s| (0.98..1.0).contains(&s)) && island.islands.len() == 1,
+            "{island:?}"
+        );
+        assert_eq!(
+            Bracket { stable: Some(1.0), unstable: Some(4.0), islands: vec![] }.limit(),
+            Some(2.0)
+        );
     }
 }

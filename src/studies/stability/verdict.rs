@@ -8,24 +8,25 @@ use crate::studies::{End, Outcome};
 pub struct Verdict {
     /// Reason for which the scene with these values could not be run.
     pub refused: Option<String>,
-    /// Largest growth beyond the balance: kinetic and elastic energy less what was there and was put in, over that. A flow
-    /// that loses energy from its first step on has 0.
+    /// Largest growth beyond the balance: kinetic and elastic energy less what was there and was
+    /// put in, over that. A flow that loses energy from its first step on has 0.
     pub growth: f64,
     /// Time at which the growth first exceeded the tolerance, or the run failed.
     pub unstable_from: Option<f64>,
     /// Residual of the energy balance (3.23) over the energy in play: the value of the largest
     /// magnitude.
     pub residual: f64,
-    /// The rate at which the growth changes in the second half of the run, per time: negative where energy is dissipated, positive
-    /// where an instability grows that has not come far yet.
+    /// The rate at which the growth changes in the second half of the run, per time: negative where
+    /// energy is dissipated, positive where an instability grows that has not come far yet.
     pub rate: f64,
     /// Relative change of an enclosed area, the largest; NaN without membranes.
     pub area: f64,
 }
 
 impl Verdict {
-    /// Judges a run by its series, with a row a step. It is unstable when it failed, or when at some time kinetic and elastic
-    /// energy are above `1 + tolerance` times the energy at the start and the work put in.
+    /// Judges a run by its series, with a row a step. It is unstable when it failed, or when at
+    /// some time kinetic and elastic energy are above `1 + tolerance` times the energy at the start
+    /// and the work put in.
     ///
     /// # Errors
     /// A series without the columns of the energy.
@@ -33,10 +34,18 @@ impl Verdict {
         if let End::Refused { reason } = &outcome.end {
             let nan = f64::NAN;
             let refused = Some(reason.clone());
-            return Ok(Verdict { refused, growth: nan, residual: nan, rate: nan, area: nan, unstable_from: None });
+            return Ok(Verdict {
+                refused,
+                growth: nan,
+                residual: nan,
+                rate: nan,
+                area: nan,
+                unstable_from: None,
+            });
         }
         let column = |name: &str| outcome.series.column(name);
-        let (time, kinetic, elastic) = (column("time")?, column("energy_kinetic")?, column("energy_elastic")?);
+        let (time, kinetic, elastic) =
+            (column("time")?, column("energy_kinetic")?, column("energy_elastic")?);
         let (work, balance) = (column("work")?, column("energy_balance")?);
         let energy: Vec<f64> = kinetic.iter().zip(elastic).map(|(k, e)| k + e).collect();
         let excess = excess(&energy, work);
@@ -68,7 +77,8 @@ impl Verdict {
     }
 }
 
-/// At each time, the energy less what was there and was put in, over the largest value of the latter so far.
+/// At each time, the energy less what was there and was put in, over the largest value of the
+/// latter so far.
 fn excess(energy: &[f64], work: &[f64]) -> Vec<f64> {
     let initial = energy.first().copied().unwrap_or(0.0);
     let mut scale: f64 = 0.0;
@@ -116,7 +126,8 @@ mod tests {
 
     #[test]
     fn work_is_no_growth_and_spurious_energy_is() {
-        let judge = |kinetic: &[f64], work: &[f64]| Verdict::of(&outcome(kinetic, work), 0.02).unwrap();
+        let judge =
+            |kinetic: &[f64], work: &[f64]| Verdict::of(&outcome(kinetic, work), 0.02).unwrap();
         let driven = judge(&[0.0, 1.0, 2.0], &[0.0, 1.1, 2.2]);
         assert!(driven.is_stable() && driven.growth == 0.0);
         let fed = judge(&[0.0, 0.01, 0.03, 0.0], &[0.0; 4]);
@@ -133,7 +144,8 @@ mod tests {
         let mut failed = outcome(&[0.0, 0.0], &[0.0, 0.0]);
         failed.end = End::Failed { time: 0.7, reason: "the computation blew up".into() };
         assert_eq!(Verdict::of(&failed, 0.02).unwrap().unstable_from, Some(0.7));
-        let refused = Verdict::of(&Outcome::refused(&Trial::default(), "too thin".into()), 0.02).unwrap();
+        let refused =
+            Verdict::of(&Outcome::refused(&Trial::default(), "too thin".into()), 0.02).unwrap();
         assert!(!refused.is_stable() && refused.in_words() == "refused");
     }
 }

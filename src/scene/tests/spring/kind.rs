@@ -17,7 +17,9 @@ pub(in crate::scene) const KIND: Registered = Registered {
     list: "spring",
     keys: Spring::KEYS,
     doc: "Discs of fluid that springs pull to points.",
-    example: |d| if d == 2 { "anchor = [1, 1]\nstiffness = 1" } else { "anchor = [1, 1, 1]\nstiffness = 1" },
+    example: |d| {
+        if d == 2 { "anchor = [1, 1]\nstiffness = 1" } else { "anchor = [1, 1, 1]\nstiffness = 1" }
+    },
     read: |item, _, context| Ok(Box::new(Spring::read(item, context)?)),
 };
 
@@ -40,12 +42,17 @@ impl<const D: usize> KindIn<D> for Spring {
     fn build(&self, of: &mut Build<'_, '_, D>) -> Result<Box<dyn Structure<D>>> {
         of.check_band(&self.name, true, 1.0)?;
         let phi = of.placed()?.nodal.clone();
-        Ok(Box::new(Pulled::new(&self.name, phi, (point(&self.anchor), self.stiffness, of.thickness))))
+        Ok(Box::new(Pulled::new(
+            &self.name,
+            phi,
+            (point(&self.anchor), self.stiffness, of.thickness),
+        )))
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
         view.measure_interface(k, Cuts::default(), row)?;
         let fields = &view.state.fields;
-        let path = fields.find(&format!("{}.path", self.name)).map_or(f64::NAN, |id| fields.scalar(id)[0]);
+        let path =
+            fields.find(&format!("{}.path", self.name)).map_or(f64::NAN, |id| fields.scalar(id)[0]);
         row.put(format!("{}.path", self.name), path);
         Ok(())
     }
@@ -65,13 +72,17 @@ impl StructureKind for Spring {
         Traits { modulus: self.stiffness, ..Traits::default() }
     }
     fn words(&self) -> Vec<String> {
-        vec![format!("spring `{}`: stiffness {}, pulls to {:?}", self.name, self.stiffness, self.anchor)]
+        vec![format!(
+            "spring `{}`: stiffness {}, pulls to {:?}",
+            self.name, self.stiffness, self.anchor
+        )]
     }
     fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
         let mut sheet = of.sheet();
         sheet.line("path", of.column_of(&self.name, "path"));
         let title = format!("Path of {}", self.name);
-        let drawn = sheet.draw(format!("path-{}", self.name), [&title, "length"], "Length of the path.");
+        let drawn =
+            sheet.draw(format!("path-{}", self.name), [&title, "length"], "Length of the path.");
         drawn.into_iter().collect()
     }
     fn write(&self, out: &mut Writer) {

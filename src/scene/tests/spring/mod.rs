@@ -79,7 +79,9 @@ fn it_is_in_the_reference_and_reads_back() {
     let key = KEYS.get("spring").unwrap();
     assert!(matches!(key.kind, ValueKind::List(keys) if keys.get("anchor").is_some()));
     assert!(
-        crate::scene::reference::reference(Some("spring")).unwrap().contains("`stiffness`: number > 0 (N/m), required")
+        crate::scene::reference::reference(Some("spring"))
+            .unwrap()
+            .contains("`stiffness`: number > 0 (N/m), required")
     );
     let scene = scene(&[]);
     let again = Scene::parse(&scene.to_toml(), Path::new("elsewhere/scene.toml")).unwrap();
@@ -88,7 +90,8 @@ fn it_is_in_the_reference_and_reads_back() {
     let wrong = SCENE.replace("anchor", "ancor");
     let e = Scene::parse(&wrong, Path::new("case/scene.toml")).unwrap_err();
     assert!(e.to_string().contains("did you mean `anchor`?"), "{e}");
-    let clash = Scene::parse_with(SCENE, Path::new("s.toml"), &["level_set.0.name=disc".into()]).unwrap_err();
+    let clash = Scene::parse_with(SCENE, Path::new("s.toml"), &["level_set.0.name=disc".into()])
+        .unwrap_err();
     assert!(clash.to_string().contains("two interfaces are named `disc`"), "{clash}");
 }
 
@@ -117,7 +120,11 @@ fn it_runs_resumes_writes_fields_and_charts() {
     let field = String::from_utf8(read(&whole, "fields/000020.vtu")).unwrap_or_default();
     assert!(field.is_empty() || field.contains("disc.level_set"));
     let rendered = crate::scene::render::render(&whole).unwrap();
-    assert!(rendered.files.iter().any(|f| f.ends_with("charts/path-disc.svg")), "{:?}", rendered.files);
+    assert!(
+        rendered.files.iter().any(|f| f.ends_with("charts/path-disc.svg")),
+        "{:?}",
+        rendered.files
+    );
     assert!(fs::read_to_string(&rendered.report).unwrap().contains("Path of disc"));
 }
 
@@ -172,8 +179,12 @@ fn no_other_file_knows_it() {
     sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
     let mentions_it = |path: &&std::path::PathBuf| {
         let text = fs::read_to_string(path).unwrap_or_default();
-        text.lines().filter(|l| l.to_lowercase().contains("spring") && !l.contains("Springer")).count() > 0
+        text.lines()
+            .filter(|l| l.to_lowercase().contains("spring") && !l.contains("Springer"))
+            .count()
+            > 0
     };
-    let found: Vec<_> = files.iter().filter(mentions_it).map(|p| p.file_name().unwrap().to_owned()).collect();
+    let found: Vec<_> =
+        files.iter().filter(mentions_it).map(|p| p.file_name().unwrap().to_owned()).collect();
     assert_eq!(found.len(), 2, "the registration and the declaration of the test alone: {found:?}");
 }

@@ -5,7 +5,9 @@ use crate::fem::{At, Basis, Cells, VectorForm, integrate};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::heaviside;
 use crate::mesh::Point;
-use crate::structure::{Carry, Data, Declaration, FieldId, Fields, Host, Moved, Place, Rule, Structure, Velocity};
+use crate::structure::{
+    Carry, Data, Declaration, FieldId, Fields, Host, Moved, Place, Rule, Structure, Velocity,
+};
 use nalgebra::{SMatrix, SVector};
 
 /// A disc of fluid whose centre is pulled to an anchor by a spring: `F(v) = -k (X - A) . mean of v
@@ -28,16 +30,34 @@ pub struct Spring<const D: usize> {
 }
 
 impl<const D: usize> Spring<D> {
-    pub fn new(name: &str, phi: Vec<f64>, (anchor, stiffness, width): (Point<D>, f64, f64)) -> Self {
+    pub fn new(
+        name: &str,
+        phi: Vec<f64>,
+        (anchor, stiffness, width): (Point<D>, f64, f64),
+    ) -> Self {
         let (field, path) = (FieldId::default(), FieldId::default());
         let (inside, pull, weights, name) = (vec![], SVector::zeros(), vec![], name.to_string());
-        Spring { name, phi, anchor, stiffness, width, field, path, inside, pull, weights, points: 0 }
+        Spring {
+            name,
+            phi,
+            anchor,
+            stiffness,
+            width,
+            field,
+            path,
+            inside,
+            pull,
+            weights,
+            points: 0,
+        }
     }
     /// Size and centre of the disc.
     fn centre(&self, basis: &Basis<D>, phi: &[f64]) -> (f64, Point<D>) {
         let eps = self.width;
         let inside = |at: &At<D>| 1.0 - heaviside(basis.value(at, phi) / eps);
-        let [size, x, y] = integrate(basis, Cells::All, |at| [inside(at), inside(at) * at.x[0], inside(at) * at.x[1]]);
+        let [size, x, y] = integrate(basis, Cells::All, |at| {
+            [inside(at), inside(at) * at.x[0], inside(at) * at.x[1]]
+        });
         (size, Point::<D>::from_fn(|i, _| [x, y, 0.0][i.min(2)] / size))
     }
 }
@@ -58,7 +78,8 @@ impl<const D: usize> Structure<D> for Spring<D> {
     fn begin(&mut self, _: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
         let rule = |carry| Rule { carry, acts: true };
         let (phi, path) = (format!("{}.level_set", self.name), format!("{}.path", self.name));
-        self.field = fields.add(&phi, rule(Carry::Convected(None)), || Data::Scalar(self.phi.clone()));
+        self.field =
+            fields.add(&phi, rule(Carry::Convected(None)), || Data::Scalar(self.phi.clone()));
         self.path = fields.add(&path, rule(Carry::ByOwner), || Data::Numbers(vec![0.0]));
         Ok(())
     }
@@ -70,7 +91,9 @@ impl<const D: usize> Structure<D> for Spring<D> {
         let (size, centre) = self.centre(at.basis, phi);
         self.pull = (centre - self.anchor) * -self.stiffness;
         self.points = at.basis.rule().len();
-        let value = |c: usize, q: usize| 1.0 - heaviside(at.basis.value(&at.basis.at(c, q), phi) / self.width);
+        let value = |c: usize, q: usize| {
+            1.0 - heaviside(at.basis.value(&at.basis.at(c, q), phi) / self.width)
+        };
         let cells = 0..at.space.mesh().cell_count();
         let weights = cells.flat_map(|c| (0..self.points).map(move |q| (c, q)));
         self.weights = weights.map(|(c, q)| value(c, q) / size).collect();
