@@ -74,9 +74,13 @@ fn every_scheme_has_the_jump_of_the_pressure() {
             case.steps(2);
             let jump = case.get("in") - case.get("out");
             let exact = if scheme.ends_with("sharp") { 5.0 } else { jump_over_band(0.2, 0.1) };
-            // The probe reads the constant of its cell, which follows the curvature of the
-            // pressure.
-            let bound = if pressure.contains("P0") { 6e-3 } else { 2e-3 };
+            // With constants the probe reads that of its cell. The semi-implicit scheme takes the
+            // force of a predicted interface, which has shrunk: an error of first order in the step.
+            let bound = match (scheme, pressure) {
+                ("numerics.surface_tension=cottet2016", _) => 0.04,
+                (scheme, pressure) if scheme.ends_with("sharp") || pressure.contains("P0") => 5e-3,
+                _ => 2.5e-3,
+            };
             assert!((jump / exact - 1.0).abs() < bound, "{scheme} {pressure}: {jump} {exact}");
             assert!(
                 case.get("velocity_max") < 0.02,
