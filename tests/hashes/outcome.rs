@@ -83,6 +83,8 @@ impl Outcome {
         }
         let folder = run.parent().ok_or("a run in no folder")?.display().to_string();
         let said = String::from_utf8_lossy(&output.stderr).replace(&folder, "FOLDER");
+        let fact = |line: &&str| !line.trim_start().starts_with("= remedy");
+        let said = said.lines().filter(fact).collect::<Vec<_>>().join("\n");
         Ok(Outcome { code: output.status.code().unwrap_or(-1), said, files })
     }
 }
@@ -110,15 +112,15 @@ fn command(program: &Path, case: &Case, folder: &Path) -> Command {
     command
 }
 
-/// The files below a folder. A checkpoint has a version of its own, and the report prints seconds;
-/// all else in it is in other files.
+/// The files below a folder. A checkpoint has a version of its own, the report prints seconds, and
+/// charts draw the numbers of the other files.
 fn read_folder(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>>) -> Result<()> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         let name = format!("{prefix}{name}");
         if path.is_dir() {
-            if name != "checkpoint" {
+            if !["checkpoint", "charts"].contains(&name.as_str()) {
                 read_folder(&path, &format!("{name}/"), files)?;
             }
         } else if name == "summary.json" {
