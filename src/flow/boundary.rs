@@ -114,3 +114,61 @@ pub fn flux<const D: usize>(velocity: &Space<D>, state: &FlowState<D>, name: &st
     });
     Ok(sum)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::Element;
+    use crate::mesh::{Diagonals, rectangle};
+    use std::sync::Arc;
+
+    type V = SVector<f64, 2>;
+
+    /// The flow `u = (y, 0)`, `p = x` in `(0, 2) x (0, 1)`.
+    fn shear() -> (Space<2>, Space<2>, FlowState<2>) {
+        let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [3, 2], Diagonals::Right).unwrap());
+        let [velocity, pressure] = [Element::P2, Element::P1].map(|e| Space::new(&mesh, e));
+        let u = velocity.interpolate(|x| V::new(x[1], 0.0));
+        let p = pressure.interpolate(|x| x[0]);
+        (velocity, pressure, FlowState { u, p })
+    }
+
+    #[test]
+    fn a_shear_flow_pulls_at_its_walls_along_and_the_pressure_across_them() {
+        let (velocity, pressure, state) = shear();
+        let viscosity = 0.5;
+        let load = |name, about| {
+            traction(&velocity, &pressure, |_, _| viscosity, &state, name, &about).unwrap()
+        };
+        // On the top -(2 mu D(u) - p) n = (-mu, x), with the moment int (x x - y (-mu)) ds.
+        let top = load("top", V::zeros());
+        assert!((top.force - V::new(-1.0, 2.0)).norm() < 1e-13, "{top:?}");
+        assert!((top.moment[2] - (8.0 / 3.0 + 1.0)).abs() < 1e-13 && top.moment[0] == 0.0);
+        // About another point the moment changes by the arm times the force.
+        let arm = V::new(0.3, -0.2);
+        let moved = load("top", arm);
+        let change = arm[0] * top.force[1] - arm[1] * top.force[0];
+        assert!((top.moment[2] - change - moved.moment[2]).abs() < 1e-13);
+        // On the right (p, -mu) with p = 2.
+        assert!((load("right", V::zeros()).force - V::new(2.0, -0.5)).norm() < 1e-13);
+        assert!(
+            traction(&velocity, &pressure, |_, _| 1.0, &state, "lid", &V::zeros()).is_err(),
+            "a boundary that the mesh has not"
+        );
+    }
+
+    #[test]
+    fn fluxes_and_the_energy_that_flows_out_are_integrals_over_the_sides() {
+        let (velocity, _, state) = shear();
+        let through = |name| flux(&velocity, &state, name).unwrap();
+        assert!((through("right") - 0.5).abs() < 1e-14 && (through("left") + 0.5).abs() < 1e-14);
+        assert!(through("top").abs() < 1e-15);
+        // rho = 1 on the left half, 3 on the right: int rho y^3/2 = rho/8, outward less inward.
+        let mesh = velocity.mesh();
+        let density = |c: usize, l: &[f64; 4]| {
+            let x = mesh.point_at(&Location { cell: c as u32, barycentric: *l });
+            if x[0] < 1.0 { 1.0 } else { 3.0 }
+        };
+        assert!((kinetic_outflow(&velocity, density, &state) - 2.0 / 8.0).abs() < 1e-14);
+    }
+}

@@ -124,3 +124,57 @@ fn steepest<const D: usize>(space: &Space<D>, d: &[SVector<f64, D>]) -> f64 {
     });
     squares.into_iter().fold(0.0, f64::max).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::Element;
+    use crate::mesh::{Diagonals, Point, rectangle};
+
+    /// The shear `u = (y, 0)`; fluid that enters stays within three cells of the sides.
+    fn sheared(restart: f64, steps: usize) -> (Tracer<2>, CharacteristicMap<2>) {
+        let mesh = Arc::new(rectangle([-2.0; 2], [2.0; 2], [16, 16], Diagonals::Right).unwrap());
+        let space = Arc::new(Space::new(&mesh, Element::P2));
+        let tracer = Tracer::new(&space, &[]);
+        let u = space.interpolate(|x| Point::<2>::new(x[1], 0.0));
+        let mut map = CharacteristicMap::identity(space.len());
+        let mut feet = Feet::default();
+        for _ in 0..steps {
+            tracer.from_nodes(&u, 0.1, &mut feet);
+            map.advance(&tracer, &feet);
+            map.restart_beyond(&space, restart);
+        }
+        (tracer, map)
+    }
+
+    #[test]
+    fn a_shear_is_mapped_back_exactly_with_one_submap_and_with_many() {
+        for (restart, one) in [(10.0, true), (0.25, false)] {
+            let (tracer, map) = sheared(restart, 4);
+            assert_eq!(map.submaps().len() == 1, one);
+            for x in [[0.3, 0.4], [-0.7, -0.2], [0.1, 0.9]].map(Point::<2>::from) {
+                let at = tracer.locate(&x).unwrap();
+                let (foot, gradient) = map.foot_and_gradient(&tracer, at);
+                let exact = Point::<2>::new(x[0] - 0.4 * x[1], x[1]);
+                let error = (tracer.space().mesh().point_at(&foot) - exact).norm();
+                assert!(error < 1e-14, "{error:e}");
+                let shear = SMatrix::<f64, 2, 2>::new(1.0, -0.4, 0.0, 1.0);
+                assert!((gradient - shear).norm() < 1e-13, "{gradient}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_carried_function_is_the_first_one_at_the_feet() {
+        let (tracer, map) = sheared(10.0, 3);
+        let (space, mesh) = (tracer.space(), tracer.space().mesh());
+        let mut carried = vec![0.0; space.len()];
+        // No polynomial: nothing of it is interpolated.
+        let f = |x: Point<2>| (3.0 * x[0]).sin() + x[1].exp();
+        map.carry(&tracer, |at| f(mesh.point_at(at)), &mut carried);
+        for (x, v) in space.nodes().iter().zip(&carried).filter(|(x, _)| x.norm() < 1.0) {
+            let exact = f(Point::<2>::new(x[0] - 0.3 * x[1], x[1]));
+            assert!((v - exact).abs() < 1e-13, "{x} {v} {exact}");
+        }
+    }
+}
