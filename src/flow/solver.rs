@@ -170,12 +170,12 @@ impl<const D: usize> FlowSolver<D> {
     ) -> Result<FlowSolver<D>> {
         let numbering = Numbering::new(velocity, pressure, conditions)?;
         let matrix = pattern(&numbering, velocity, pressure)?;
-        let boundary_cells = cells_at_prescribed(&numbering, velocity);
+        let cells = cells_at_prescribed(&numbering, velocity);
         let open_nodes = nodes_on_open(pressure, conditions)?;
         let gradients = Basis::new(velocity, &Arc::new(Rule::simplex(D, 2)));
         let (velocity, pressure) = (Basis::new(velocity, rule), Basis::new(pressure, rule));
-        let work = Work::new(velocity.space().len(), &pressure, numbering.order());
         Ok(FlowSolver {
+            work: Work::new(velocity.space().len(), &pressure, numbering.order()),
             velocity,
             gradients,
             pressure,
@@ -194,10 +194,9 @@ impl<const D: usize> FlowSolver<D> {
             factored_weight: f64::NAN,
             factored_plain: false,
             expects_changes: false,
-            boundary_cells,
+            boundary_cells: cells,
             blocks: None,
             block_values: Vec::new(),
-            work,
             phases: Phases::default(),
             substitutions: 0,
         })

@@ -13,6 +13,39 @@ pub struct Polygon {
     sides: Tree<2>,
 }
 
+/// Refuses equal neighbours, vertices on a line, and sides that cross or touch.
+fn check_sides(vertices: &[Point<2>]) -> Result<()> {
+    let n = vertices.len();
+    let side = |i: usize| [vertices[i], vertices[(i + 1) % n]];
+    for i in 0..n {
+        let [a, b] = side(i);
+        if a == b {
+            return Err(Error::scene("two neighbouring vertices of a polygon are equal")
+                .at(format!("vertices {i} and {} (counted from 0)", (i + 1) % n))
+                .value(format!("{:?}", a.as_slice()))
+                .remedy("remove one of them"));
+        }
+    }
+    if (1..n - 1).all(|i| orientation(&vertices[0], &vertices[i], &vertices[i + 1]) == 0.0) {
+        return Err(Error::scene("a polygon has no area: its vertices lie on a line")
+            .value(format!("{n} vertices")));
+    }
+    for i in 0..n {
+        for j in i + 1..n {
+            if sides_conflict(side(i), side(j), j == i + 1, i == 0 && j == n - 1) {
+                return Err(Error::scene("a polygon crosses or touches itself")
+                    .at(format!("sides {i} and {j} (side k starts at vertex k, counted from 0)"))
+                    .value(format!("{:?}", side(i).map(|p| [p[0], p[1]])))
+                    .remedy(
+                        "list the vertices in the order in which the boundary is walked, each \
+                         once",
+                    ));
+            }
+        }
+    }
+    Ok(())
+}
+
 impl Polygon {
     /// The polygon with these vertices. A last vertex equal to the first is dropped.
     ///
@@ -30,35 +63,8 @@ impl Polygon {
         for v in &vertices {
             check_point("the vertices of a polygon", v)?;
         }
+        check_sides(&vertices)?;
         let side = |i: usize| [vertices[i], vertices[(i + 1) % n]];
-        for i in 0..n {
-            let [a, b] = side(i);
-            if a == b {
-                return Err(Error::scene("two neighbouring vertices of a polygon are equal")
-                    .at(format!("vertices {i} and {} (counted from 0)", (i + 1) % n))
-                    .value(format!("{:?}", a.as_slice()))
-                    .remedy("remove one of them"));
-            }
-        }
-        if (1..n - 1).all(|i| orientation(&vertices[0], &vertices[i], &vertices[i + 1]) == 0.0) {
-            return Err(Error::scene("a polygon has no area: its vertices lie on a line")
-                .value(format!("{n} vertices")));
-        }
-        for i in 0..n {
-            for j in i + 1..n {
-                if sides_conflict(side(i), side(j), j == i + 1, i == 0 && j == n - 1) {
-                    return Err(Error::scene("a polygon crosses or touches itself")
-                        .at(format!(
-                            "sides {i} and {j} (side k starts at vertex k, counted from 0)"
-                        ))
-                        .value(format!("{:?}", side(i).map(|p| [p[0], p[1]])))
-                        .remedy(
-                            "list the vertices in the order in which the boundary is walked, each \
-                             once",
-                        ));
-                }
-            }
-        }
         let sides = Tree::new((0..n).map(side).collect());
         Ok(Polygon { vertices, sides })
     }

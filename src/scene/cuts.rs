@@ -29,12 +29,12 @@ table! {
 kinds! {
     /// The direction of a line.
     Along: Vec<f64> = Kind::Value("vector of numbers"), |i, c|
-        not_zero(i, c, "the direction of a chord is \
-            zero", "give a direction such as [1, 0]"), spatial;
+        not_zero(i, c, "the direction of a chord is zero", "give a direction such as [1, 0]"),
+        spatial;
     /// The normal of a plane.
     Normal: Vec<f64> = Kind::Value("vector of numbers"), |i, c|
-        not_zero(i, c, "the normal of a ring is \
-            zero", "give a direction such as [0, 0, 1]"), spatial;
+        not_zero(i, c, "the normal of a ring is zero", "give a direction such as [0, 0, 1]"),
+        spatial;
     /// Numbers of waves, even as radii are measured along diameters.
     Modes: Vec<usize> = Kind::Value("list of even whole numbers from 2 to 32"),
         |i, _| i.list()?.iter().map(mode).collect();

@@ -108,7 +108,8 @@ fn read_mesh(
         _ => scene.required("mesh", remedy, |i| MeshSource::read(i, context, dimension))?,
     };
     if let Some(item) = &item {
-        check_image(scene, item, mesh.dimension())?;
+        let lists: Vec<&str> = KINDS.iter().map(|kind| kind.list).collect();
+        check_image(scene, item, mesh.dimension(), &lists)?;
     }
     Ok((image, mesh))
 }

@@ -1,45 +1,65 @@
-//! Scene keys related to an error of the lower layers, by its cause.
+//! Remedies of errors of the layers below, in keys of the scene, by their cause.
 
-use crate::base::{Cause, Result};
+use crate::base::{Cause, Error, Result};
 
-/// Adds the keys of the scene to the remedy of an error.
+/// Gives an error of a layer below the remedy that names the keys of the scene.
 pub(super) fn with_keys<T>(result: Result<T>) -> Result<T> {
-    result.map_err(|error| match error.cause().map(|cause| keys(cause, error.wrong_value())) {
+    result.map_err(|error| match error.cause().and_then(|cause| remedy(cause, &error)) {
+        Some(remedy) => error.remedy(remedy),
         None => error,
-        Some(keys) if error.advice().ends_with(&keys) => error,
-        Some(keys) => {
-            let remedy = format!("{}: {keys}", error.advice());
-            error.remedy(remedy)
-        }
     })
 }
 
-/// The keys that control a cause; `value` is the invalid one.
-fn keys(cause: Cause, value: &str) -> String {
-    let keys = match cause {
-        Cause::SolverMemory => "numerics.solver = \"auto\"",
+/// The remedy in keys of the scene; `None` if that of the layer below is complete.
+fn remedy(cause: Cause, error: &Error) -> Option<String> {
+    let remedy = match cause {
+        Cause::SolverMemory => {
+            let ([own, key], advice) = (SOLVER, error.advice());
+            return advice.contains(own).then(|| advice.replace(own, key));
+        }
         Cause::SolverStalled => {
-            "a smaller time.step or numerics.grad_div, or numerics.solver = \"direct\""
+            "take a smaller time.step or a smaller numerics.grad_div, or numerics.solver = \
+             \"direct\" where the memory suffices"
         }
-        Cause::Inflow => "open = true in a table [boundary.NAME]",
-        Cause::Checkpoint => "in another folder with --out",
-        Cause::ShortestStep => "a larger time.tolerance or a smaller time.step_min",
-        Cause::ErrorControl => "time.order = 2, or no time.tolerance",
+        Cause::Inflow => "balance the velocities, or set open = true on an outlet",
+        Cause::Checkpoint => {
+            return Some(
+                error.advice().replace("a new run", "a new one in another folder with --out"),
+            );
+        }
+        Cause::ShortestStep => {
+            "give a larger time.tolerance or a smaller time.step_min; an abrupt force or boundary \
+             value has no short enough step"
+        }
+        Cause::ErrorControl => {
+            "take time.order = 2 and a flow that is solved for, or leave out time.tolerance for \
+             steps of one length"
+        }
         Cause::BlowUp => {
-            "a smaller time.step, numerics.coupling = \"implicit\", or a larger \
-             numerics.grad_div; `immersa explain` prints the step limit"
+            "take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; \
+             `immersa explain` prints the step limit"
         }
-        Cause::FirstOrder => "time.order = 1, or numerics.coupling",
-        Cause::Massless => "density of [fluid] and of the structures, or numerics.coupling",
-        Cause::SharpForce => "numerics.coupling, or force = \"smeared\" of the membrane",
-        Cause::ShearForce => "numerics.coupling = \"implicit\" or \"explicit\"",
-        Cause::SeveralCurves => "a table [[level_set]] each",
-        Cause::ContourLost => "image.length, image.start",
-        Cause::BareBoundary if value == "unnamed" => "a table [boundary.walls]",
+        Cause::FirstOrder => "take time.order = 1, or coupling = \"implicit\"",
+        Cause::Massless => "take densities above 0, or coupling = \"implicit\"",
+        Cause::SharpForce => "take coupling = \"implicit\" or \"explicit\", or force = \"smeared\"",
+        Cause::ShearForce => "take coupling = \"implicit\" or \"explicit\"",
+        Cause::SeveralCurves => "give each curve a [[level_set]] of its own",
+        Cause::ContourLost => "take a smaller image.length, or a start that crosses the objects",
+        Cause::BareBoundary if error.wrong_value() == "unnamed" => {
+            "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or \
+             add [boundary.walls]"
+        }
         Cause::BareBoundary => {
-            return format!("a table [boundary.{}]", value.split(", ").next().unwrap_or(value));
+            let name = error.wrong_value().split(", ").next().unwrap_or_default();
+            return Some(format!("add [boundary.{name}] to the scene"));
         }
-        Cause::CurvedBoundary => "mesh.geometry",
+        Cause::CurvedBoundary => {
+            "make the mesh finer where the boundary is curved, or correct mesh.geometry"
+        }
     };
-    keys.to_string()
+    Some(remedy.to_string())
 }
+
+/// The choice of a solver, in the words of the linear algebra and of the scene.
+const SOLVER: [&str; 2] =
+    ["let the solver be chosen by the memory", "numerics.solver = \"auto\" takes what fits"];

@@ -64,7 +64,7 @@ impl<const D: usize> Carried<D> {
         if transport.backward_map {
             declared.backward_map(false);
         }
-        let (mut fields, rules) = declared.finish();
+        let (mut fields, rules) = declared.finish()?;
         let projected = transport.method == Method::Projected && !structures.is_empty();
         let own = || Basis::new(space, &Arc::new(Rule::simplex(D, transport.quadrature)));
         let projector = match projected {

@@ -131,7 +131,7 @@ mod tests {
         declared.add("a.level_set", rule(), || Data::Scalar(vec![0.1 * scale, -0.0]));
         declared.add("a.labels", rule(), || Data::Labels(vec![3, 1]));
         declared.backward_map(true);
-        declared.finish().0
+        declared.finish().unwrap().0
     }
 
     fn state() -> State<2> {

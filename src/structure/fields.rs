@@ -1,6 +1,7 @@
 //! Named fields: all quantities that change in time except velocity and pressure.
 
 use crate::base::bytes::{Reader, Writer};
+use crate::base::{Error, Result};
 use crate::mesh::Point;
 use crate::transport::CharacteristicMap;
 use nalgebra::SVector;
@@ -303,8 +304,24 @@ impl<'a, const D: usize> Declaration<'a, D> {
         self.add(DISPLACEMENT, rule, || Data::Vector(vec![SVector::zeros(); nodes]))
     }
     /// The fields and their rules.
-    pub fn finish(self) -> (Fields<D>, Vec<Rule<D>>) {
-        (self.fields, self.rules)
+    ///
+    /// # Errors
+    /// A rule for data that it cannot carry: scalars are convected, vectors are backward maps.
+    pub fn finish(self) -> Result<(Fields<D>, Vec<Rule<D>>)> {
+        for (field, rule) in self.fields.list.iter().zip(&self.rules) {
+            let possible = match rule.carry {
+                Carry::Convected(_) => matches!(field.data, Data::Scalar(_)),
+                Carry::BackwardMap => matches!(field.data, Data::Vector(_)),
+                _ => true,
+            };
+            if !possible {
+                return Err(Error::internal(
+                    "a field is declared with a rule that cannot carry it",
+                )
+                .at(format!("field {}", field.name)));
+            }
+        }
+        Ok((self.fields, self.rules))
     }
 }
 
@@ -321,7 +338,7 @@ mod tests {
         declared.add("a.numbers", rule(false), || Data::Numbers(vec![f64::MIN_POSITIVE]));
         declared.add("a.labels", rule(false), || Data::Labels(vec![7, 0, u64::MAX]));
         declared.backward_map(false);
-        let (mut fields, _) = declared.finish();
+        let (mut fields, _) = declared.finish().unwrap();
         fields.map = CharacteristicMap::from_submaps(vec![vec![Point::<2>::new(0.1, 0.2); 3]; 2]);
         fields
     }
@@ -345,7 +362,7 @@ mod tests {
         let again = declared.add("a.level_set", rule(true), || Data::Scalar(vec![8.0; 3]));
         let other = declared.add("b.level_set", rule(false), || Data::Scalar(vec![1.0; 3]));
         assert!(first == again && first != other);
-        let (found, rules) = declared.finish();
+        let (found, rules) = declared.finish().unwrap();
         assert_eq!(found.scalar(first), [0.5, -0.0, 1.0]);
         assert_eq!(found.scalar(other), [1.0; 3]);
         assert!(rules[0].acts && !rules[1].acts);

@@ -181,6 +181,6 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn bytes(&self) -> usize {
         0
     }
-    /// A copy without data that depend on the mesh.
+    /// A copy for another mesh; [`begin`](Self::begin) prepares it there.
     fn boxed(&self) -> Box<dyn Structure<D>>;
 }

@@ -131,10 +131,6 @@ impl Outcome {
         let spent = |phase: &str| self.summary.cpu_seconds.get(phase).copied().flatten();
         spent("steps").unwrap_or(f64::NAN) + spent("adaptation").unwrap_or(0.0)
     }
-    /// Seconds of all processors a step.
-    pub fn cpu_per_step(&self) -> f64 {
-        self.cpu_seconds() / self.summary.steps.unwrap_or(0) as f64
-    }
     /// Seconds of all processors in the first step, which factors.
     pub fn cpu_first_step(&self) -> f64 {
         self.summary.cpu_seconds.get("first_step").copied().flatten().unwrap_or(f64::NAN)

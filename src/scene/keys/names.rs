@@ -31,7 +31,7 @@ pub(in crate::scene) fn distinct<T>(
             let named = item.open_table()?.get("name").unwrap_or(item);
             return Err(named
                 .error(format!("two interfaces are named `{}`", name(&one)))
-                .remedy("give each [[membrane]], [[drop]] and [[level_set]] a name of its own"));
+                .remedy("give each of them a name of its own"));
         }
         all.push(one);
     }

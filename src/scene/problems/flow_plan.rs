@@ -172,7 +172,7 @@ impl<const D: usize> FlowPlan<'_, D> {
                 );
             }
             if scene.numerics.redistance.is_none() {
-                let drops = scene.acting().all(|s| s.traits().is_drop);
+                let drops = !scene.acting().any(|s| s.traits().stretches);
                 let stretch =
                     "redistancing: the slope of the level set is the stretch of the membrane";
                 lines.push(if drops { "redistancing: it is not asked for" } else { stretch });

@@ -35,8 +35,7 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     // initial area over a constant.
     for s in run.scene.acting() {
         let (name, traits) = (s.name(), s.traits());
-        let mapped = traits.not_periodic.is_some_and(|(key, _)| key == "map");
-        if mapped || traits.is_drop {
+        if !traits.has_size_at_rest {
             continue;
         }
         let Some(perimeter) = run.column_of(name, words.own) else { continue };

@@ -86,21 +86,31 @@ impl Image {
     }
 }
 
+/// List of the level sets, which can segment an image.
+const CONTOUR: &str = "level_set";
+
 /// Checks that an image is segmented by one level set in the plane, without tables and keys of a
 /// flow.
-pub(in crate::scene) fn check(scene: &Table<'_>, image: &Item, dimension: usize) -> Result<()> {
+pub(in crate::scene) fn check(
+    scene: &Table<'_>,
+    image: &Item,
+    dimension: usize,
+    lists: &[&str],
+) -> Result<()> {
     if dimension != 2 {
         return Err(image
             .key_error("an image is plane, and the mesh has 3 dimensions")
             .remedy("leave [mesh] out, or give a rectangle over the image"));
     }
-    for (key, why) in [
+    let acting = lists.iter().filter(|list| **list != CONTOUR);
+    let structures = acting.map(|k| (*k, format!("nothing flows that a {k} could act on")));
+    let tables = [
         ("fluid", "nothing flows"),
-        ("membrane", "nothing flows that a membrane could act on"),
-        ("drop", "nothing flows that a drop could act on"),
         ("boundary", "nothing flows through a boundary"),
         ("exact", "there is no flow to compare"),
-    ] {
+    ];
+    let tables = tables.map(|(key, why)| (key, why.to_string()));
+    for (key, why) in structures.chain(tables) {
         if let Some(item) = scene.get(key) {
             return Err(item
                 .key_error(format!("`{key}` means nothing beside `image`: {why}"))
@@ -136,8 +146,13 @@ pub(in crate::scene) fn check(scene: &Table<'_>, image: &Item, dimension: usize)
             )
             .remedy("leave numerics.redistance out, or give image.rebuild"));
     }
+    check_contour(scene, image)
+}
+
+/// Checks that there is one level set, without markers.
+fn check_contour(scene: &Table<'_>, image: &Item) -> Result<()> {
     let start = "give one: [[level_set]] with shape.circle = { centre = [64, 64], radius = 40 }";
-    let Some(item) = scene.get("level_set") else {
+    let Some(item) = scene.get(CONTOUR) else {
         return Err(image
             .key_error("the scene has an image and no contour to start from")
             .remedy(start));

@@ -123,8 +123,8 @@ table! {
             Required("give the centre: centre = [1, 1]", "give the centre: centre = [0, 0, 0]")],
         /// Half of the width, of the height and, in space, of the depth.
         half_size: Vec<f64> [HalfSizes, "m",
-            Required("give both: half_size = [0.5, \
-                0.25]", "give all three: half_size = [0.5, 0.25, 0.25]")],
+            Required("give both: half_size = [0.5, 0.25]",
+                "give all three: half_size = [0.5, 0.25, 0.25]")],
         /// Radius of the corners (in space: edges), at most the smallest half size.
         radius: f64 [NonNegative, "m", Required("give the radius of the corners: radius = 0.1")],
         /// Counter-clockwise rotation, in the plane.

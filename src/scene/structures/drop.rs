@@ -85,7 +85,7 @@ impl<const D: usize> KindIn<D> for Drop {
         of.check_band(&self.name, smeared || of.inside.is_some(), widest)?;
         let distance = of.placed()?.function.clone();
         let interface = ImmersedInterface {
-            function: Some(Arc::new(move |x: &Point<D>| 1.0 * distance(x))),
+            function: Some(Arc::new(move |x: &Point<D>| distance(x))),
             inside: of.inside,
             coupling: numerics.coupling,
             ..ImmersedInterface::new(&*self.name, of.placed()?.nodal.clone(), of.thickness)
@@ -122,7 +122,6 @@ impl StructureKind for Drop {
             on_interface: self.force == Force::Sharp,
             own_fluid: [self.density, self.viscosity],
             round_at_rest: true,
-            is_drop: true,
             ..Traits::default()
         }
     }

@@ -269,6 +269,8 @@ impl StructureKind for Membrane {
         };
         Traits {
             slope: self.stretch,
+            stretches: true,
+            has_size_at_rest: self.map.is_empty(),
             constant_tension: self.surface().is_none()
                 && matches!(self.area(), AreaLaw::Tension { .. }),
             modulus: self.surface().map_or(self.area().modulus(), SurfaceLaw::modulus),

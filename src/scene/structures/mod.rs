@@ -80,8 +80,10 @@ pub struct Traits {
     pub not_periodic: Option<(&'static str, &'static str)>,
     /// True if it is round at rest, so that its mean stretch follows from its size.
     pub round_at_rest: bool,
-    /// True for a fluid with surface tension.
-    pub is_drop: bool,
+    /// True if it is elastic and the slope of its level set is its stretch.
+    pub stretches: bool,
+    /// True if its size at rest is that at the start over its slope there.
+    pub has_size_at_rest: bool,
 }
 
 impl Default for Traits {
@@ -98,7 +100,8 @@ impl Default for Traits {
             resists_shear: false,
             not_periodic: None,
             round_at_rest: false,
-            is_drop: false,
+            stretches: false,
+            has_size_at_rest: false,
         }
     }
 }

@@ -25,6 +25,19 @@ impl Reference {
     }
 }
 
+/// Refuses a reference run that has failed.
+fn check_finished(fine: &Outcome) -> Result<()> {
+    if !fine.finished() {
+        return Err(Error::computation(format!("the reference run {}", fine.end.in_words()))
+            .value(fine.end.reason())
+            .remedy(
+                "choose one that is stable with --reference: numerics.coupling=implicit, a \
+                 smaller step, a finer mesh",
+            ));
+    }
+    Ok(())
+}
+
 /// The reference values; a reference run is made, and runs that are coarser for its own error.
 pub(super) fn reference(
     campaign: &mut Campaign<'_>,
@@ -57,14 +70,7 @@ pub(super) fn reference(
         Trial::new(label, set.iter().cloned().chain(more).collect())
     };
     let fine = campaign.run(&trial("reference", None), 1, 1)?;
-    if !fine.finished() {
-        return Err(Error::computation(format!("the reference run {}", fine.end.in_words()))
-            .value(fine.end.reason())
-            .remedy(
-                "choose one that is stable with --reference: numerics.coupling=implicit, a \
-                 smaller step, a finer mesh",
-            ));
-    }
+    check_finished(&fine)?;
     let values = measured(&fine.series, quantities)?;
     let mut found = Reference { own: vec![0.0; values.len()], values, ..Reference::default() };
     found.words = format!(

@@ -252,10 +252,9 @@ mod tests {
             all(&points(), &["a".into()]).rows.iter().map(|r| r[5].shown()).collect();
         assert_eq!(marked.concat(), "yesyesyes");
         assert_eq!(marked[2], "", "BDF1 on the finer mesh costs more and errs as much");
-        let scene = "[mesh]\nrectangle = \
-            { min = [0, 0], max = [1, 1], cells = [2, 2] }\n[fluid]\nviscosity = \
-            1\n[boundary.walls]\n\
-                     no_slip = true\n[time]\nend = 1\nstep = 1\n";
+        let scene = "mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [2, 2] }\n\
+                     fluid.viscosity = 1\nboundary.walls.no_slip = true\n\
+                     time = { end = 1, step = 1 }\n";
         let scene = Scene::parse(scene, std::path::Path::new("a.toml")).unwrap();
         let notes = notes(&scene, &Precision::default(), &Reference::default(), &points());
         assert!(

@@ -106,10 +106,8 @@ fn it_runs_resumes_writes_fields_and_charts() {
     assert_eq!(stopped.kind(), Kind::Interrupted);
     go(&scene, &parts, true, None).unwrap();
     let read = |folder: &Path, name: &str| fs::read(folder.join(name)).unwrap();
-    for name in ["series.csv", "fields/000020.vtu", "checkpoint/latest.bin"] {
-        let same = read(&whole, name) == read(&parts, name);
-        // The record of a checkpoint contains wall times.
-        assert!(same || name.starts_with("checkpoint"), "{name} differs");
+    for name in ["series.csv", "fields/000020.vtu"] {
+        assert!(read(&whole, name) == read(&parts, name), "{name} differs");
     }
     let series = crate::output::Series::read(&whole.join("series.csv")).unwrap();
     let last = |name: &str| *series.column(name).unwrap().last().unwrap();
@@ -117,8 +115,8 @@ fn it_runs_resumes_writes_fields_and_charts() {
     // The energy of the spring is transferred to the fluid.
     assert!(last("energy_balance").abs() < 5e-3, "{}", last("energy_balance"));
     assert!(last("energy_kinetic") > 1e-4 && last("energy_elastic") < 0.5 * 2.0 * 0.17);
-    let field = String::from_utf8(read(&whole, "fields/000020.vtu")).unwrap_or_default();
-    assert!(field.is_empty() || field.contains("disc.level_set"));
+    let file = read(&whole, "fields/000020.vtu");
+    assert!(String::from_utf8_lossy(&file).contains("Name=\"disc.level_set\""));
     let rendered = crate::scene::render::render(&whole).unwrap();
     assert!(
         rendered.files.iter().any(|f| f.ends_with("charts/path-disc.svg")),
@@ -154,7 +152,11 @@ fn it_is_built_in_space_and_stepped_by_the_error() {
         .replace("thickness = 0.25", "thickness = 0.35");
     let mut space = problem(&Scene::parse(&text, Path::new("s.toml")).unwrap()).unwrap();
     space.step().unwrap();
-    assert!(space.row().unwrap().get("disc.path").unwrap() > 0.0);
+    let row = space.row().unwrap();
+    assert!(row.get("disc.path").unwrap() > 0.0);
+    // The anchor is at a distance of .412 in the plane of the centre.
+    let energy = row.get("energy_elastic").unwrap();
+    assert!((energy / (0.4f64.powi(2) + 0.1f64.powi(2)) - 1.0).abs() < 0.03, "{energy}");
     let mut paced = problem(&scene(&["time.tolerance=0.05"])).unwrap();
     while !paced.moment().done {
         paced.step().unwrap();

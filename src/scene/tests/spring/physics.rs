@@ -55,10 +55,11 @@ impl<const D: usize> Spring<D> {
     fn centre(&self, basis: &Basis<D>, phi: &[f64]) -> (f64, Point<D>) {
         let eps = self.width;
         let inside = |at: &At<D>| 1.0 - heaviside(basis.value(at, phi) / eps);
-        let [size, x, y] = integrate(basis, Cells::All, |at| {
-            [inside(at), inside(at) * at.x[0], inside(at) * at.x[1]]
+        let [size, sums @ ..] = integrate(basis, Cells::All, |at| {
+            let x = |i: usize| if i < D { inside(at) * at.x[i] } else { 0.0 };
+            [inside(at), x(0), x(1), x(2)]
         });
-        (size, Point::<D>::from_fn(|i, _| [x, y, 0.0][i.min(2)] / size))
+        (size, Point::<D>::from_fn(|i, _| sums[i] / size))
     }
 }
 
