@@ -68,6 +68,6 @@ impl Coupling {
             return Ok(());
         }
         let remedy = "take implicit or explicit coupling";
-        Err(Error::scene(what).value("semi-implicit").remedy(remedy).because(cause))
+        Err(Error::scene(what).remedy(remedy).because(cause))
     }
 }

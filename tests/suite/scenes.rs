@@ -201,8 +201,12 @@ fn the_semi_implicit_coupling_is_refused_at_order_2_and_without_inertia() {
     let parts = ["numerics.coupling", "needs inertia", "density 0", "take densities above 0"];
     assert_message(massless.as_bytes(), &explain, 2, &parts);
     let sharp = first.replace("[[membrane]]", "[[membrane]]\nforce = \"sharp\"");
-    let parts =
-        ["numerics.coupling", "a sharp one has none", "force = \"smeared\"", "take implicit"];
+    let parts = [
+        "numerics.coupling",
+        "a sharp one has none",
+        "force = \"smeared\"",
+        "coupling = \"implicit\"",
+    ];
     assert_message(sharp.as_bytes(), &explain, 2, &parts);
     // Without a membrane there is nothing to couple.
     let fluid = GOOD.split_once("[[membrane]]").zip(scene.split_once("[time]"));
