@@ -4,7 +4,7 @@ use super::carrier::Carrier;
 use super::fields::Fields;
 use crate::base::Result;
 use crate::fem::{Basis, Space, Translation, VelocityFunction};
-use crate::flow::Coefficient;
+use crate::flow::{Coefficient, FlowSolver};
 use crate::transport::AdvectingVelocity;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -36,6 +36,19 @@ pub struct Place<'a, const D: usize> {
     pub step: Option<f64>,
     /// Time.
     pub time: f64,
+}
+
+impl<'a, const D: usize> Place<'a, D> {
+    /// Outside of a step: for the size of the forces and their energies.
+    pub fn new(
+        space: &'a Space<D>,
+        flow: &'a FlowSolver<D>,
+        fields: &'a Fields<D>,
+        time: f64,
+    ) -> Place<'a, D> {
+        let (basis, density) = (flow.velocity(), flow.density());
+        Place { space, basis, density, fields, drift: None, step: None, time }
+    }
 }
 
 /// The velocity over a step.

@@ -45,13 +45,8 @@ impl<const D: usize> Simulation<D> {
         let Some(kept) = self.state.factored.take() else { return Ok(()) };
         self.set_materials(&kept.fields);
         let at = Place {
-            space: &self.carried.space,
-            basis: self.flow.velocity(),
-            density: self.flow.density(),
-            fields: &kept.fields,
-            drift: None,
             step: Some(kept.dt),
-            time: self.state.time,
+            ..Place::new(&self.carried.space, &self.flow, &kept.fields, self.state.time)
         };
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))?;
         let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();

@@ -30,15 +30,7 @@ impl<const D: usize> Simulation<D> {
     /// Sum of the energies of the structures.
     fn elastic_energy(&mut self) -> Result<f64> {
         let Some(fine) = &self.fine else { return Ok(0.0) };
-        let at = Place {
-            space: &self.carried.space,
-            basis: self.flow.velocity(),
-            density: self.flow.density(),
-            fields: &self.state.fields,
-            drift: None,
-            step: None,
-            time: self.state.time,
-        };
+        let at = Place::new(&self.carried.space, &self.flow, &self.state.fields, self.state.time);
         let acting = self.carried.structures.iter_mut().filter(|s| s.acts());
         acting.map(|s| s.energy(&at, fine)).sum()
     }

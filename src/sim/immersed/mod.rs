@@ -154,15 +154,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Prepares the structures for the current fields, for the size of their forces.
     fn prepare_now(&mut self) -> Result<()> {
-        let at = Place {
-            space: &self.carried.space,
-            basis: self.flow.velocity(),
-            density: self.flow.density(),
-            fields: &self.state.fields,
-            drift: None,
-            step: None,
-            time: self.state.time,
-        };
+        let at = Place::new(&self.carried.space, &self.flow, &self.state.fields, self.state.time);
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 

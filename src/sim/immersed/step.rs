@@ -119,13 +119,9 @@ impl<const D: usize> Simulation<D> {
     /// Precomputes the forces of the structures.
     fn prepare(&mut self, scheme: &Scheme, work: &Work<D>) -> Result<()> {
         let at = Place {
-            space: &self.carried.space,
-            basis: self.flow.velocity(),
-            density: self.flow.density(),
-            fields: &work.ahead,
             drift: Some([&self.state.fields, &work.drifted]),
             step: Some(scheme.dt),
-            time: scheme.time,
+            ..Place::new(&self.carried.space, &self.flow, &work.ahead, scheme.time)
         };
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
