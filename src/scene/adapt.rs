@@ -10,6 +10,7 @@ use crate::fem::{self, Space};
 use crate::levelset::band_edges;
 use crate::mesh::adapt::{self, AdaptOptions, Metric};
 use crate::mesh::{self, Mesh};
+use crate::sim::Transfer;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -124,8 +125,31 @@ fn rebuilt(scene: &Scene, mesh: &Mesh<2>, metric: &Metric, keep_boundary: bool) 
     Ok(adapted.mesh)
 }
 
-/// The next mesh of a problem whose mesh no longer fits interfaces or fields; `None` if it still
-/// fits. `band_edges` are the shortest and longest edge in the bands when the mesh was built.
+/// The mesh of a scene as bytes for a checkpoint; empty unless it is adapted.
+pub(super) fn mesh_to_bytes<const D: usize>(scene: &Scene, mesh: &Mesh<D>) -> Vec<u8> {
+    scene.adapt.as_ref().map_or_else(Vec::new, |_| mesh.to_bytes())
+}
+
+/// The adapted mesh of a checkpoint, and the transfer of fields to it; `None` if the scene adapts
+/// no mesh or the checkpoint has none.
+///
+/// # Errors
+/// Corrupt bytes.
+pub(super) fn mesh_from_bytes<const D: usize>(
+    scene: &Scene,
+    bytes: &[u8],
+) -> Result<Option<(Mesh<D>, Transfer)>> {
+    let Some(adapt) = scene.adapt.as_ref().filter(|_| !bytes.is_empty()) else { return Ok(None) };
+    let mesh = Mesh::from_bytes(bytes).ok_or_else(|| {
+        Error::input("the mesh of the checkpoint is damaged")
+            .value(format!("{} bytes", bytes.len()))
+            .remedy("start afresh in another folder with --out")
+    })?;
+    Ok(Some((mesh, adapt.transfer)))
+}
+
+/// The next mesh of a problem whose mesh no longer fits interfaces or fields, and the transfer of
+/// fields to it; `None` if the mesh still fits. `band_edges` are the shortest and longest edge in the bands when the mesh was built.
 ///
 /// # Errors
 /// A mesh that cannot be built.
@@ -134,7 +158,7 @@ pub(super) fn outgrown(
     lengths: Option<&Lengths>,
     view: &View<'_, 2>,
     band_edges: Option<[f64; 2]>,
-) -> Result<Option<Mesh<2>>> {
+) -> Result<Option<(Mesh<2>, Transfer)>> {
     let (Some(adapt), Some(lengths)) = (&scene.adapt, lengths) else { return Ok(None) };
     if adapt.fields.is_empty() && !is_outgrown(view, lengths, band_edges) {
         return Ok(None);
@@ -145,7 +169,8 @@ pub(super) fn outgrown(
         metric = metric.intersect(&fields)?;
     }
     let keep_boundary = !view.carried.translations().is_empty();
-    rebuilt(scene, view.space().mesh(), &metric, keep_boundary).map(Some)
+    let mesh = rebuilt(scene, view.space().mesh(), &metric, keep_boundary)?;
+    Ok(Some((mesh, adapt.transfer)))
 }
 
 /// Level sets of all structures that have one.

@@ -160,23 +160,17 @@ impl<const D: usize> Problem for Advected<D> {
         let this: &mut dyn Any = self;
         let Some(problem) = this.downcast_mut::<Advected<2>>() else { return Ok(false) };
         let (scene, lengths) = (&problem.scene, problem.lengths.as_ref());
-        let mesh = adapt::outgrown(scene, lengths, &problem.view(), None)?;
-        match (mesh, scene.adapt.as_ref().map(|a| a.transfer)) {
-            (Some(mesh), Some(transfer)) => problem.continue_on(mesh, transfer).map(|()| true),
-            _ => Ok(false),
-        }
+        let next = adapt::outgrown(scene, lengths, &problem.view(), None)?;
+        let Some((mesh, transfer)) = next else { return Ok(false) };
+        problem.continue_on(mesh, transfer).map(|()| true)
     }
     fn save(&self, tag: u64) -> [Vec<u8>; 2] {
-        let mesh = match self.scene.adapt.is_some() {
-            true => self.advection.space().mesh().to_bytes(),
-            false => Vec::new(),
-        };
+        let mesh = adapt::mesh_to_bytes(&self.scene, self.advection.space().mesh());
         [mesh, self.advection.state().to_bytes(tag)]
     }
     fn restore(&mut self, [mesh, state]: [&[u8]; 2], tag: u64, _: Option<[f64; 2]>) -> Result<()> {
-        if let (Some(adapt), false) = (&self.scene.adapt, mesh.is_empty()) {
-            let transfer = adapt.transfer;
-            self.continue_on(fields::mesh_from_bytes(mesh)?, transfer)?;
+        if let Some((mesh, transfer)) = adapt::mesh_from_bytes(&self.scene, mesh)? {
+            self.continue_on(mesh, transfer)?;
         }
         with_keys(State::from_bytes(state, tag).and_then(|state| self.advection.restore(state)))
     }
@@ -194,8 +188,7 @@ impl<const D: usize> Problem for Advected<D> {
         }
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
-        let mesh: &dyn Any = &**self.advection.space().mesh();
-        mesh.downcast_ref()
+        ground::plane(self.advection.space().mesh())
     }
     fn derived(&self) -> Vec<(&'static str, f64)> {
         vec![("grad_div", 0.0)]

@@ -1,8 +1,7 @@
 //! Field files of all problems.
 
-use crate::base::{Error, Result};
+use crate::base::Result;
 use crate::flow::nodal_pressure;
-use crate::mesh::Mesh;
 use crate::output::{FieldData, write_vtu};
 use crate::scene::geometry;
 use crate::scene::view::View;
@@ -98,16 +97,4 @@ fn thinnest<const D: usize>(carried: &Carried<D>) -> f64 {
 pub(super) fn level_set_unknowns<const D: usize>(view: &View<'_, D>) -> usize {
     view.space().len()
         * view.carried.structures().iter().filter(|s| s.level_set().is_some()).count()
-}
-
-/// The mesh in a checkpoint.
-///
-/// # Errors
-/// Corrupt bytes.
-pub(super) fn mesh_from_bytes<const D: usize>(bytes: &[u8]) -> Result<Mesh<D>> {
-    Mesh::from_bytes(bytes).ok_or_else(|| {
-        Error::input("the mesh of the checkpoint is damaged")
-            .value(format!("{} bytes", bytes.len()))
-            .remedy("start afresh in another folder with --out")
-    })
 }

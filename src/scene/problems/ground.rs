@@ -18,7 +18,14 @@ use crate::scene::structures::{Build, Traits, band_of, kind_in};
 use crate::sim::Transport;
 use crate::structure::Structure;
 use crate::transport::Method;
+use std::any::Any;
 use std::sync::Arc;
+
+/// A mesh, if it is plane.
+pub(super) fn plane<const D: usize>(mesh: &Mesh<D>) -> Option<&Mesh<2>> {
+    let mesh: &dyn Any = mesh;
+    mesh.downcast_ref()
+}
 
 /// Number of times at which a time-dependent velocity is sampled for checks.
 const SAMPLES: usize = 16;

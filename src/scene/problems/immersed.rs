@@ -269,17 +269,12 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let this: &mut dyn Any = self;
         let Some(flow) = this.downcast_mut::<ImmersedFlow<2>>() else { return Ok(false) };
         let edges = flow.band_edges;
-        let mesh = adapt::outgrown(&flow.scene, flow.lengths.as_ref(), &flow.view(), edges)?;
-        match (mesh, flow.scene.adapt.as_ref().map(|a| a.transfer)) {
-            (Some(mesh), Some(transfer)) => flow.continue_on(mesh, transfer).map(|()| true),
-            _ => Ok(false),
-        }
+        let next = adapt::outgrown(&flow.scene, flow.lengths.as_ref(), &flow.view(), edges)?;
+        let Some((mesh, transfer)) = next else { return Ok(false) };
+        flow.continue_on(mesh, transfer).map(|()| true)
     }
     fn save(&self, tag: u64) -> [Vec<u8>; 2] {
-        let mesh = match self.scene.adapt.is_some() {
-            true => self.simulation.space().mesh().to_bytes(),
-            false => Vec::new(),
-        };
+        let mesh = adapt::mesh_to_bytes(&self.scene, self.simulation.space().mesh());
         [mesh, self.simulation.state().to_bytes(tag)]
     }
     fn restore(
@@ -288,9 +283,8 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         tag: u64,
         edges: Option<[f64; 2]>,
     ) -> Result<()> {
-        if let (Some(adapt), false) = (&self.scene.adapt, mesh.is_empty()) {
-            let transfer = adapt.transfer;
-            self.continue_on(super::fields::mesh_from_bytes(mesh)?, transfer)?;
+        if let Some((mesh, transfer)) = adapt::mesh_from_bytes(&self.scene, mesh)? {
+            self.continue_on(mesh, transfer)?;
         }
         with_keys(State::from_bytes(state, tag).and_then(|state| self.simulation.restore(state)))?;
         self.band_edges = edges.or(self.band_edges);
@@ -327,8 +321,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         cut.map(|s| s.name().to_string()).collect()
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
-        let mesh: &dyn Any = &**self.simulation.space().mesh();
-        mesh.downcast_ref()
+        ground::plane(self.simulation.space().mesh())
     }
     fn derived(&self) -> Vec<(&'static str, f64)> {
         let grad_div = ("grad_div", self.simulation.settings().grad_div);

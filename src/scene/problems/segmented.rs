@@ -237,8 +237,7 @@ impl<const D: usize> Problem for Segmented<D> {
         }
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
-        let mesh: &dyn Any = &**self.segmenting.carried().mesh();
-        mesh.downcast_ref()
+        ground::plane(self.segmenting.carried().mesh())
     }
     fn advice(&self) -> Advice {
         Advice { energy: String::new(), area: "a finer mesh" }
