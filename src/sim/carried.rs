@@ -142,15 +142,17 @@ impl<const D: usize> Carried<D> {
         Ok(())
     }
 
-    /// Redistances the level sets after step number `step` (counted from 1), if it is due. Returns
-    /// true if it was done.
+    /// Redistances each level set once after step number `step` (counted from 1), if it is due.
+    /// Returns true if it was done.
     pub(super) fn redistance(&mut self, step: u64, fields: &mut Fields<D>) -> Result<bool> {
         let Some((every, method)) = self.redistancing else { return Ok(false) };
         if !step.is_multiple_of(every) {
             return Ok(false);
         }
+        let mut done = Vec::new();
         for s in &self.structures {
-            let Some(id) = s.level_set() else { continue };
+            let Some(id) = s.level_set().filter(|id| !done.contains(id)) else { continue };
+            done.push(id);
             let mut phi = fields.scalar(id).to_vec();
             method.apply(&self.carrier.tracer, &self.translations, s.slope(), &mut phi)?;
             fields.scalar_mut(id).copy_from_slice(&phi);
