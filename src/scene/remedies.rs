@@ -63,3 +63,36 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
 /// The choice of a solver, in the words of the linear algebra and of the scene.
 const SOLVER: [&str; 2] =
     ["let the solver be chosen by the memory", "numerics.solver = \"auto\" takes what fits"];
+
+#[cfg(test)]
+mod tests {
+    use crate::base::Error;
+    use crate::scene::{Scene, problem};
+    use std::path::Path;
+
+    fn scene(more: &[&str]) -> Scene {
+        let text = "mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [8, 8] }
+            fluid.viscosity = 1
+            boundary.walls.no_slip = true
+            time = { end = 1, step = 0.1 }";
+        let more: Vec<String> = more.iter().map(ToString::to_string).collect();
+        Scene::parse_with(text, Path::new("scene.toml"), &more).unwrap()
+    }
+
+    /// The layers below name no key, so that each of these words comes from here.
+    #[track_caller]
+    fn assert_remedy(e: Error, words: &[&str]) {
+        assert!(words.iter().all(|w| e.advice().contains(w)), "{e}");
+    }
+
+    #[test]
+    fn errors_of_the_layers_below_name_the_keys_of_the_scene() {
+        let small = scene(&["numerics.solver=direct", "numerics.memory=1e-5"]);
+        let e = problem(&small).unwrap().plan().unwrap_err();
+        assert_remedy(e, &["would fit", "numerics.solver = \"auto\" takes what fits"]);
+        let e = problem(&scene(&[])).unwrap().restore([&[], &[1, 2, 3]], 0, None).unwrap_err();
+        assert_remedy(e, &["a new one in another folder with --out"]);
+        let e = problem(&scene(&["time.order=1", "time.tolerance=1e-3"])).err();
+        assert_remedy(e.unwrap(), &["time.order = 2", "time.tolerance"]);
+    }
+}

@@ -110,7 +110,7 @@ pub(in crate::scene) fn check(
         ("exact", "there is no flow to compare"),
     ];
     let tables = tables.map(|(key, why)| (key, why.to_string()));
-    for (key, why) in structures.chain(tables) {
+    for (key, why) in tables.into_iter().chain(structures) {
         if let Some(item) = scene.get(key) {
             return Err(item
                 .key_error(format!("`{key}` means nothing beside `image`: {why}"))
