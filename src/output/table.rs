@@ -258,8 +258,10 @@ mod tests {
 
     #[test]
     fn readers_see_few_digits_and_files_hold_all() {
-        let text = "Steps\nrun           error  CPU s\nn = 30, \"a\"  0.0123    0.5\nn = \
-            60            -     12\n";
+        let text = "Steps\n\
+            run           error  CPU s\n\
+            n = 30, \"a\"  0.0123    0.5\n\
+            n = 60            -     12\n";
         assert_eq!(table().text(), text);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("steps.csv");

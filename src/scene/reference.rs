@@ -140,13 +140,12 @@ fn expressions() -> String {
     let functions = functions().map(|f| format!("`{f}`")).collect::<Vec<_>>().join(", ");
     format!(
         "## Expressions\n\n\
-         Where an expression may stand, write a number or a text such as `\"sin(pi * x) * min(t, \
-         1)\"`. It may use `x`, `y`, `z`, `t`, `pi` \
-         and the names in `[constants]`.\n\n\
+         Where an expression may stand, write a number or a text such as \
+         `\"sin(pi * x) * min(t, 1)\"`. It may use `x`, `y`, `z`, `t`, `pi` and the names in \
+         `[constants]`.\n\n\
          Operators, from loose to tight: `||`; `&&`; the comparisons `<`, `>`, `<=`, `>=`, `==`, \
-         `!=`, which do not chain; `+`, `-`; `*`, `/`; \
-         the prefixes `-`, `+`, `!`; and `^`, which groups to the right, so that `-x^2` is \
-         `-(x^2)`. True is 1 and false is 0.\n\n\
+         `!=`, which do not chain; `+`, `-`; `*`, `/`; the prefixes `-`, `+`, `!`; and `^`, which \
+         groups to the right, so that `-x^2` is `-(x^2)`. True is 1 and false is 0.\n\n\
          Functions: {functions}. `log` is the natural logarithm, angles are in radians, and \
          `if(c, a, b)` is `a` where `c` is not 0 and else `b`.\n"
     )

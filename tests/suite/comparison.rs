@@ -171,10 +171,12 @@ struct Stand {
     folder: TempDir,
 }
 
-const FLOW: &str = "[mesh]\nrectangle = \
-    { min = [0, 0], max = [1, 1], cells = [2, 2] }\n[fluid]\nviscosity = 1\n[boundary.walls]\n\
-                    no_slip = true\n[time]\nend = 0.2\nstep = 0.1\norder = 1\n[output]\nevery = \
-                    0.1\n";
+const FLOW: &str = "[mesh]\n\
+    rectangle = { min = [0, 0], max = [1, 1], cells = [2, 2] }\n\
+    [fluid]\nviscosity = 1\n\
+    [boundary.walls]\nno_slip = true\n\
+    [time]\nend = 0.2\nstep = 0.1\norder = 1\n\
+    [output]\nevery = 0.1\n";
 
 impl Stand {
     fn new() -> Stand {

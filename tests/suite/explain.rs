@@ -126,10 +126,11 @@ fn the_plan_follows_the_scene() {
     let scene = folder.path().join("scene.toml");
     let scene = scene.to_str().unwrap();
     let stokes = SCENE.replace("viscosity = 0.01", "viscosity = 0.01\ndensity = 0");
-    let no_membrane = "[mesh]\nrectangle = \
-        { min = [0, 0], max = [1, 1], cells = [4, 4] }\n[fluid]\nviscosity = 1\n\
-                       [boundary.walls]\nno_slip = true\n[boundary.left]\nopen = \
-                       true\n[time]\nend = 1\nstep = 0.5\n";
+    let no_membrane = "[mesh]\n\
+        rectangle = { min = [0, 0], max = [1, 1], cells = [4, 4] }\n\
+        [fluid]\nviscosity = 1\n\
+        [boundary.walls]\nno_slip = true\n[boundary.left]\nopen = true\n\
+        [time]\nend = 1\nstep = 0.5\n";
     let contrast =
         SCENE.replace("viscosity = 0.01", "viscosity = { inside = 0.1, outside = 0.01 }");
     let cases: [(&str, &[&str], &[&str]); 4] = [

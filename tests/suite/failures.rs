@@ -115,8 +115,8 @@ fn broken_meshes_are_refused_by_name() {
     ];
     for (name, bytes, words) in cases {
         let folder = folder_with(&SCENE.replace(
-            "rectangle = \
-             { min = [0, 0], max = [2, 2], cells = [16, 16], diagonals = \"union-jack\" }",
+            "rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16], \
+             diagonals = \"union-jack\" }",
             &format!("file = \"{name}.msh\""),
         ));
         fs::write(folder.path().join(format!("{name}.msh")), bytes).unwrap();

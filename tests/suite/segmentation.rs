@@ -236,9 +236,10 @@ fn what_means_nothing_beside_an_image_is_refused() {
     let small = GreyImage::new(8, vec![1.0; 64]).unwrap().png().unwrap();
     fs::write(images.folder.path().join("mask.png"), small).unwrap();
     assert!(images.refused(&[]).contains("the mask and the image differ in size"));
-    let flow = "[mesh]\nrectangle = \
-        { min = [0, 0], max = [1, 1], cells = [4, 4] }\n[fluid]\nviscosity = 1\n[time]\nend = \
-        1\nstep = 1\n[output]\npicture = { field = \"image\" }\n";
+    let flow = "[mesh]\n\
+        rectangle = { min = [0, 0], max = [1, 1], cells = [4, 4] }\n\
+        [fluid]\nviscosity = 1\n[time]\nend = 1\nstep = 1\n\
+        [output]\npicture = { field = \"image\" }\n";
     let e = Scene::parse_with(flow, Path::new("scene.toml"), &[]).unwrap_err();
     assert!(e.to_string().contains("no [image]"), "{e}");
 }

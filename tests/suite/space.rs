@@ -197,8 +197,8 @@ fn a_scene_that_names_no_vector_has_the_dimension_of_its_mesh_file_which_is_refi
 
 #[test]
 fn a_ball_in_a_box_is_fine_where_the_membrane_is() {
-    let ball = "ball_in_box = \
-        { min = [-1, -1, -1], max = [1, 1, 1], cells = [4, 4, 4], centre = [0, 0, 0], radius = 0.45, band = 0.1, edge = 0.36 }";
+    let ball = "ball_in_box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [4, 4, 4], \
+        centre = [0, 0, 0], radius = 0.45, band = 0.1, edge = 0.36 }";
     let scene =
         MEMBRANE.replace("box = { min = [-1, -1, -1], max = [1, 1, 1], cells = [6, 6, 6] }", ball);
     let scene = scene.replace("stretch", "force = \"sharp\"\nstretch");
@@ -217,8 +217,8 @@ fn every_shape_of_space_is_read_and_written() {
     for shape in [
         "sphere = { centre = [0, 0.1, 0], radius = 0.5 }",
         "ellipsoid = { centre = [0, 0, 0], semi_axes = [0.5, 0.4, 0.3], rotation = [0, 20, 30] }",
-        "rounded_box = \
-         { centre = [0, 0, 0], half_size = [0.5, 0.4, 0.45], radius = 0.2, rotation = [0, 20, 0] }",
+        "rounded_box = { centre = [0, 0, 0], half_size = [0.5, 0.4, 0.45], radius = 0.2, \
+         rotation = [0, 20, 0] }",
         "torus = { centre = [0, 0, 0], axis = [0, 1, 0], major = 0.35, minor = 0.2 }",
         "union = [{ sphere = { centre = [0.2, 0, 0], radius = 0.4 } }, \
          { sphere = { centre = [-0.2, 0, 0], radius = 0.4 } }]",
@@ -274,8 +274,8 @@ fn what_belongs_to_the_plane_is_refused_in_space() {
     );
     let edges = CAVITY.replace("[output]", "[output]\npicture = { mesh = true }");
     refused(&edges, &["output.picture.mesh", "in the plane alone", "ParaView"]);
-    let markers = "[[level_set]]\nshape.sphere = \
-        { centre = [0.5, 0.5, 0.5], radius = 0.2 }\nmarkers = 10\n[time]";
+    let markers = "[[level_set]]\n\
+        shape.sphere = { centre = [0.5, 0.5, 0.5], radius = 0.2 }\nmarkers = 10\n[time]";
     refused(
         &CAVITY.replace("[time]", markers),
         &["level_set.0.markers", "a surface", "leave them out"],
