@@ -265,7 +265,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         host: &Host<'_, D>,
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
-        let rule = Rule { carry: Carry::ByOwner, acts: true };
+        let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
         let initial = || Data::Scalar(vec![of.stretch.ln(); host.space.len()]);
         self.log_stretch = fields.add(&of.field_name("log_stretch"), rule, initial);
         Ok(())

@@ -5,8 +5,8 @@ use crate::fem::{Basis, Projector, Rule, Space, Translation};
 use crate::levelset::{Interface, Redistancing, Sample};
 use crate::mesh::{Mesh, Point};
 use crate::structure::{
-    Carrier, DISPLACEMENT, Declaration, Fields, Host, LevelSet, Moved, Rule as FieldRule,
-    Structure, Velocity,
+    Carrier, DISPLACEMENT, Data, Declaration, FieldId, Fields, Host, LevelSet, Moved,
+    Rule as FieldRule, Structure, Velocity,
 };
 use crate::transport::{Method, Tracer};
 use nalgebra::SVector;
@@ -162,9 +162,13 @@ impl<const D: usize> Carried<D> {
 
     /// Level set of structure number `k` at the nodes; empty for one without.
     pub fn level_set<'a>(&self, fields: &'a Fields<D>, k: usize) -> Cow<'a, [f64]> {
-        let Some(id) = self.structures.get(k).and_then(|s| s.level_set()) else {
-            return Cow::Borrowed(&[]);
-        };
+        match self.structures.get(k).and_then(|s| s.level_set()) {
+            Some(id) => self.nodal(fields, id),
+            None => Cow::Borrowed(&[]),
+        }
+    }
+    /// Nodal values of scalar field `id`; composed transport evaluates passive fields on demand.
+    fn nodal<'a>(&self, fields: &'a Fields<D>, id: FieldId) -> Cow<'a, [f64]> {
         let nodal = fields.scalar(id);
         match &fields.map {
             Some(map) if nodal.is_empty() => {
@@ -173,6 +177,25 @@ impl<const D: usize> Carried<D> {
             }
             _ => Cow::Borrowed(nodal),
         }
+    }
+    /// Names and nodal values of the scalar fields that field files contain.
+    pub fn written_scalars<'a>(
+        &'a self,
+        fields: &'a Fields<D>,
+    ) -> impl Iterator<Item = (&'a str, Cow<'a, [f64]>)> {
+        let all = fields.iter().zip(&self.rules).enumerate();
+        let written = all.filter(|(_, (f, r))| r.written && matches!(f.data, Data::Scalar(_)));
+        written.map(|(k, (f, _))| (&*f.name, self.nodal(fields, FieldId::at(k))))
+    }
+    /// Names and nodal values of the vector fields that field files contain.
+    pub fn written_vectors<'a>(
+        &'a self,
+        fields: &'a Fields<D>,
+    ) -> impl Iterator<Item = (&'a str, &'a [SVector<f64, D>])> {
+        fields.iter().zip(&self.rules).filter(|(_, r)| r.written).filter_map(|(f, _)| {
+            let Data::Vector(values) = &f.data else { return None };
+            Some((&*f.name, &values[..]))
+        })
     }
     /// True if the backward characteristics are transported.
     pub fn has_backward_map(&self, fields: &Fields<D>) -> bool {

@@ -127,7 +127,7 @@ mod tests {
     fn fields(scale: f64) -> Fields<2> {
         let kept = Fields::default();
         let mut declared = Declaration::new(2, &kept);
-        let rule = || Rule { carry: Carry::ByOwner, acts: true };
+        let rule = || Rule { carry: Carry::ByOwner, acts: true, written: false };
         declared.add("a.level_set", rule(), || Data::Scalar(vec![0.1 * scale, -0.0]));
         declared.add("a.labels", rule(), || Data::Labels(vec![3, 1]));
         declared.backward_map(true);

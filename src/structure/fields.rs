@@ -22,6 +22,10 @@ impl FieldId {
     pub fn index(self) -> usize {
         self.0
     }
+    /// The field of index `index`.
+    pub(crate) fn at(index: usize) -> FieldId {
+        FieldId(index)
+    }
 }
 
 /// Values of a field.
@@ -267,6 +271,8 @@ pub struct Rule<const D: usize> {
     pub carry: Carry<D>,
     /// True if forces or materials depend on it, so that a step predicts it.
     pub acts: bool,
+    /// True if field files contain it; nodal scalars and vectors only.
+    pub written: bool,
 }
 
 /// The list of fields, while structures declare them.
@@ -300,7 +306,7 @@ impl<'a, const D: usize> Declaration<'a, D> {
     /// Declares the displacement of the backward characteristics.
     pub fn backward_map(&mut self, acts: bool) -> FieldId {
         let nodes = self.nodes;
-        let rule = Rule { carry: Carry::BackwardMap, acts };
+        let rule = Rule { carry: Carry::BackwardMap, acts, written: true };
         self.add(DISPLACEMENT, rule, || Data::Vector(vec![SVector::zeros(); nodes]))
     }
     /// The fields and their rules.
@@ -332,7 +338,7 @@ mod tests {
     fn fields() -> Fields<2> {
         let kept = Fields::default();
         let mut declared = Declaration::new(3, &kept);
-        let rule = |acts| Rule { carry: Carry::ByOwner, acts };
+        let rule = |acts| Rule { carry: Carry::ByOwner, acts, written: false };
         declared.add("a.level_set", rule(false), || Data::Scalar(vec![0.5, -0.0, 1.0]));
         declared.add("a.points", rule(false), || Data::Points(vec![Point::<2>::new(0.25, 2.0)]));
         declared.add("a.numbers", rule(false), || Data::Numbers(vec![f64::MIN_POSITIVE]));
@@ -357,7 +363,7 @@ mod tests {
     fn a_name_is_shared_and_kept_values_replace_initial_ones() {
         let kept = fields();
         let mut declared = Declaration::new(3, &kept);
-        let rule = |acts| Rule { carry: Carry::Convected(None), acts };
+        let rule = |acts| Rule { carry: Carry::Convected(None), acts, written: true };
         let first = declared.add("a.level_set", rule(false), || Data::Scalar(vec![9.0; 3]));
         let again = declared.add("a.level_set", rule(true), || Data::Scalar(vec![8.0; 3]));
         let other = declared.add("b.level_set", rule(false), || Data::Scalar(vec![1.0; 3]));

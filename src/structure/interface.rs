@@ -82,7 +82,7 @@ impl<const D: usize> ImmersedInterface<D> {
             (true, Some(f)) => Carry::OfBackwardMap(f.clone()),
             (_, f) => Carry::Convected(f.clone()),
         };
-        let rule = Rule { carry, acts: true };
+        let rule = Rule { carry, acts: true, written: true };
         self.field =
             fields.add(&self.field_name("level_set"), rule, || Data::Scalar(self.phi.clone()));
     }

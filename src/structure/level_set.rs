@@ -53,11 +53,12 @@ impl<const D: usize> Structure<D> for LevelSet<D> {
         &self.name
     }
     fn begin(&mut self, _: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
-        let rule = Rule { carry: Carry::Convected(self.function.clone()), acts: false };
+        let rule =
+            Rule { carry: Carry::Convected(self.function.clone()), acts: false, written: true };
         let name = format!("{}.level_set", self.name);
         self.field = fields.add(&name, rule, || Data::Scalar(self.phi.clone()));
         if !self.markers.is_empty() {
-            let rule = Rule { carry: Carry::ByOwner, acts: false };
+            let rule = Rule { carry: Carry::ByOwner, acts: false, written: false };
             let name = LevelSet::<D>::markers_field(&self.name);
             fields.add(&name, rule, || Data::Points(self.markers.clone()));
         }

@@ -208,9 +208,9 @@ fn a_contrast_of_a_thousand_is_stable() {
     }
     let (area, balance) =
         (case.get("bubble.area") / (PI * 0.0625) - 1.0, case.get("energy_balance"));
-    // Published: .250 to .252.
+    // Published: .250 to .252; this mesh of 20 x 40 squares gives .2484.
     assert!(
-        (fastest - 0.251).abs() < 0.01 && area.abs() < 0.01 && balance.abs() < 0.03,
+        (fastest - 0.251).abs() < 0.0035 && area.abs() < 0.003 && balance.abs() < 0.003,
         "{fastest} {area} {balance}"
     );
 }

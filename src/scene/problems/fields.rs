@@ -6,6 +6,7 @@ use crate::output::{FieldData, write_vtu};
 use crate::scene::geometry;
 use crate::scene::view::View;
 use crate::sim::Carried;
+use crate::structure::Structure;
 use nalgebra::SVector;
 use std::path::Path;
 
@@ -24,8 +25,8 @@ impl<const D: usize> Made<D> {
     }
 }
 
-/// Writes velocity (or, for a segmentation, the image), pressure, level sets, strains and
-/// curvatures to a VTU file.
+/// Writes velocity (or, for a segmentation, the image), pressure, the nodal fields of structures
+/// that are [written](crate::structure::Rule::written), strains and curvatures to a VTU file.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -34,37 +35,39 @@ pub(super) fn write<const D: usize>(
     view: &View<'_, D>,
     image: Option<&[f64]>,
 ) -> Result<()> {
-    let (state, structures) = (view.state, view.carried.structures());
-    let with_interface = || (0..structures.len()).filter(|&k| structures[k].level_set().is_some());
-    let names: Vec<String> =
-        with_interface().map(|k| format!("{}.level_set", structures[k].name())).collect();
-    let level_sets: Vec<_> = with_interface().map(|k| view.level_set(k)).collect();
+    let (state, carried) = (view.state, view.carried);
     let pressure = view.flow.map(|flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
     let mut fields = vec![match image {
         Some(image) => ("image", FieldData::Scalar(image)),
         None => ("velocity", FieldData::Vector(&state.flow.u)),
     }];
     fields.extend(pressure.iter().map(|p| ("pressure", FieldData::Scalar(p))));
-    for (name, phi) in names.iter().zip(&level_sets) {
-        fields.push((name, FieldData::Scalar(phi)));
-    }
-    let mut made = strained(view);
-    if view.tables.output.curvature {
-        for k in with_interface() {
-            let of = geometry::fields(view, k).into_iter();
-            let name = structures[k].name();
-            made.extend(of.map(|(end, v)| (format!("{name}.{end}"), Made::Scalar(v))));
-        }
-    }
-    for (name, data) in &made {
-        fields.push((name, data.as_field()));
-    }
+    let scalars: Vec<_> = carried.written_scalars(&state.fields).collect();
+    fields.extend(scalars.iter().map(|(name, values)| (*name, FieldData::Scalar(values))));
+    let (strained, curved) = (strained(view), curved(view));
+    fields.extend(strained.iter().map(|(name, made)| (&**name, made.as_field())));
+    let vectors = carried.written_vectors(&state.fields);
+    fields.extend(vectors.map(|(name, values)| (name, FieldData::Vector(values))));
+    fields.extend(curved.iter().map(|(name, made)| (&**name, made.as_field())));
     write_vtu(path, view.space(), state.time, &fields)
 }
 
-/// Fields of the backward characteristics: the displacement `Y(x) - x` to the position at rest for
-/// each structure that resists shear, the displacement to the position at time 0, and in space area
-/// change and shear near each interface.
+/// Curvatures of the level sets, if they are to be written.
+fn curved<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
+    let structures = view.carried.structures().iter().enumerate();
+    let wanted =
+        structures.filter(|(_, s)| view.tables.output.curvature && s.level_set().is_some());
+    let of = |(k, s): (usize, &Box<dyn Structure<D>>)| {
+        let name = s.name().to_string();
+        let made = geometry::fields(view, k).into_iter();
+        made.map(move |(end, values)| (format!("{name}.{end}"), Made::Scalar(values)))
+    };
+    wanted.flat_map(of).collect()
+}
+
+/// Fields derived from the backward characteristics: the displacement `Y(x) - x` to the position at
+/// rest for each structure that resists shear, and in space area change and shear near each
+/// interface.
 fn strained<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
     let (mut made, carried, fields) = (Vec::new(), view.carried, &view.state.fields);
     if !view.has_backward_map() {
@@ -83,7 +86,6 @@ fn strained<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
             made.push((format!("{name}.shear"), Made::Scalar(shear)));
         }
     }
-    made.push(("displacement".into(), Made::Vector(fields.displacement().to_vec())));
     made
 }
 

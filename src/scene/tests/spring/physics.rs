@@ -77,7 +77,7 @@ impl<const D: usize> Structure<D> for Spring<D> {
         &self.name
     }
     fn begin(&mut self, _: &Host<'_, D>, fields: &mut Declaration<'_, D>) -> Result<()> {
-        let rule = |carry| Rule { carry, acts: true };
+        let rule = |carry| Rule { carry, acts: true, written: true };
         let (phi, path) = (format!("{}.level_set", self.name), format!("{}.path", self.name));
         self.field =
             fields.add(&phi, rule(Carry::Convected(None)), || Data::Scalar(self.phi.clone()));
