@@ -3,9 +3,9 @@
 use super::area_law::AreaLaw;
 use super::membrane::explicit_step_limit;
 use crate::base::{Cause, Result};
-use crate::fem::{At, Basis, Space, SurfaceForm, SurfacePoint, VectorForm, surface_solve};
+use crate::fem::{At, Basis, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
-use crate::levelset::surface;
+use crate::levelset::{CarriedSurface, surface};
 use crate::structure::{
     Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
     Moved, Place, Rule, Velocity,
@@ -66,18 +66,15 @@ pub struct SharpMembrane<const D: usize> {
     dissipation: f64,
     implicit_step: Option<f64>,
     /// Field of the logarithm of the stretch.
-    log_stretch: FieldId,
+    rest_density: FieldId,
 }
 
 /// The slip is `extent / (SLIP mu)` times the tangential force.
 const SLIP: f64 = 15.0;
+/// Least length at rest per length that is not taken for an error of the transport.
+const THINNEST: f64 = 1e-3;
 /// Number of cached interfaces: at the start of a step, predicted for its end, and at its end.
 const KEPT: usize = 3;
-/// Number of layers of vertices around the cut cells to which the rate of stretch is extended. It
-/// covers the feet of the characteristics of these nodes if the fluid crosses fewer cells in a
-/// step.
-const RINGS: usize = 4;
-
 impl<const D: usize> SharpMembrane<D> {
     /// A membrane in a fluid of this viscosity (between two fluids, their mean).
     pub fn new(law: AreaLaw, viscosity: f64) -> SharpMembrane<D> {
@@ -90,7 +87,7 @@ impl<const D: usize> SharpMembrane<D> {
             stretch: Vec::new(),
             dissipation: 0.0,
             implicit_step: None,
-            log_stretch: FieldId::default(),
+            rest_density: FieldId::default(),
         }
     }
     /// Quadrature points on the interface of `phi`.
@@ -103,8 +100,8 @@ impl<const D: usize> SharpMembrane<D> {
         self.cuts.insert(0, (phi.to_vec(), Arc::clone(&points)));
         Ok(points)
     }
-    /// Precomputes the force on the interface of `phi`; `log_stretch` is the logarithm of the
-    /// stretch at the nodes. With `implicit_step`, a time step, the stiffness enters the matrix.
+    /// Precomputes the force on the interface of `phi`; `rest_density` is the length (area) at rest
+    /// per length, the inverse of the stretch, at the nodes of cut cells. With `implicit_step`, a time step, the stiffness enters the matrix.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -112,20 +109,20 @@ impl<const D: usize> SharpMembrane<D> {
         &mut self,
         space: &Space<D>,
         phi: &[f64],
-        log_stretch: &[f64],
+        rest_density: &[f64],
         implicit_step: Option<f64>,
     ) -> Result<()> {
         self.implicit_step = implicit_step;
         self.points = self.cut(space, phi)?;
         self.places = self.points.iter().map(|p| p.at).collect();
-        let stretch =
-            |p: &SurfacePoint<D>| space.value(log_stretch, p.at.cell, &p.at.barycentric).exp();
-        self.stretch = self.points.iter().map(stretch).collect();
+        let at_point =
+            |p: &SurfacePoint<D>| stretch(space.value(rest_density, p.at.cell, &p.at.barycentric));
+        self.stretch = self.points.iter().map(at_point).collect();
         self.dissipation = self
             .points
             .iter()
             .map(|p| {
-                let (slip, pull) = (self.slip(space, p), self.pull(space, p, log_stretch));
+                let (slip, pull) = (self.slip(space, p), self.pull(space, p, rest_density));
                 p.at.weight * slip * pull.norm_squared()
             })
             .sum();
@@ -147,53 +144,6 @@ impl<const D: usize> SharpMembrane<D> {
     pub fn largest_tension(&self) -> f64 {
         self.stretch.iter().map(|&r| self.law.tension(r)).fold(0.0, f64::max)
     }
-    /// Adds to `log_stretch` (one number per node) the growth on the interface of `phi` in the
-    /// velocity `u` over the time `dt`, constant along the normal for some cells on both sides.
-    /// Nothing for constant tension, which does not depend on the stretch.
-    ///
-    /// # Errors
-    /// A level set that is not finite.
-    pub fn grow(
-        &mut self,
-        space: &Space<D>,
-        phi: &[f64],
-        u: &[SVector<f64, D>],
-        dt: f64,
-        log_stretch: &mut [f64],
-    ) -> Result<()> {
-        if matches!(self.law, AreaLaw::Tension { .. }) {
-            return Ok(());
-        }
-        let points = self.cut(space, phi)?;
-        let mut rate = surface_solve(space, &points, |p| {
-            let at = &p.at;
-            let grad = space.jacobian(u, at.cell, &at.barycentric);
-            let r = space.value(log_stretch, at.cell, &at.barycentric).exp();
-            let slip = self.slip(space, p);
-            SurfaceForm {
-                diffusivity: slip * dt * self.law.stiffness(r) * r,
-                source: grad.trace() - p.normal.dot(&(grad * p.normal)),
-                flux: self.pull(space, p, log_stretch) * -slip,
-            }
-        })?;
-        continue_outward(space, &mut rate);
-        let mesh = space.mesh();
-        let mut done = vec![false; space.len()];
-        for c in 0..mesh.cell_count() {
-            let cell = mesh.cell(c);
-            if cell.iter().any(|&v| rate[v as usize].is_nan()) {
-                continue;
-            }
-            for (a, &node) in space.cell_nodes(c).iter().enumerate() {
-                if !std::mem::replace(&mut done[node as usize], true) {
-                    let l = space.element().node(a, D);
-                    log_stretch[node as usize] +=
-                        dt * cell.iter().zip(l).map(|(&v, l)| l * rate[v as usize]).sum::<f64>();
-                }
-            }
-        }
-        Ok(())
-    }
     /// Slip velocity over tangential force.
     fn slip(&self, space: &Space<D>, p: &SurfacePoint<D>) -> f64 {
         let mesh = space.mesh();
@@ -204,33 +154,16 @@ impl<const D: usize> SharpMembrane<D> {
         (high - low) / (SLIP * self.viscosity)
     }
     /// `grad_S E'(r)`, the tangential force.
-    fn pull(&self, space: &Space<D>, p: &SurfacePoint<D>, log_stretch: &[f64]) -> SVector<f64, D> {
+    fn pull(&self, space: &Space<D>, p: &SurfacePoint<D>, rest_density: &[f64]) -> SVector<f64, D> {
         let (cell, l) = (p.at.cell, &p.at.barycentric);
-        let r = space.value(log_stretch, cell, l).exp();
-        p.tangential(&space.gradient(log_stretch, cell, l)) * (self.law.stiffness(r) * r)
+        let r = stretch(space.value(rest_density, cell, l));
+        p.tangential(&space.gradient(rest_density, cell, l)) * (-self.law.stiffness(r) * r * r)
     }
 }
 
-/// Sets vertices without a value to the mean of their neighbours, layer by layer.
-fn continue_outward<const D: usize>(space: &Space<D>, values: &mut [f64]) {
-    let mesh = space.mesh();
-    for _ in 0..RINGS {
-        let mut sums: Vec<(f64, u32)> = vec![(0.0, 0); values.len()];
-        for c in 0..mesh.cell_count() {
-            let cell = mesh.cell(c);
-            let known = cell.iter().map(|&v| values[v as usize]).filter(|v| !v.is_nan());
-            let (sum, count) = known.fold((0.0, 0), |(s, n), v| (s + v, n + 1));
-            if count > 0 && count <= D as u32 {
-                for &v in cell.iter().filter(|&&v| values[v as usize].is_nan()) {
-                    let (s, n) = &mut sums[v as usize];
-                    (*s, *n) = (*s + sum, *n + count);
-                }
-            }
-        }
-        for (v, (sum, count)) in values.iter_mut().zip(sums).filter(|(_, s)| s.1 > 0) {
-            *v = sum / f64::from(count);
-        }
-    }
+/// The stretch of an interface with this length (area) at rest per length.
+fn stretch(rest_density: f64) -> f64 {
+    1.0 / rest_density.max(THINNEST)
 }
 
 impl<const D: usize> MomentumTerm<D> for SharpMembrane<D> {
@@ -266,8 +199,8 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
         let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
-        let initial = || Data::Scalar(vec![of.stretch.ln(); host.space.len()]);
-        self.log_stretch = fields.add(&of.field_name("log_stretch"), rule, initial);
+        let initial = || Data::Scalar(vec![1.0 / of.stretch; host.space.len()]);
+        self.rest_density = fields.add(&of.field_name("rest_density"), rule, initial);
         Ok(())
     }
     fn term(&self) -> &dyn MomentumTerm<D> {
@@ -275,11 +208,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
-        let (phi, stretch) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.log_stretch));
-        SharpMembrane::prepare(self, at.space, phi, stretch, implicit)
+        let (phi, density) =
+            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest_density));
+        SharpMembrane::prepare(self, at.space, phi, density, implicit)
     }
-    /// Half of the growth of the stretch on the old interface, transported, and half on the new
-    /// one: second order.
+    /// Moves the level set onto the points of the interface that were carried by the fluid, and
+    /// carries the length at rest with its slip; constant tension does not depend on it.
     fn advance(
         &mut self,
         of: &ImmersedInterface<D>,
@@ -287,12 +221,25 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         fields: &mut Fields<D>,
     ) -> Result<()> {
         let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
-        let (space, half) = (by.carrier.tracer.space().clone(), 0.5 * by.dt);
-        let mut stretch = by.before.scalar(self.log_stretch).to_vec();
-        self.grow(&space, by.before.scalar(of.level_set()), mean, half, &mut stretch)?;
-        let mut moved = by.convect(&stretch)?;
-        self.grow(&space, fields.scalar(of.level_set()), mean, half, &mut moved)?;
-        fields.scalar_mut(self.log_stretch).copy_from_slice(&moved);
+        let (space, before) = (by.carrier.tracer.space().clone(), by.before.scalar(of.level_set()));
+        let from = self.cut(&space, before)?;
+        let carried = CarriedSurface::new(&by.carrier.tracer, (mean, by.dt), (&from, before));
+        if !by.ahead {
+            let to = surface(&space, fields.scalar(of.level_set()))?;
+            carried.fit(&to, fields.scalar_mut(of.level_set()))?;
+        }
+        if matches!(self.law, AreaLaw::Tension { .. }) {
+            return Ok(());
+        }
+        let phi = fields.scalar(of.level_set());
+        let to = self.cut(&space, phi)?;
+        let slip = |p: &SurfacePoint<D>, m: f64| {
+            let r = stretch(m);
+            by.dt * self.slip(&space, p) * self.law.stiffness(r) * r
+        };
+        let density = by.before.scalar(self.rest_density);
+        let after = carried.density(density, (&to, phi), !by.ahead, slip)?;
+        fields.scalar_mut(self.rest_density).copy_from_slice(&after);
         Ok(())
     }
     fn energy(
@@ -301,8 +248,9 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         at: &Place<'_, D>,
         _: &Basis<D>,
     ) -> Result<f64> {
-        let (phi, stretch) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.log_stretch));
-        SharpMembrane::prepare(self, at.space, phi, stretch, None)?;
+        let (phi, density) =
+            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest_density));
+        SharpMembrane::prepare(self, at.space, phi, density, None)?;
         Ok(SharpMembrane::energy(self))
     }
     fn dissipation(&self) -> f64 {
@@ -321,5 +269,8 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     }
     fn reach(&self, _: &ImmersedInterface<D>) -> f64 {
         0.0
+    }
+    fn keeps_distance(&self) -> bool {
+        true
     }
 }

@@ -36,5 +36,5 @@ pub use projection::Projector;
 pub use quadrature::{Rule, gauss_legendre};
 pub use recovery::{Derivatives, Recovered, Recovery, hessians};
 pub use space::{OnCell, Space, Value};
-pub use surface::{SurfaceForm, SurfacePoint, surface_solve};
+pub use surface::{SurfaceMass, SurfacePoint};
 pub use transfer::{Interpolation, Projection};

@@ -6,6 +6,7 @@
 
 mod band;
 mod bounds;
+mod carried_surface;
 mod chord;
 mod contour;
 mod curvature;
@@ -41,6 +42,7 @@ pub use band::{
     zeta,
 };
 pub use bounds::Bounds;
+pub use carried_surface::CarriedSurface;
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};
 pub use delta::{Delta, Smeared, Width};
@@ -57,6 +59,7 @@ pub use polygon::Polygon;
 pub use redistance::{Redistance, Redistancing};
 pub use segmentation::{Segmentation, SegmentationFit, SegmentationWeights, parts_inside};
 pub use shape::{Circle, RoundedBox, Shape, check_inside, signed_distance};
+pub use sign::slopes;
 pub use solid::SolidMeasures;
 pub use solid_union::SolidUnion;
 pub use space_curve::{CurvePoint, Frenet, SpaceCurve};

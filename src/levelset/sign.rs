@@ -33,3 +33,14 @@ pub(super) fn cut_cells<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result
         })
         .collect())
 }
+
+/// The slope `|grad phi|` at the centres of the cells that the interface may cut.
+///
+/// # Errors
+/// A space that is not P2, a value of `phi` that is not finite.
+pub fn slopes<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Vec<f64>> {
+    let mut centre = [0.0; 4];
+    centre[..=D].fill(1.0 / (D + 1) as f64);
+    let slope = |c: usize| space.gradient(phi, c, &centre).norm();
+    Ok(cut_cells(space, phi)?.into_iter().map(slope).collect())
+}

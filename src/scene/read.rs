@@ -190,9 +190,7 @@ fn check(
     }
     let table = scene.get("numerics").map(|i| i.open_table()).transpose()?;
     match table.and_then(|t| t.get("redistance")) {
-        Some(item) => {
-            check_redistance(&item, structures, numerics.transport, time.tolerance.is_some())
-        }
+        Some(item) => check_redistance(&item, structures, numerics, time.tolerance.is_some()),
         None => Ok(()),
     }
 }
@@ -309,19 +307,28 @@ fn check_passive(
 fn check_redistance(
     item: &Item,
     structures: &[Box<dyn StructureKind>],
-    transport: Method,
+    numerics: &Numerics,
     paced: bool,
 ) -> Result<()> {
+    let (transport, of) = (numerics.transport, numerics.redistance);
+    if of.is_none_or(|r| r.scheme().is_none()) {
+        return Ok(());
+    }
     let acting = || structures.iter().filter(|s| s.traits().acts);
     let refuse = |what: String, remedy: &str| -> Result<()> {
         Err::<(), Error>(item.key_error(what).remedy(remedy))
     };
-    let without = "leave numerics.redistance out: bands are renormalised by the slope, which \
-        needs no redistancing";
     if structures.is_empty() {
         return refuse(
             "there is no interface to redistance".into(),
             "leave it out, or add a [[level_set]]",
+        );
+    }
+    let by_slope = of.is_some_and(|r| r.slope.is_some());
+    if by_slope && !acting().any(|s| s.traits().keeps_distance()) {
+        return refuse(
+            "`slope` is for sharp forces, and there is none".into(),
+            "give `every`, a number of steps, in its place",
         );
     }
     if transport == Method::Composed {
@@ -343,12 +350,16 @@ fn check_redistance(
     }
     for s in acting() {
         let (name, traits) = (s.name(), s.traits());
-        if !traits.constant_tension {
+        if traits.slope_is_stretch() {
             let what = format!(
                 "the slope of the level set of `{name}` is the stretch of an elastic membrane, \
                  and redistancing destroys it"
             );
-            return refuse(what, without);
+            return refuse(
+                what,
+                "take force = \"sharp\", whose stretch is a field of its own, or leave \
+                numerics.redistance out",
+            );
         }
         if traits.mass > 0.0 {
             let what = format!(

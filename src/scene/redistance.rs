@@ -1,20 +1,33 @@
 //! Redistancing according to the scene.
 
-use super::script::Script;
+use super::Scene;
+use super::schema::Redistance as Keys;
 use crate::levelset::{Redistance, Redistancing};
-use crate::sim::Carried;
+use crate::sim::{Carried, When};
+use crate::transport::Method;
+
+/// The redistancing of a scene: that of its keys, or the default for sharp forces.
+fn keys(scene: &Scene) -> Option<Keys> {
+    let numerics = &scene.numerics;
+    let of_default = || {
+        let sharp = scene.acting().any(|s| s.traits().keeps_distance());
+        (sharp && numerics.transport != Method::Composed).then_some(Keys::DEFAULT)
+    };
+    numerics.redistance.or_else(of_default)
+}
 
 /// Redistances the level sets according to the scene.
-pub(super) fn redistance<const D: usize>(script: &Script, carried: &mut Carried<D>) {
-    if let Some(r) = script.numerics.redistance {
-        carried.redistance_every(r.every, Redistancing { method: r.scheme(), volume: r.volume });
+pub(super) fn redistance<const D: usize>(scene: &Scene, carried: &mut Carried<D>) {
+    let Some(r) = keys(scene) else { return };
+    if let Some(method) = r.scheme() {
+        carried.redistance_when(r.when(), Redistancing { method, volume: r.volume });
     }
 }
 
 /// The redistancing in words, for the plan.
-pub(super) fn in_words(scene: &Script) -> Option<String> {
-    let r = scene.numerics.redistance?;
-    let method = match r.scheme() {
+pub(super) fn in_words(scene: &Scene) -> Option<String> {
+    let r = keys(scene)?;
+    let method = match r.scheme()? {
         Redistance::HamiltonJacobi { iterations } => {
             format!(
                 "{iterations} pseudo-time steps of (1.35), straight up to about {iterations} half \
@@ -26,10 +39,18 @@ pub(super) fn in_words(scene: &Script) -> Option<String> {
             "the distance of each node from the zero set of the P2 function".into()
         }
     };
-    let every = if r.every == 1 { "every step".into() } else { format!("every {} steps", r.every) };
+    let (which, when) = match r.when() {
+        When::Every(1) => ("level sets", "after every step".into()),
+        When::Every(every) => ("level sets", format!("after every {every} steps")),
+        When::Slope(change) => (
+            "level sets of sharp forces",
+            format!("when the slope on the interface changes by {change}"),
+        ),
+    };
+    let derived = if scene.numerics.redistance.is_some() { "" } else { " (derived)" };
     let volume = if r.volume { "; a constant keeps what the interface encloses" } else { "" };
     Some(format!(
-        "level sets redistanced after {every}: {method}{volume}; this displaces the interface a \
-         little each time"
+        "{which} redistanced {when}{derived}: {method}{volume}; this displaces the interface a \
+         little each time, and sharp forces put it back"
     ))
 }

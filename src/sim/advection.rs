@@ -3,7 +3,7 @@
 use super::carried::{Carried, Transport, largest};
 use super::state::State;
 use super::transfer::{Bring, Transfer};
-use crate::base::{PHASES, Phase, Phases, Result};
+use crate::base::{PHASES, Phases, Result};
 use crate::fem::{Conditions, Element, Space, VelocityFunction, periodic_pairs};
 use crate::flow::{FlowState, StepReport};
 use crate::linalg::SolveReport;
@@ -93,13 +93,10 @@ impl<const D: usize> Advection<D> {
         let courant = courant.max(fastest(&next));
         self.phases.begin();
         let given = Velocity::Given { velocity: &velocity, start, courant };
-        let of = (dt, start + dt, false);
-        self.carried.carry(&self.state.fields, given, of, &[], &mut self.moved)?;
+        let of = (dt, start + dt, self.state.steps + 1);
+        let with = (&[][..], &mut self.phases);
+        self.carried.carry(&self.state.fields, given, of, with, &mut self.moved)?;
         std::mem::swap(&mut self.state.fields, &mut self.moved);
-        self.phases.end(Phase::Transport);
-        if self.carried.redistance(self.state.steps + 1, &mut self.state.fields)? {
-            self.phases.end(Phase::Redistance);
-        }
         self.state.flow.u = next;
         self.state.steps += 1;
         self.state.time = self.state.steps as f64 * dt;
@@ -126,7 +123,7 @@ impl<const D: usize> Advection<D> {
     pub fn carried(&self) -> &Carried<D> {
         &self.carried
     }
-    /// The same, mutable, for options such as [`redistance_every`](Carried::redistance_every).
+    /// The same, mutable, for options such as [`redistance_when`](Carried::redistance_when).
     pub fn carried_mut(&mut self) -> &mut Carried<D> {
         &mut self.carried
     }

@@ -1,8 +1,8 @@
 //! Structures, their fields and their transport: common to all problems.
 
-use crate::base::{Cause, Error, Result};
+use crate::base::{Cause, Error, Phase, Phases, Result};
 use crate::fem::{Basis, Projector, Rule, Space, Translation};
-use crate::levelset::{Interface, Redistancing, Sample};
+use crate::levelset::{Interface, Redistancing, Sample, slopes};
 use crate::mesh::{Mesh, Point};
 use crate::structure::{
     Carrier, DISPLACEMENT, Data, Declaration, FieldId, Fields, Host, LevelSet, Moved,
@@ -33,6 +33,16 @@ impl Default for Transport {
     }
 }
 
+/// When level sets are redistanced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum When {
+    /// All level sets, after every so many steps.
+    Every(u64),
+    /// Those whose slope has [no meaning](Structure::keeps_distance), as soon as it differs on the
+    /// interface from that at time 0 by this fraction.
+    Slope(f64),
+}
+
 /// Structures on a mesh, and the transport of their fields.
 pub struct Carried<const D: usize> {
     pub(super) space: Arc<Space<D>>,
@@ -41,8 +51,8 @@ pub struct Carried<const D: usize> {
     pub(super) transport: Transport,
     pub(super) rules: Vec<FieldRule<D>>,
     pub(super) structures: Vec<Box<dyn Structure<D>>>,
-    /// Method and number of steps between two redistancings.
-    pub(super) redistancing: Option<(u64, Redistancing)>,
+    /// Redistancing of all level sets that are asked for.
+    pub(super) redistancing: Option<(When, Redistancing)>,
 }
 
 impl<const D: usize> Carried<D> {
@@ -107,16 +117,31 @@ impl<const D: usize> Carried<D> {
     pub fn transport(&self) -> &Transport {
         &self.transport
     }
-    /// Redistances the level sets of structures after every `every` steps, counted by the state,
-    /// also in a resumed run. For interfaces whose slope has no physical meaning; an elastic
-    /// membrane would lose its stretch.
-    pub fn redistance_every(&mut self, every: usize, method: Redistancing) {
-        self.redistancing = Some((every.max(1) as u64, method));
+    /// Redistances level sets. Steps are counted by the state, also in a resumed run. For
+    /// interfaces whose slope has no physical meaning: a membrane whose stretch is the slope would
+    /// lose it.
+    pub fn redistance_when(&mut self, when: When, method: Redistancing) {
+        self.redistancing = Some((when, method));
     }
 
-    /// Transports `from` over a step of length `dt` that ends at `time` into `to`; `blocks` are the
-    /// values of unknowns of structures in the step. With `ahead`, a prediction, only fields with
-    /// an effect on the flow are transported.
+    /// Predicts the fields with an effect on the flow at the end, `time`, of a step of length `dt`
+    /// in the velocity at its start.
+    ///
+    /// # Errors
+    /// A projection that fails, a level set that is not finite.
+    pub(super) fn predict(
+        &mut self,
+        from: &Fields<D>,
+        velocity: Velocity<'_, D>,
+        (dt, time): (f64, f64),
+        to: &mut Fields<D>,
+    ) -> Result<()> {
+        self.carrier.carry((from, &self.rules), &velocity.advecting(dt), dt, true, to)?;
+        self.advance(from, velocity, (dt, time, true), &[], to)
+    }
+    /// Transports `from` over step number `step` (counted from 1) of length `dt` that ends at
+    /// `time` into `to`, and redistances the level sets that are due; `blocks` are the values of
+    /// unknowns of structures in the step.
     ///
     /// # Errors
     /// A projection that fails, a level set that is not finite.
@@ -124,19 +149,35 @@ impl<const D: usize> Carried<D> {
         &mut self,
         from: &Fields<D>,
         velocity: Velocity<'_, D>,
+        (dt, time, step): (f64, f64, u64),
+        (blocks, phases): (&[Vec<f64>], &mut Phases),
+        to: &mut Fields<D>,
+    ) -> Result<()> {
+        self.carrier.carry((from, &self.rules), &velocity.advecting(dt), dt, false, to)?;
+        phases.end(Phase::Transport);
+        if self.redistance(step, to)? {
+            phases.end(Phase::Redistance);
+        }
+        self.advance(from, velocity, (dt, time, false), blocks, to)?;
+        phases.end(Phase::Transport);
+        Ok(())
+    }
+    /// Updates the fields that structures transport themselves.
+    fn advance(
+        &mut self,
+        from: &Fields<D>,
+        velocity: Velocity<'_, D>,
         (dt, time, ahead): (f64, f64, bool),
         mut blocks: &[Vec<f64>],
         to: &mut Fields<D>,
     ) -> Result<()> {
-        let rules = (from, &self.rules[..]);
-        self.carrier.carry(rules, &velocity.advecting(dt), dt, ahead, to)?;
         for s in self.structures.iter_mut().filter(|s| s.acts() || !ahead) {
             let mut list = Vec::new();
             s.blocks(&mut list);
             let (own, rest) = blocks.split_at(list.len().min(blocks.len()));
             blocks = rest;
             let carrier = &mut self.carrier;
-            let mut by = Moved { carrier, velocity, before: from, blocks: own, dt, time };
+            let mut by = Moved { carrier, velocity, before: from, blocks: own, dt, time, ahead };
             s.advance(&mut by, to)?;
         }
         Ok(())
@@ -145,19 +186,27 @@ impl<const D: usize> Carried<D> {
     /// Redistances each level set once after step number `step` (counted from 1), if it is due.
     /// Returns true if it was done.
     pub(super) fn redistance(&mut self, step: u64, fields: &mut Fields<D>) -> Result<bool> {
-        let Some((every, method)) = self.redistancing else { return Ok(false) };
-        if !step.is_multiple_of(every) {
-            return Ok(false);
-        }
+        let Some((when, method)) = self.redistancing else { return Ok(false) };
         let mut done = Vec::new();
         for s in &self.structures {
             let Some(id) = s.level_set().filter(|id| !done.contains(id)) else { continue };
+            let due = match when {
+                When::Every(every) => step.is_multiple_of(every),
+                When::Slope(change) => {
+                    let off = |slope: f64| (slope / s.slope() - 1.0).abs() > change;
+                    s.keeps_distance()
+                        && slopes(&self.space, fields.scalar(id))?.iter().copied().any(off)
+                }
+            };
+            if !due {
+                continue;
+            }
             done.push(id);
             let mut phi = fields.scalar(id).to_vec();
             method.apply(&self.carrier.tracer, &self.translations, s.slope(), &mut phi)?;
             fields.scalar_mut(id).copy_from_slice(&phi);
         }
-        Ok(true)
+        Ok(!done.is_empty())
     }
 
     /// Level set of structure number `k` at the nodes; empty for one without.

@@ -19,7 +19,7 @@ pub use crate::structure::{
 };
 pub use advection::Advection;
 pub use balance::{Energies, EnergyBalance};
-pub use carried::{Carried, Transport};
+pub use carried::{Carried, Transport, When};
 pub use clock::{Clock, Pacing};
 pub use immersed::{Simulation, SimulationSettings};
 pub use segmentation::Segmenting;

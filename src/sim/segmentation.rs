@@ -2,7 +2,7 @@
 //! energy; there is no flow.
 
 use super::advection::nothing_solved;
-use super::carried::{Carried, Transport};
+use super::carried::{Carried, Transport, When};
 use super::state::State;
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::fem::Space;
@@ -40,7 +40,7 @@ impl<const D: usize> Segmenting<D> {
         let (transport, structures) = (Transport::default(), vec![Box::new(contour) as _]);
         let (mut carried, fields) =
             Carried::new(space, Vec::new(), transport, structures, (None, &none))?;
-        carried.redistance_every(rebuild, method);
+        carried.redistance_when(When::Every(rebuild as u64), method);
         let mut state = State { fields, ..State::default() };
         state.flow.u = vec![nalgebra::SVector::zeros(); space.len()];
         Ok(Segmenting { segmentation, nodal, dt, carried, state, phases: Phases::default() })

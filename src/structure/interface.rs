@@ -160,6 +160,10 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     ) -> Option<SurfaceStrain<D>> {
         None
     }
+    /// True if the force does not depend on the slope of the level set.
+    fn keeps_distance(&self) -> bool {
+        false
+    }
     /// True if the force needs the backward characteristics.
     fn resists_shear(&self) -> bool {
         false
@@ -199,6 +203,9 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
     }
     fn slope(&self) -> f64 {
         self.interface.stretch
+    }
+    fn keeps_distance(&self) -> bool {
+        self.force.keeps_distance() && self.interface.surface_mass == 0.0
     }
     fn coupling(&self) -> Coupling {
         self.interface.coupling

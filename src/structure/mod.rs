@@ -105,6 +105,10 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn slope(&self) -> f64 {
         1.0
     }
+    /// True if the slope of its level set has no meaning, so that redistancing may restore it.
+    fn keeps_distance(&self) -> bool {
+        false
+    }
     /// True if it exerts a force or encloses a fluid; false if it is passive.
     fn acts(&self) -> bool {
         true

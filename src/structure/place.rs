@@ -98,6 +98,8 @@ pub struct Moved<'a, const D: usize> {
     pub dt: f64,
     /// Time at its end.
     pub time: f64,
+    /// True for a prediction.
+    pub ahead: bool,
 }
 
 impl<const D: usize> Moved<'_, D> {

@@ -229,7 +229,7 @@ impl<const D: usize> Tracer<D> {
         start: Location,
     ) -> Location {
         match advecting {
-            AdvectingVelocity::Nodal(u) => self.foot_of_nodal(u, dt, steps, start),
+            AdvectingVelocity::Nodal(u) => self.end(u, dt, steps, start).0,
             AdvectingVelocity::Given { velocity, arrival, .. } => {
                 let from = self.space.mesh().point_at(&start);
                 let x = path(velocity, from, *arrival, -dt, steps);
@@ -258,13 +258,15 @@ impl<const D: usize> Tracer<D> {
             None => self.travel(start, -w * dt).0,
         }
     }
-    fn foot_of_nodal(
+    /// The place a time `dt` earlier (later if `dt < 0`) of the particle at `start`, and false if
+    /// the path leaves the domain, at that place.
+    fn end(
         &self,
         u: &[SVector<f64, D>],
         dt: f64,
         steps: usize,
         start: Location,
-    ) -> Location {
+    ) -> (Location, bool) {
         let tau = dt / steps as f64;
         let mut here = start;
         for _ in 0..steps {
@@ -274,10 +276,33 @@ impl<const D: usize> Tracer<D> {
             let (next, inside) = self.travel(here, -w * tau);
             here = next;
             if !inside {
-                break;
+                return (here, false);
             }
         }
-        here
+        (here, true)
+    }
+    /// Where the particle at `start` is after the step, and true if it does not leave the domain.
+    pub fn ahead(
+        &self,
+        advecting: &AdvectingVelocity<'_, D>,
+        dt: f64,
+        starts: &[Location],
+    ) -> Vec<(Location, bool)> {
+        let steps = self.steps(advecting, dt);
+        let mut ends = vec![(Location { cell: NONE, barycentric: [0.0; 4] }, false); starts.len()];
+        parallel::fill(&mut ends, 1, |first, part| {
+            for (i, end) in part.iter_mut().enumerate() {
+                *end = match advecting {
+                    AdvectingVelocity::Nodal(u) => self.end(u, -dt, steps, starts[first + i]),
+                    AdvectingVelocity::Given { velocity, arrival, .. } => {
+                        let from = self.space.mesh().point_at(&starts[first + i]);
+                        let step = path(velocity, from, arrival - dt, dt, steps) - from;
+                        self.travel(starts[first + i], step)
+                    }
+                };
+            }
+        });
+        ends
     }
     /// End of a straight step of any length. A target in the domain is found even if the segment
     /// leaves the domain (around an obstacle); a target outside is replaced by the point where the

@@ -7,9 +7,10 @@ use immersa::elastic::{AreaLaw, SharpMembrane};
 use immersa::fem::{At, Condition, Element, Rule, Space, VectorForm, add_point_vector};
 use immersa::flow::term::{MomentumTerm, Support};
 use immersa::flow::{FlowSolver, Step};
-use immersa::levelset::{Ellipse, Shape, surface};
+use immersa::levelset::{CarriedSurface, Ellipse, Shape, surface};
 use immersa::mesh::{Diagonals, Point, rectangle};
 use immersa::sim::Coupling;
+use immersa::transport::Tracer;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -43,10 +44,10 @@ fn strained_perimeter(s: f64) -> f64 {
 }
 
 /// Energy and force for a uniform strain `u = (x - 1, 1 - y)` of an ellipse whose stretch is not
-/// uniform: `dE/dt = - F(u)`, with the level set carried exactly and the stretch by `grow`.
+/// uniform: `dE/dt = - F(u)`, with the level set carried exactly and the stretch on its points.
 #[test]
 fn the_force_is_the_derivative_of_the_energy() {
-    let space = space(24);
+    let space = Arc::new(space(24));
     let velocity = |x: &Point<2>| V::new(x[0] - 1.0, 1.0 - x[1]);
     let u = space.interpolate(velocity);
     let ellipse = Ellipse::new(Point::<2>::new(1.0, 1.0), V::new(0.7, 0.45), 30.0).unwrap();
@@ -56,13 +57,12 @@ fn the_force_is_the_derivative_of_the_energy() {
         };
         space.interpolate(|x| ellipse.distance(&back(x)))
     };
-    let stretch = |s: f64| {
-        // Carried: the value at the foot of the characteristic.
-        let initial = |x: &Point<2>| {
-            0.2 + 0.1 * ((x[0] - 1.0) * (-s).exp()).sin() - 0.05 * ((x[1] - 1.0) * s.exp()).cos()
-        };
-        space.interpolate(initial)
-    };
+    // The length at rest per length, by the logarithm of the stretch.
+    let density =
+        space.interpolate(|x| (-0.2 - 0.1 * (x[0] - 1.0).sin() + 0.05 * (x[1] - 1.0).cos()).exp());
+    let tracer = Tracer::new(&space, &[]);
+    let old = phi(0.0);
+    let from = surface(&space, &old).unwrap();
     // So viscous that there is no slip.
     for law in [
         AreaLaw::Linear { modulus: 2.0 },
@@ -71,9 +71,11 @@ fn the_force_is_the_derivative_of_the_energy() {
     ] {
         let energy = |s: f64| {
             let mut membrane = SharpMembrane::new(law, 1e9);
-            let mut log_r = stretch(s);
-            membrane.grow(&space, &phi(s), &u, s, &mut log_r).unwrap();
-            membrane.prepare(&space, &phi(s), &log_r, None).unwrap();
+            let phi = phi(s);
+            let to = surface(&space, &phi).unwrap();
+            let carried = CarriedSurface::new(&tracer, (&u, s), (&from, &old));
+            let density = carried.density(&density, (&to, &phi), true, |_, _| 0.0).unwrap();
+            membrane.prepare(&space, &phi, &density, None).unwrap();
             (membrane.energy(), membrane)
         };
         // Long enough that the error of the interpolation does not count.

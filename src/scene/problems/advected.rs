@@ -108,7 +108,7 @@ impl<const D: usize> Problem for Advected<D> {
              prescribed"
                 .into(),
         ];
-        if scene.numerics.redistance.is_none() {
+        if in_words(scene).is_none() {
             left_out.push(
                 "redistancing: the slope of the level set is the stretch of the interface".into(),
             );

@@ -171,7 +171,7 @@ impl<const D: usize> FlowPlan<'_, D> {
                      not need it",
                 );
             }
-            if scene.numerics.redistance.is_none() {
+            if in_words(scene).is_none() {
                 let drops = !scene.acting().any(|s| s.traits().stretches);
                 let stretch =
                     "redistancing: the slope of the level set is the stretch of the membrane";

@@ -86,6 +86,17 @@ pub struct Traits {
     pub has_size_at_rest: bool,
 }
 
+impl Traits {
+    /// True if the slope of its level set is its stretch, which redistancing would destroy.
+    pub fn slope_is_stretch(&self) -> bool {
+        self.stretches && !self.on_interface && !self.constant_tension
+    }
+    /// True if its level set is kept near a distance by default.
+    pub fn keeps_distance(&self) -> bool {
+        self.on_interface && self.mass == 0.0
+    }
+}
+
 impl Default for Traits {
     fn default() -> Traits {
         Traits {

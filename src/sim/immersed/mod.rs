@@ -218,7 +218,7 @@ impl<const D: usize> Simulation<D> {
         self.carried.level_set(&self.state.fields, k)
     }
     /// The structures and their transport, mutable, for options such as
-    /// [`redistance_every`](Carried::redistance_every).
+    /// [`redistance_when`](Carried::redistance_when).
     pub fn carried_mut(&mut self) -> &mut Carried<D> {
         &mut self.carried
     }

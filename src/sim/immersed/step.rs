@@ -60,7 +60,6 @@ impl<const D: usize> Simulation<D> {
         self.phases.end(Phase::Diagnostics);
         // Transport of structures, and materials.
         self.follow(&scheme, work)?;
-        self.phases.end(Phase::Transport);
         std::mem::swap(&mut self.state.flow, &mut work.next);
         std::mem::swap(&mut self.state.earlier_u, &mut work.current);
         self.state.steps += 1;
@@ -83,17 +82,17 @@ impl<const D: usize> Simulation<D> {
     fn predict(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<()> {
         let Work { current, ahead, drifted, .. } = work;
         let velocity = Velocity::Computed { ends: [current, current], mean: current };
-        let (fields, of) = (&self.state.fields, (scheme.dt, scheme.time, true));
+        let (fields, of) = (&self.state.fields, (scheme.dt, scheme.time));
         let acting = || self.carried.structures.iter().filter(|s| s.acts());
         let (acts, semi) =
             (acting().count() > 0, acting().any(|s| s.coupling() == Coupling::SemiImplicit));
         if scheme.second && acts {
-            self.carried.carry(fields, velocity, of, &[], ahead)?;
+            self.carried.predict(fields, velocity, of, ahead)?;
         } else {
             ahead.clone_from(fields);
         }
         if semi {
-            self.carried.carry(fields, velocity, of, &[], drifted)?;
+            self.carried.predict(fields, velocity, of, drifted)?;
         }
         Ok(())
     }
@@ -178,14 +177,10 @@ impl<const D: usize> Simulation<D> {
             mean.clone_from(&next.u);
         }
         let velocity = Velocity::Computed { ends: [current, &next.u], mean };
-        let of = (scheme.dt, scheme.time, false);
-        let blocks = self.flow.block_values();
-        self.carried.carry(&self.state.fields, velocity, of, blocks, moved)?;
+        let of = (scheme.dt, scheme.time, self.state.steps + 1);
+        let with = (self.flow.block_values(), &mut self.phases);
+        self.carried.carry(&self.state.fields, velocity, of, with, moved)?;
         std::mem::swap(&mut self.state.fields, moved);
-        self.phases.end(Phase::Transport);
-        if self.carried.redistance(self.state.steps + 1, &mut self.state.fields)? {
-            self.phases.end(Phase::Redistance);
-        }
         Ok(())
     }
 }
