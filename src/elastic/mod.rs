@@ -3,9 +3,11 @@
 mod area_law;
 mod band_cells;
 mod continuum_force;
+mod cut_surface;
 mod membrane;
 mod predictor;
 mod sharp;
+mod sharp_shear;
 mod shear;
 mod surface_law;
 
@@ -18,5 +20,6 @@ pub use continuum_force::ContinuumForce;
 pub use membrane::{Membrane, explicit_step_limit};
 pub use predictor::Predictor;
 pub use sharp::{Force, SharpMembrane};
+pub use sharp_shear::SharpShearMembrane;
 pub use shear::{AreaFrom, ShearMembrane};
 pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};

@@ -1,17 +1,16 @@
 //! The membrane with an area law whose force acts on the interface itself (sharp interface).
 
 use super::area_law::AreaLaw;
+use super::cut_surface::{CutSurface, Points};
 use super::membrane::explicit_step_limit;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
-use crate::levelset::{CarriedSurface, surface};
 use crate::structure::{
     Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
-    Moved, Place, Rule, Velocity,
+    Moved, Place, Rule,
 };
 use nalgebra::{SMatrix, SVector};
-use std::sync::Arc;
 
 /// Support of the force of a membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,21 +30,25 @@ pub enum Force {
 ///
 /// - `n` is the normal of the cut interface, whose length the force shortens, not that of a
 ///   gradient;
-/// - the stretch is not `|grad phi|` but transported by `D(log r)/Dt = P : grad u`, with the same
-///   `P : grad u` as in the force. For divergence-free velocities this equals `|grad phi|`; on a
-///   mesh the force amplifies the error of `|grad phi|` in short waves.
+/// - the stretch is not `|grad phi|` but the inverse of a density that the interface carries, its
+///   length (area) at rest per length: `Dm/Dt + m P : grad u = 0` ([`CarriedSurface::density`]).
+///   For divergence-free velocities this is `|grad phi|` on the interface; on a mesh the force
+///   amplifies the error of `|grad phi|` in short waves, and in a flow that shears the fluid beside
+///   the interface the slope is soon no stretch at all.
+///
+/// The level set is moved in every step onto the points of the interface as the fluid carries them
+/// ([`CarriedSurface::fit`]), and its slope has no meaning.
 ///
 /// A tangential force gives the velocity a kink, which P2 smooths over a cell of extent `l` across
 /// the interface: the interface moves too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its
 /// positions in the cell (in one dimension, the Galerkin error at a point force at `x` of a P2
-/// element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added:
-/// `D(log r)/Dt = P : grad u + div_S(l/(15 mu) grad_S E'(r))`, solved implicitly. It dissipates
+/// element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added, a diffusion of `m` with
+/// `l/(15 mu) E''(r) r`, solved implicitly. It dissipates
 /// `int_S l/(15 mu) |grad_S E'|^2 ds` per time, the dissipation in the unresolved part of the kink.
 /// It does not move the interface along its normal.
 ///
 /// Limits: an interface that reaches a wall with a prescribed velocity, because the stiffness is
-/// omitted in the lift of boundary values; a fluid that crosses more than four cells in a step,
-/// because the stretch is known no farther from the interface.
+/// omitted in the lift of boundary values.
 ///
 /// Implicit in the velocity, `C(u, v) = dt int_S [E'' r (P : grad u)(P : grad v) + max(E', 0) (n
 /// grad u P) . (n grad v P)] ds` is added to the matrix; for constant tension and in 3-D the last
@@ -53,11 +56,10 @@ pub enum Force {
 #[derive(Clone, Debug)]
 pub struct SharpMembrane<const D: usize> {
     law: AreaLaw,
-    /// Cached cut interfaces with their level sets: a step uses each several times.
-    cuts: Vec<(Vec<f64>, Arc<[SurfacePoint<D>]>)>,
+    cuts: CutSurface<D>,
     /// Viscosity of the surrounding fluid.
     viscosity: f64,
-    points: Arc<[SurfacePoint<D>]>,
+    points: Points<D>,
     /// The same points without normals.
     places: Vec<At<D>>,
     /// Stretch at the points.
@@ -73,32 +75,20 @@ pub struct SharpMembrane<const D: usize> {
 const SLIP: f64 = 15.0;
 /// Least length at rest per length that is not taken for an error of the transport.
 const THINNEST: f64 = 1e-3;
-/// Number of cached interfaces: at the start of a step, predicted for its end, and at its end.
-const KEPT: usize = 3;
 impl<const D: usize> SharpMembrane<D> {
     /// A membrane in a fluid of this viscosity (between two fluids, their mean).
     pub fn new(law: AreaLaw, viscosity: f64) -> SharpMembrane<D> {
         SharpMembrane {
             law,
-            cuts: Vec::new(),
+            cuts: CutSurface::default(),
             viscosity,
-            points: Arc::default(),
+            points: Points::default(),
             places: Vec::new(),
             stretch: Vec::new(),
             dissipation: 0.0,
             implicit_step: None,
             rest_density: FieldId::default(),
         }
-    }
-    /// Quadrature points on the interface of `phi`.
-    fn cut(&mut self, space: &Space<D>, phi: &[f64]) -> Result<Arc<[SurfacePoint<D>]>> {
-        if let Some((_, points)) = self.cuts.iter().find(|(known, _)| known == phi) {
-            return Ok(Arc::clone(points));
-        }
-        let points: Arc<[SurfacePoint<D>]> = surface(space, phi)?.into();
-        self.cuts.truncate(KEPT - 1);
-        self.cuts.insert(0, (phi.to_vec(), Arc::clone(&points)));
-        Ok(points)
     }
     /// Precomputes the force on the interface of `phi`; `rest_density` is the length (area) at rest
     /// per length, the inverse of the stretch, at the nodes of cut cells. With `implicit_step`, a time step, the stiffness enters the matrix.
@@ -113,7 +103,7 @@ impl<const D: usize> SharpMembrane<D> {
         implicit_step: Option<f64>,
     ) -> Result<()> {
         self.implicit_step = implicit_step;
-        self.points = self.cut(space, phi)?;
+        self.points = self.cuts.of(space, phi)?;
         self.places = self.points.iter().map(|p| p.at).collect();
         let at_point =
             |p: &SurfacePoint<D>| stretch(space.value(rest_density, p.at.cell, &p.at.barycentric));
@@ -162,7 +152,7 @@ impl<const D: usize> SharpMembrane<D> {
 }
 
 /// The stretch of an interface with this length (area) at rest per length.
-fn stretch(rest_density: f64) -> f64 {
+pub(super) fn stretch(rest_density: f64) -> f64 {
     1.0 / rest_density.max(THINNEST)
 }
 
@@ -220,24 +210,16 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         by: &mut Moved<'_, D>,
         fields: &mut Fields<D>,
     ) -> Result<()> {
-        let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
-        let (space, before) = (by.carrier.tracer.space().clone(), by.before.scalar(of.level_set()));
-        let from = self.cut(&space, before)?;
-        let carried = CarriedSurface::new(&by.carrier.tracer, (mean, by.dt), (&from, before));
-        if !by.ahead {
-            let to = surface(&space, fields.scalar(of.level_set()))?;
-            carried.fit(&to, fields.scalar_mut(of.level_set()))?;
-        }
+        let Some((carried, to)) = self.cuts.follow(of, by, fields)? else { return Ok(()) };
         if matches!(self.law, AreaLaw::Tension { .. }) {
             return Ok(());
         }
-        let phi = fields.scalar(of.level_set());
-        let to = self.cut(&space, phi)?;
+        let space = by.carrier.tracer.space();
         let slip = |p: &SurfacePoint<D>, m: f64| {
             let r = stretch(m);
-            by.dt * self.slip(&space, p) * self.law.stiffness(r) * r
+            by.dt * self.slip(space, p) * self.law.stiffness(r) * r
         };
-        let density = by.before.scalar(self.rest_density);
+        let (density, phi) = (by.before.scalar(self.rest_density), fields.scalar(of.level_set()));
         let after = carried.density(density, (&to, phi), !by.ahead, slip)?;
         fields.scalar_mut(self.rest_density).copy_from_slice(&after);
         Ok(())

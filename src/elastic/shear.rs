@@ -12,7 +12,7 @@ use crate::structure::{
     Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Place, RestMap,
     SurfaceStrain, rest_displacement,
 };
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{ArrayStorage, Matrix2, SMatrix, SVector};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -29,17 +29,68 @@ pub enum AreaFrom {
     Map,
 }
 
-/// Data at a point of the band.
+/// Tension and stiffness of a membrane at a point.
 #[derive(Clone, Copy, Debug)]
-struct Strained<const D: usize> {
+pub(super) struct Strained<const D: usize> {
     /// Weight per area at rest; zero outside the band.
-    w: f64,
-    strain: SurfaceStrain<D>,
+    pub w: f64,
+    pub strain: SurfaceStrain<D>,
     /// The tension, in the basis of the tangent plane.
     tension: Matrix2<f64>,
     /// Positive semi-definite stiffnesses out of the plane and in it; zero without implicit
     /// coupling.
     stiffness: (Matrix2<f64>, SMatrix<f64, 4, 4>),
+}
+
+impl<const D: usize> Strained<D> {
+    const NOTHING: Strained<D> = Strained {
+        w: 0.0,
+        strain: SurfaceStrain::NOTHING,
+        tension: Matrix2::new(0.0, 0.0, 0.0, 0.0),
+        stiffness: (
+            Matrix2::new(0.0, 0.0, 0.0, 0.0),
+            SMatrix::from_array_storage(ArrayStorage([[0.0; 4]; 4])),
+        ),
+    };
+    /// The point with weight `w` per area at rest.
+    pub fn new(law: SurfaceLaw, strain: SurfaceStrain<D>, w: f64, implicit: bool) -> Strained<D> {
+        let tangent = Tangent::new(law, &strain);
+        let stiffness = if implicit { tangent.clamped() } else { Self::NOTHING.stiffness };
+        Strained { w, strain, tension: tangent.tension, stiffness }
+    }
+    /// `- T w`, tested with `grad v`.
+    pub fn force(&self) -> SMatrix<f64, D, D> {
+        self.strain.in_space(&self.tension) * -self.w
+    }
+    /// `K[grad u, .] w`, tested with `grad v`.
+    pub fn stiffness(&self, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        let (n, [s, t]) = (&self.strain.normal, &self.strain.tangents);
+        let (along_s, along_t) = (grad_u * s, grad_u * t);
+        let out = self.stiffness.0 * SVector::<f64, 2>::new(n.dot(&along_s), n.dot(&along_t));
+        let a = SVector::<f64, 4>::new(
+            s.dot(&along_s),
+            s.dot(&along_t),
+            t.dot(&along_s),
+            t.dot(&along_t),
+        );
+        let inside = self.stiffness.1 * a;
+        let (column_s, column_t) = (
+            s * inside[0] + t * inside[2] + n * out[0],
+            s * inside[1] + t * inside[3] + n * out[1],
+        );
+        (column_s * s.transpose() + column_t * t.transpose()) * self.w
+    }
+}
+
+/// Largest wave stiffnesses at some points, normal and tangential to the membrane, per area at rest;
+/// 0 without any.
+pub(super) fn wave_stiffnesses<'a, const D: usize>(
+    law: SurfaceLaw,
+    points: impl Iterator<Item = &'a Strained<D>>,
+) -> [f64; 2] {
+    let inside = points.filter(|b| b.w > 0.0);
+    let stiffnesses = inside.map(|b| Tangent::new(law, &b.strain).wave_stiffnesses());
+    stiffnesses.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
 }
 
 /// An elastic membrane on the zero level of `phi` that resists area change and shear, smeared over
@@ -127,29 +178,13 @@ impl<const D: usize> ShearMembrane<D> {
         implicit_step: Option<f64>,
     ) {
         self.implicit_step = implicit_step;
-        let nothing = Strained {
-            w: 0.0,
-            strain: SurfaceStrain::NOTHING,
-            tension: Matrix2::zeros(),
-            stiffness: (Matrix2::zeros(), SMatrix::zeros()),
-        };
-        let (law, stretch, area_from) = (self.law, self.stretch, self.area_from);
-        self.band.prepare(&self.width, basis, phi, nothing, |c, q, b| {
+        let (law, how) = (self.law, (self.stretch, self.area_from));
+        self.band.prepare(&self.width, basis, phi, Strained::NOTHING, |c, q, b| {
             if b.w == 0.0 {
-                return nothing;
+                return Strained::NOTHING;
             }
-            let strain = strain_at(basis, c, q, b, rest, (stretch, area_from));
-            let tangent = Tangent::new(law, &strain);
-            Strained {
-                w: b.w,
-                strain,
-                tension: tangent.tension,
-                stiffness: if implicit_step.is_some() {
-                    tangent.clamped()
-                } else {
-                    nothing.stiffness
-                },
-            }
+            let strain = strain_at(basis, c, q, b, rest, how);
+            Strained::new(law, strain, b.w, implicit_step.is_some())
         });
     }
     /// Elastic energy (5.13) on `phi` with the displacement `rest`. `basis` may have a finer rule
@@ -176,9 +211,7 @@ impl<const D: usize> ShearMembrane<D> {
     /// Largest wave stiffnesses in the prepared band, normal and tangential to the membrane, per
     /// area at rest; 0 without any.
     pub fn wave_stiffnesses(&self) -> [f64; 2] {
-        let stiffness = |b: &Strained<D>| Tangent::new(self.law, &b.strain).wave_stiffnesses();
-        let inside = self.band.values().iter().filter(|b| b.w > 0.0).map(stiffness);
-        inside.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
+        wave_stiffnesses(self.law, self.band.values().iter())
     }
     /// Largest stable step of the explicit coupling, in a fluid of this viscosity on edges of
     /// length `edge`: the smaller of (1.54) with the tension, for normal waves as in
@@ -187,15 +220,19 @@ impl<const D: usize> ShearMembrane<D> {
     /// the shortest wave of the mesh. This length is measured (user guide, "Stability"), not
     /// derived.
     pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        let [tension, stiffness] = self.wave_stiffnesses();
-        let along = explicit_step_limit(
-            viscosity,
-            self.width.thickness,
-            stiffness,
-            edge * 60f64.sqrt() / 4.0,
-        );
-        explicit_step_limit(viscosity, self.width.thickness, tension, edge).min(along)
+        step_limit(self.wave_stiffnesses(), (viscosity, self.width.thickness), edge)
     }
+}
+
+/// The limit (1.54) for the `stiffnesses` of normal and tangential waves, see
+/// [`ShearMembrane::step_limit`].
+pub(super) fn step_limit(
+    [tension, stiffness]: [f64; 2],
+    (viscosity, thickness): (f64, f64),
+    edge: f64,
+) -> f64 {
+    let along = explicit_step_limit(viscosity, thickness, stiffness, edge * 60f64.sqrt() / 4.0);
+    explicit_step_limit(viscosity, thickness, tension, edge).min(along)
 }
 
 /// The strain at point `q` of cell `c`.
@@ -236,7 +273,7 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
         let Some(b) = self.band.get(at).filter(|b| b.w > 0.0) else {
             return (SVector::zeros(), SMatrix::zeros());
         };
-        (SVector::zeros(), b.strain.in_space(&b.tension) * -b.w)
+        (SVector::zeros(), b.force())
     }
     fn is_implicit(&self) -> bool {
         self.implicit_step.is_some()
@@ -251,22 +288,7 @@ impl<const D: usize> MomentumTerm<D> for ShearMembrane<D> {
         else {
             return (SVector::zeros(), SMatrix::zeros());
         };
-        let (n, [s, t]) = (&b.strain.normal, &b.strain.tangents);
-        let (along_s, along_t) = (grad_u * s, grad_u * t);
-        let out = b.stiffness.0 * SVector::<f64, 2>::new(n.dot(&along_s), n.dot(&along_t));
-        let a = SVector::<f64, 4>::new(
-            s.dot(&along_s),
-            s.dot(&along_t),
-            t.dot(&along_s),
-            t.dot(&along_t),
-        );
-        let inside = b.stiffness.1 * a;
-        let (column_s, column_t) = (
-            s * inside[0] + t * inside[2] + n * out[0],
-            s * inside[1] + t * inside[3] + n * out[1],
-        );
-        let form = column_s * s.transpose() + column_t * t.transpose();
-        (SVector::zeros(), form * (dt * b.w))
+        (SVector::zeros(), b.stiffness(grad_u) * dt)
     }
 }
 

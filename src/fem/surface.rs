@@ -48,37 +48,41 @@ pub struct SurfaceMass {
 
 impl SurfaceMass {
     /// The product on the surface of `points`, the zero set of `phi`, with the diffusivity `k` at
-    /// each point. `None` without points.
+    /// each point. `unknowns` has one number per node, equal for nodes that periodic sides identify.
+    /// `None` without points.
     ///
     /// # Errors
     /// A matrix that cannot be factored.
     pub fn new<const D: usize>(
         space: &Space<D>,
-        phi: &[f64],
-        points: &[SurfacePoint<D>],
+        unknowns: &[u32],
+        (points, phi): (&[SurfacePoint<D>], &[f64]),
         diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
     ) -> Result<Option<SurfaceMass>> {
         let cells: Vec<&[SurfacePoint<D>]> =
             points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
-        let mut number = vec![NONE; space.len()];
+        let mut numbers = vec![NONE; unknowns.len()];
         let mut order = 0;
         for &n in cells.iter().flat_map(|group| space.cell_nodes(group[0].at.cell)) {
-            if number[n as usize] == NONE {
-                number[n as usize] = order;
+            let number = &mut numbers[unknowns[n as usize] as usize];
+            if *number == NONE {
+                *number = order;
                 order += 1;
             }
         }
         if order == 0 {
             return Ok(None);
         }
-        let unknowns = |c: usize| -> Vec<u32> {
+        let of_node = |&u: &u32| numbers.get(u as usize).copied().unwrap_or(NONE);
+        let number: Vec<u32> = unknowns.iter().map(of_node).collect();
+        let of_cell = |c: usize| -> Vec<u32> {
             space.cell_nodes(c).iter().map(|&n| number[n as usize]).collect()
         };
-        let groups = cells.iter().map(|g| unknowns(g[0].at.cell));
+        let groups = cells.iter().map(|g| of_cell(g[0].at.cell));
         let matrix = SymmetricMatrix::from_groups(order as usize, groups)?;
         let factor = Factor::analyse(&matrix, Ordering::plain(&matrix)?)?;
         let mut mass = SurfaceMass { number, matrix, factor };
-        mass.diffuse(space, phi, points, diffusivity)?;
+        mass.diffuse(space, (points, phi), diffusivity)?;
         Ok(Some(mass))
     }
     /// Changes the diffusivity `k`; `phi` and `points` are those of [`new`](Self::new).
@@ -88,8 +92,7 @@ impl SurfaceMass {
     pub fn diffuse<const D: usize>(
         &mut self,
         space: &Space<D>,
-        phi: &[f64],
-        points: &[SurfacePoint<D>],
+        (points, phi): (&[SurfacePoint<D>], &[f64]),
         diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
     ) -> Result<()> {
         self.matrix.zero();
@@ -125,10 +128,6 @@ impl SurfaceMass {
     /// An empty right-hand side of [`solve`](Self::solve).
     pub fn load(&self) -> Vec<f64> {
         vec![0.0; self.matrix.order()]
-    }
-    /// True if the surface cuts cell `c`.
-    pub fn cuts<const D: usize>(&self, space: &Space<D>, c: usize) -> bool {
-        space.cell_nodes(c).iter().all(|&n| self.number[n as usize] != NONE)
     }
     /// Adds `amount v(x)` to a right-hand side, for all functions `v` of the space, at a point of a
     /// cut cell or close to it.
@@ -208,7 +207,8 @@ mod tests {
     /// The function with `int s v + k s' v' = int f v`, at the points.
     fn solved(space: &Space<2>, height: f64, k: f64, f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let (points, phi) = (line(space, height), space.interpolate(|x| x[1] - height));
-        let mut mass = SurfaceMass::new(space, &phi, &points, |_| k).unwrap().unwrap();
+        let own: Vec<u32> = (0..space.len() as u32).collect();
+        let mut mass = SurfaceMass::new(space, &own, (&points, &phi), |_| k).unwrap().unwrap();
         let mut load = mass.load();
         for p in &points {
             let amount = p.at.weight * f(p.at.x[0]);

@@ -4,7 +4,8 @@ use crate::base::Result;
 use crate::fem::{Space, SurfaceMass, SurfacePoint};
 use crate::mesh::{Location, NONE};
 use crate::transport::{AdvectingVelocity, Tracer};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
 
 /// Largest number of cells in the search for a cut cell.
 const MOST_CELLS: usize = 64;
@@ -21,7 +22,7 @@ pub struct CarriedSurface<'a, const D: usize> {
     /// Velocity at the nodes.
     u: &'a [SVector<f64, D>],
     dt: f64,
-    from: &'a [SurfacePoint<D>],
+    from: Arc<[SurfacePoint<D>]>,
     /// The level set whose zero is `from`.
     phi: &'a [f64],
     /// For every point of `from` its place after the step, and false if it left the domain.
@@ -34,7 +35,7 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     pub fn new(
         tracer: &'a Tracer<D>,
         (u, dt): (&'a [SVector<f64, D>], f64),
-        (from, phi): (&'a [SurfacePoint<D>], &'a [f64]),
+        (from, phi): (Arc<[SurfacePoint<D>]>, &'a [f64]),
     ) -> CarriedSurface<'a, D> {
         let starts: Vec<Location> = from.iter().map(location).collect();
         let ends = tracer.ahead(&AdvectingVelocity::Nodal(u), dt, &starts);
@@ -53,13 +54,16 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     /// A matrix that cannot be factored.
     pub fn fit(&self, to: &[SurfacePoint<D>], phi: &mut [f64]) -> Result<()> {
         let space = self.tracer.space();
-        let Some(mut mass) = SurfaceMass::new(space, phi, to, |_| 0.0)? else { return Ok(()) };
+        let Some(mut mass) = SurfaceMass::new(space, self.tracer.unknowns(), (to, phi), |_| 0.0)?
+        else {
+            return Ok(());
+        };
         let cut = CutCells::new(space, to);
         let value = |_: &_, at: &Location| space.value(phi, at.cell as usize, &at.barycentric);
         let load = self.arrived(&mass, &cut, value);
         let mut correction = vec![f64::NAN; phi.len()];
         mass.solve(&load, &mut correction)?;
-        continue_outward(space, cut.list, &mut correction);
+        continue_outward(self.tracer, cut.list, &mut correction);
         for (v, c) in phi.iter_mut().zip(correction).filter(|(_, c)| c.is_finite()) {
             *v -= c;
         }
@@ -97,11 +101,12 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         let amount: f64 = inside().map(|(p, _)| p.at.weight * at(p)).sum();
         let mean = amount / to.iter().map(|p| p.at.weight).sum::<f64>().max(f64::MIN_POSITIVE);
         let k = |p: &SurfacePoint<D>| diffusivity(p, mean);
-        let Some(mut mass) = SurfaceMass::new(space, phi, to, k)? else {
+        let Some(mut mass) = SurfaceMass::new(space, self.tracer.unknowns(), (to, phi), k)? else {
             return Ok(vec![0.0; space.len()]);
         };
         let mut after = vec![f64::NAN; space.len()];
-        mass.solve(&self.departed(&mass, before, to), &mut after)?;
+        let [load] = self.departed(&mass, [before], to, |[m], path| [m * (-path.growth()).exp()]);
+        mass.solve(&load, &mut after)?;
         let cut = CutCells::new(space, to);
         if balance {
             let mut load = self.arrived(&mass, &cut, |p, _| at(p));
@@ -111,12 +116,12 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
                 mass.deposit(space, place, -p.at.weight * value, &mut load);
             }
             let over = |p: &SurfacePoint<D>| (BALANCED * space.mesh().diameter(p.at.cell)).powi(2);
-            mass.diffuse(space, phi, to, over)?;
+            mass.diffuse(space, (to, phi), over)?;
             let mut missing = vec![0.0; space.len()];
             mass.solve(&load, &mut missing)?;
             after.iter_mut().zip(missing).for_each(|(m, c)| *m += c);
         }
-        continue_outward(space, cut.list, &mut after);
+        continue_outward(self.tracer, cut.list, &mut after);
         after.iter_mut().filter(|m| m.is_nan()).for_each(|m| *m = mean);
         Ok(after)
     }
@@ -131,7 +136,7 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     ) -> Vec<f64> {
         let (space, mut load) = (self.tracer.space(), mass.load());
         for (p, (end, _)) in self.from.iter().zip(&self.ends).filter(|(_, (_, inside))| *inside) {
-            if let Some(near) = cut.near(space, end) {
+            if let Some(near) = cut.near(self.tracer, end) {
                 let amount = p.at.weight * value(p, end);
                 mass.deposit(space, (near.cell as usize, &near.barycentric), amount, &mut load);
             }
@@ -139,27 +144,84 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         load
     }
 
-    /// `int m(foot) exp(-dt P : grad u) v` over the new interface, for all functions `v` on it.
-    fn departed(&self, mass: &SurfaceMass, before: &[f64], to: &[SurfacePoint<D>]) -> Vec<f64> {
+    /// Carries several fields on the interface: `value` gives their values at the end of a path
+    /// from those at its start. Otherwise as [`density`](Self::density), without the balance.
+    ///
+    /// # Errors
+    /// A matrix that cannot be factored.
+    pub fn fields<const N: usize>(
+        &self,
+        before: [&[f64]; N],
+        (to, phi): (&[SurfacePoint<D>], &[f64]),
+        value: impl Fn([f64; N], &Path<D>) -> [f64; N],
+    ) -> Result<[Vec<f64>; N]> {
         let space = self.tracer.space();
-        let places: Vec<Location> = to.iter().map(location).collect();
-        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -self.dt, &places);
-        let cut = CutCells::new(space, self.from);
-        let growth = |at: &Location, n: &SVector<f64, D>| {
-            let gradient = space.jacobian(self.u, at.cell as usize, &at.barycentric);
-            gradient.trace() - n.dot(&(gradient * n))
+        let mut after = std::array::from_fn(|_| vec![f64::NAN; space.len()]);
+        let Some(mut mass) = SurfaceMass::new(space, self.tracer.unknowns(), (to, phi), |_| 0.0)?
+        else {
+            return Ok(before.map(<[f64]>::to_vec));
         };
-        let mut load = mass.load();
+        let (loads, cut) = (self.departed(&mass, before, to, value), CutCells::new(space, to));
+        for ((after, load), before) in after.iter_mut().zip(&loads).zip(before) {
+            mass.solve(load, after)?;
+            continue_outward(self.tracer, cut.list.clone(), after);
+            after.iter_mut().zip(before).filter(|(v, _)| v.is_nan()).for_each(|(v, b)| *v = *b);
+        }
+        Ok(after)
+    }
+
+    /// `int value v` over the new interface, for all functions `v` on it.
+    fn departed<const N: usize>(
+        &self,
+        mass: &SurfaceMass,
+        before: [&[f64]; N],
+        to: &[SurfacePoint<D>],
+        value: impl Fn([f64; N], &Path<D>) -> [f64; N],
+    ) -> [Vec<f64>; N] {
+        let (space, dt) = (self.tracer.space(), self.dt);
+        let places: Vec<Location> = to.iter().map(location).collect();
+        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -dt, &places);
+        let cut = CutCells::new(space, &self.from);
+        let gradient = |at: &Location| space.jacobian(self.u, at.cell as usize, &at.barycentric);
+        let mut loads = std::array::from_fn(|_| mass.load());
         for ((p, place), (foot, _)) in to.iter().zip(&places).zip(&feet) {
             let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
-            let there = slope.try_normalize(0.0).unwrap_or(p.normal);
-            let rate = 0.5 * (growth(place, &p.normal) + growth(foot, &there));
-            let near = cut.near(space, foot).unwrap_or(*foot);
-            let density = space.value(before, near.cell as usize, &near.barycentric);
-            let amount = p.at.weight * density * (-self.dt * rate).exp();
-            mass.deposit(space, (p.at.cell, &p.at.barycentric), amount, &mut load);
+            let from = slope.try_normalize(0.0).unwrap_or(p.normal);
+            let gradients = [gradient(foot), gradient(place)];
+            let path = Path { dt, normals: [from, p.normal], gradients };
+            let near = cut.near(self.tracer, foot).unwrap_or(*foot);
+            let at_foot = before.map(|f| space.value(f, near.cell as usize, &near.barycentric));
+            for (load, value) in loads.iter_mut().zip(value(at_foot, &path)) {
+                let amount = p.at.weight * value;
+                mass.deposit(space, (p.at.cell, &p.at.barycentric), amount, load);
+            }
         }
-        load
+        loads
+    }
+}
+
+/// The way of a particle on an interface over a step.
+pub struct Path<const D: usize> {
+    dt: f64,
+    /// Unit normals at its start and at its end.
+    pub normals: [SVector<f64, D>; 2],
+    /// `grad u` there.
+    gradients: [SMatrix<f64, D, D>; 2],
+}
+
+impl<const D: usize> Path<D> {
+    /// Logarithm of the area at the end over that at the start, `int P : grad u dt`.
+    pub fn growth(&self) -> f64 {
+        let rate = |k: usize| {
+            let (g, n) = (&self.gradients[k], &self.normals[k]);
+            g.trace() - n.dot(&(g * n))
+        };
+        0.5 * self.dt * (rate(0) + rate(1))
+    }
+    /// Gradient of the position at the end by that at the start.
+    pub fn deformation(&self) -> SMatrix<f64, D, D> {
+        let g = (self.gradients[0] + self.gradients[1]) * (0.5 * self.dt);
+        SMatrix::identity() + g + g * g * 0.5
     }
 }
 
@@ -183,21 +245,21 @@ impl CutCells {
         CutCells { list, cuts }
     }
     /// The same point by the coordinates of a cut cell close to it, its own if that is cut.
-    fn near<const D: usize>(&self, space: &Space<D>, at: &Location) -> Option<Location> {
+    fn near<const D: usize>(&self, tracer: &Tracer<D>, at: &Location) -> Option<Location> {
         if self.cuts[at.cell as usize] {
             return Some(*at);
         }
-        let mesh = space.mesh();
-        let (mut seen, mut next) = (vec![at.cell], 0);
+        let mesh = tracer.space().mesh();
+        let (mut seen, mut next) = (vec![(at.cell, mesh.point_at(at))], 0);
         while next < seen.len().min(MOST_CELLS) {
-            let cell = seen[next];
+            let (cell, x) = seen[next];
             if self.cuts[cell as usize] {
-                let barycentric = mesh.map(cell as usize).barycentric(&mesh.point_at(at));
+                let barycentric = mesh.map(cell as usize).barycentric(&x);
                 return Some(Location { cell, barycentric });
             }
-            for &n in mesh.neighbours(cell as usize).iter().take(D + 1) {
-                if n != NONE && !seen.contains(&n) {
-                    seen.push(n);
+            for (beyond, shift) in (0..=D).filter_map(|k| tracer.beyond(cell, k)) {
+                if seen.iter().all(|(c, _)| *c != beyond) {
+                    seen.push((beyond, x + shift));
                 }
             }
             next += 1;
@@ -208,30 +270,38 @@ impl CutCells {
 
 /// Sets nodes without a value (NaN) in some layers of cells around `cells` to the mean of those with
 /// one in their cells, layer by layer.
-fn continue_outward<const D: usize>(space: &Space<D>, cells: Vec<u32>, values: &mut [f64]) {
-    let mesh = space.mesh();
+fn continue_outward<const D: usize>(tracer: &Tracer<D>, cells: Vec<u32>, values: &mut [f64]) {
+    let (space, unknowns) = (tracer.space(), tracer.unknowns());
     let mut layer = cells;
+    let mut new: Vec<f64> = vec![f64::NAN; values.len()];
     for _ in 0..LAYERS {
-        let beside = layer.iter().flat_map(|&c| mesh.neighbours(c as usize).iter().take(D + 1));
-        let mut next: Vec<u32> = beside.copied().filter(|&c| c != NONE).collect();
+        let beside = layer.iter().flat_map(|&c| (0..=D).filter_map(move |k| tracer.beyond(c, k)));
+        let mut next: Vec<u32> = beside.map(|(c, _)| c).collect();
         next.sort_unstable();
         next.dedup();
+        let value = |n: u32, new: &[f64]| match values[n as usize] {
+            v if v.is_nan() => new[unknowns[n as usize] as usize],
+            v => v,
+        };
         let mut found: Vec<(u32, f64, f64)> = Vec::new();
         for &c in &next {
             let nodes = space.cell_nodes(c as usize);
-            let known = nodes.iter().map(|&n| values[n as usize]).filter(|v| !v.is_nan());
+            let known = nodes.iter().map(|&n| value(n, &new)).filter(|v| !v.is_nan());
             let (sum, count) = known.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
             if count > 0.0 {
-                let open = nodes.iter().filter(|&&n| values[n as usize].is_nan());
-                found.extend(open.map(|&n| (n, sum, count)));
+                let open = nodes.iter().filter(|&&n| value(n, &new).is_nan());
+                found.extend(open.map(|&n| (unknowns[n as usize], sum, count)));
             }
         }
         found.sort_by_key(|f| f.0);
         for group in found.chunk_by(|a, b| a.0 == b.0) {
             let (sum, count) = group.iter().fold((0.0, 0.0), |(s, n), g| (s + g.1, n + g.2));
-            values[group[0].0 as usize] = sum / count;
+            new[group[0].0 as usize] = sum / count;
         }
         layer = next;
+    }
+    for (v, &u) in values.iter_mut().zip(unknowns).filter(|(v, u)| v.is_nan() && **u != NONE) {
+        *v = new[u as usize];
     }
 }
 
@@ -242,7 +312,6 @@ mod tests {
     use crate::levelset::surface;
     use crate::mesh::{Diagonals, Point, box_mesh, rectangle};
     use nalgebra::SVector;
-    use std::sync::Arc;
 
     fn amount<const D: usize>(space: &Space<D>, phi: &[f64], m: &[f64]) -> f64 {
         let at = |p: &SurfacePoint<D>| p.at.weight * space.value(m, p.at.cell, &p.at.barycentric);
@@ -258,11 +327,11 @@ mod tests {
     ) {
         let tracer = Tracer::new(space, &[]);
         let mut old = phi(0.0);
-        let mut from = surface(space, &old).unwrap();
+        let mut from: Arc<[_]> = surface(space, &old).unwrap().into();
         for k in 1..=steps {
             let new = phi(k as f64 * dt);
-            let to = surface(space, &new).unwrap();
-            let carried = CarriedSurface::new(&tracer, (u, dt), (&from, &old));
+            let to: Arc<[_]> = surface(space, &new).unwrap().into();
+            let carried = CarriedSurface::new(&tracer, (u, dt), (from, &old));
             *m = carried.density(m, (&to, &new), true, |_, _| 0.0).unwrap();
             (from, old) = (to, new);
         }
@@ -330,7 +399,7 @@ mod tests {
         let tracer = Tracer::new(&space, &[]);
         let (u, from) =
             (vec![Point::<2>::zeros(); space.len()], surface(&space, &phi(0.0)).unwrap());
-        let carried = CarriedSurface::new(&tracer, (&u, 1.0), (&from, &old));
+        let carried = CarriedSurface::new(&tracer, (&u, 1.0), (from, &old));
         let mut moved = phi(0.004);
         let to = surface(&space, &moved).unwrap();
         carried.fit(&to, &mut moved).unwrap();

@@ -73,7 +73,7 @@ fn read_as(
     )?;
     let names: Vec<&str> = structures.iter().map(|s| s.name()).collect();
     let motion = Motion::of(&fluid, image.is_some());
-    let has_map = traits.iter().any(|t| t.resists_shear);
+    let has_map = traits.iter().any(|t| t.resists_shear || t.carries_strain);
     let given = Given { time: &time, interfaces: &names, motion, has_map, context: &context };
     let output = Output::read_given(&scene, given)?;
     let text = |i: &Item| i.text().map(str::to_string);

@@ -60,7 +60,7 @@ impl<'a, const D: usize> View<'a, D> {
     }
 
     /// Measures the interface of structure number `k`: size, centre, axes, extents, chords and
-    /// rings, and in space its strain if backward characteristics are carried. Returns the enclosed
+    /// rings, and in space its strain if it is known. Returns the enclosed
     /// measure and its own measure. Undefined values are NaN: all for an interface that has
     /// vanished; for one that crosses a periodic side, the axes, and centre and extent in the
     /// periodic direction.
@@ -81,7 +81,7 @@ impl<'a, const D: usize> View<'a, D> {
             let values = interface.waves(&point(&ring.centre), &point(&ring.normal), &ring.modes);
             row.put_all(&format!("{name}{}_", ring.name), columns.zip(values));
         }
-        if D == 3 && self.has_backward_map() {
+        if D == 3 && (self.has_backward_map() || self.carried.structures()[k].carries_strain()) {
             row.put_all(&name, STRAIN.into_iter().zip(self.strain(k, &interface.points())));
         }
         Ok(sizes)
@@ -124,11 +124,14 @@ impl<'a, const D: usize> View<'a, D> {
             (least, most, shear) = (s.z1.min(least), s.z1.max(most), s.z2.max(shear));
             (sum, area) = (sum + p.at.weight * s.z2, area + p.at.weight);
         }
-        let error = self.carried.determinant_error_on(fields, points);
+        let error = match self.has_backward_map() {
+            true => self.carried.determinant_error_on(fields, points),
+            false => f64::NAN,
+        };
         [error, least, most, sum / area, shear]
     }
 }
 
-/// Columns of the strain of an interface in space, if backward characteristics are carried.
+/// Columns of the strain of an interface in space, if it or backward characteristics carry it.
 const STRAIN: [&str; 5] =
     ["determinant_error", "area_change_min", "area_change_max", "shear_mean", "shear_max"];

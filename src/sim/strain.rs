@@ -1,7 +1,7 @@
 //! Strain of interfaces, and the determinant of the backward characteristics.
 
 use super::carried::Carried;
-use crate::fem::{Basis, Cells, Rule, SurfacePoint, integrate};
+use crate::fem::{At, Basis, Cells, Rule, SurfacePoint, integrate};
 use crate::levelset::Bounds;
 use crate::mesh::determinant;
 use crate::structure::{Fields, SurfaceStrain, rest_displacement};
@@ -54,7 +54,11 @@ impl<const D: usize> Carried<D> {
         points: &[SurfacePoint<D>],
     ) -> Vec<SurfaceStrain<D>> {
         let (phi, rest) = (self.level_set(fields, k), self.rest_displacement(fields, k));
-        let at = |p: &SurfacePoint<D>| self.strain_at(k, &phi, &rest, p.at.cell, &p.at.barycentric);
+        let at = |p: &SurfacePoint<D>| {
+            let carried = self.structures[k].strain_at(&self.space, fields, p);
+            carried
+                .unwrap_or_else(|| self.strain_at(k, (&phi, &rest), p.at.cell, &p.at.barycentric))
+        };
         points.iter().map(at).collect()
     }
     /// Area and shear, `Z1` and `Z2`, of the level sets of structure number `k` at the nodes, means
@@ -69,7 +73,13 @@ impl<const D: usize> Carried<D> {
             }
             let volume = self.space.mesh().map(c).volume;
             for (a, &n) in self.space.cell_nodes(c).iter().enumerate() {
-                let s = self.strain_at(k, &phi, &rest, c, &self.space.element().node(a, D));
+                let l = self.space.element().node(a, D);
+                let normal = self.space.gradient(&phi, c, &l).normalize();
+                let x = self.space.nodes()[n as usize];
+                let at = At { cell: c, q: 0, barycentric: l, x, weight: 0.0 };
+                let carried =
+                    self.structures[k].strain_at(&self.space, fields, &SurfacePoint { at, normal });
+                let s = carried.unwrap_or_else(|| self.strain_at(k, (&phi, &rest), c, &l));
                 if s.z1.is_finite() && s.z2.is_finite() {
                     let [z1, z2, sum] = &mut sums[n as usize];
                     (*z1, *z2, *sum) = (*z1 + volume * s.z1, *z2 + volume * s.z2, *sum + volume);
@@ -84,8 +94,7 @@ impl<const D: usize> Carried<D> {
     fn strain_at(
         &self,
         k: usize,
-        phi: &[f64],
-        rest: &[SVector<f64, D>],
+        (phi, rest): (&[f64], &[SVector<f64, D>]),
         cell: usize,
         l: &[f64; 4],
     ) -> SurfaceStrain<D> {

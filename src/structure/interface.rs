@@ -4,7 +4,7 @@ use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, 
 use super::place::{Host, Moved, Place};
 use super::{Coupling, Held, RestMap, Structure, SurfaceStrain};
 use crate::base::Result;
-use crate::fem::Basis;
+use crate::fem::{Basis, Space, SurfacePoint};
 use crate::flow::Fluid;
 use crate::flow::term::MomentumTerm;
 use nalgebra::{SMatrix, SVector};
@@ -160,6 +160,19 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     ) -> Option<SurfaceStrain<D>> {
         None
     }
+    /// True if the interface carries its strain, [`strain_at`](Self::strain_at).
+    fn carries_strain(&self) -> bool {
+        false
+    }
+    /// Strain at a point of the interface, if it is carried by the interface.
+    fn strain_at(
+        &self,
+        _space: &Space<D>,
+        _fields: &Fields<D>,
+        _point: &SurfacePoint<D>,
+    ) -> Option<SurfaceStrain<D>> {
+        None
+    }
     /// True if the force does not depend on the slope of the level set.
     fn keeps_distance(&self) -> bool {
         false
@@ -251,6 +264,17 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
         self.force.strain(slope, gradient).unwrap_or_else(|| {
             SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
         })
+    }
+    fn carries_strain(&self) -> bool {
+        self.force.carries_strain()
+    }
+    fn strain_at(
+        &self,
+        space: &Space<D>,
+        fields: &Fields<D>,
+        point: &SurfacePoint<D>,
+    ) -> Option<SurfaceStrain<D>> {
+        self.force.strain_at(space, fields, point)
     }
     fn resists_shear(&self) -> bool {
         self.force.resists_shear()

@@ -25,7 +25,7 @@ pub use place::{Host, Moved, Place, Velocity};
 pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};
 
 use crate::base::{Result, parallel};
-use crate::fem::Basis;
+use crate::fem::{Basis, Space, SurfacePoint};
 use crate::flow::Fluid;
 use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
@@ -176,6 +176,20 @@ pub trait Structure<const D: usize>: Send + Sync {
     /// `gradient` of the displacement `Y(x) - x` to the position at rest.
     fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
         SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
+    }
+    /// True if its interface carries its strain, [`strain_at`](Self::strain_at).
+    fn carries_strain(&self) -> bool {
+        false
+    }
+    /// Strain at a point of its interface, if the interface carries it; otherwise it follows from
+    /// the backward characteristics by [`strain`](Self::strain).
+    fn strain_at(
+        &self,
+        _space: &Space<D>,
+        _fields: &Fields<D>,
+        _point: &SurfacePoint<D>,
+    ) -> Option<SurfaceStrain<D>> {
+        None
     }
     /// True if its force needs the backward characteristics.
     fn resists_shear(&self) -> bool {

@@ -54,6 +54,26 @@ impl<const D: usize> SurfaceStrain<D> {
         // inverse.
         SurfaceStrain { normal: *n, tangents, a, z1, z2: 0.5 * metric.trace() * z1 }
     }
+    /// The strain for the unit normal `n`, the area change `z1` and the shape `A / Z1` of the
+    /// surface tensor: its tangential part, scaled to the determinant 1.
+    pub fn from_shape(
+        n: &SVector<f64, D>,
+        z1: f64,
+        shape: &SMatrix<f64, D, D>,
+    ) -> SurfaceStrain<D> {
+        let tangents = tangent_basis(n);
+        let [s, t] = &tangents;
+        let along = [shape * s, shape * t];
+        let mixed = 0.5 * (s.dot(&along[1]) + t.dot(&along[0]));
+        let mut a = Matrix2::new(s.dot(&along[0]), mixed, mixed, t.dot(&along[1]));
+        let determinant = a.determinant();
+        a = if determinant > 0.0 && a.m11 > 0.0 {
+            a / determinant.sqrt()
+        } else {
+            Matrix2::identity()
+        };
+        SurfaceStrain { normal: *n, tangents, a: a * z1, z1, z2: 0.5 * a.trace() }
+    }
     /// The surface tensor `A`, (3.38).
     pub fn tensor(&self) -> SMatrix<f64, D, D> {
         self.in_space(&self.a)

@@ -1,7 +1,7 @@
 //! Feet of characteristics: departure points of particles.
 
 use crate::base::parallel;
-use crate::fem::{Basis, OnCell, Space, Translation, VelocityFunction};
+use crate::fem::{Basis, Numbering, OnCell, Space, Translation, VelocityFunction};
 use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
 use std::sync::{Arc, OnceLock};
@@ -69,6 +69,8 @@ pub struct Tracer<const D: usize> {
     periodic_links: Vec<(u32, u32, SVector<f64, D>)>,
     /// The different translations.
     shifts: Vec<SVector<f64, D>>,
+    /// One number per node, equal for nodes that periodic sides identify.
+    unknowns: Vec<u32>,
     /// The shortest diameter of a cell.
     finest: f64,
     /// Finds cells where a straight walk is not possible; built at first use.
@@ -110,6 +112,7 @@ impl<const D: usize> Tracer<D> {
             node_locations,
             periodic_links,
             shifts,
+            unknowns: Numbering::scalar_unknowns(space, translations).0,
             finest,
             locator: OnceLock::new(),
         }
@@ -117,6 +120,24 @@ impl<const D: usize> Tracer<D> {
     /// The space of the velocities.
     pub fn space(&self) -> &Arc<Space<D>> {
         &self.space
+    }
+    /// One number per node, equal for nodes that periodic sides identify; [`NONE`] for nodes of no
+    /// cell.
+    pub fn unknowns(&self) -> &[u32] {
+        &self.unknowns
+    }
+    /// The cell beyond facet `k` of a cell, also through a periodic side, with the translation to
+    /// its points; `None` on other boundaries.
+    pub fn beyond(&self, cell: u32, k: usize) -> Option<(u32, SVector<f64, D>)> {
+        match self.space.mesh().neighbours(cell as usize)[k] {
+            NONE => {
+                let facet = cell * (D as u32 + 1) + k as u32;
+                let found = self.periodic_links.binary_search_by_key(&facet, |d| d.0).ok()?;
+                let (_, partner, shift) = self.periodic_links[found];
+                Some((partner, shift))
+            }
+            next => Some((next, SVector::zeros())),
+        }
     }
     /// A cell of node `n` and its barycentric coordinates there; any location for a node of no
     /// cell.

@@ -62,7 +62,7 @@ fn the_force_is_the_derivative_of_the_energy() {
         space.interpolate(|x| (-0.2 - 0.1 * (x[0] - 1.0).sin() + 0.05 * (x[1] - 1.0).cos()).exp());
     let tracer = Tracer::new(&space, &[]);
     let old = phi(0.0);
-    let from = surface(&space, &old).unwrap();
+    let from: Arc<[_]> = surface(&space, &old).unwrap().into();
     // So viscous that there is no slip.
     for law in [
         AreaLaw::Linear { modulus: 2.0 },
@@ -73,7 +73,7 @@ fn the_force_is_the_derivative_of_the_energy() {
             let mut membrane = SharpMembrane::new(law, 1e9);
             let phi = phi(s);
             let to = surface(&space, &phi).unwrap();
-            let carried = CarriedSurface::new(&tracer, (&u, s), (&from, &old));
+            let carried = CarriedSurface::new(&tracer, (&u, s), (from.clone(), &old));
             let density = carried.density(&density, (&to, &phi), true, |_, _| 0.0).unwrap();
             membrane.prepare(&space, &phi, &density, None).unwrap();
             (membrane.energy(), membrane)

@@ -54,10 +54,10 @@ pub(super) fn write<const D: usize>(
 
 /// Curvatures of the level sets, if they are to be written.
 fn curved<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
-    let structures = view.carried.structures().iter().enumerate();
+    let structures = view.carried.structures().iter().map(|s| &**s).enumerate();
     let wanted =
         structures.filter(|(_, s)| view.tables.output.curvature && s.level_set().is_some());
-    let of = |(k, s): (usize, &Box<dyn Structure<D>>)| {
+    let of = |(k, s): (usize, &dyn Structure<D>)| {
         let name = s.name().to_string();
         let made = geometry::fields(view, k).into_iter();
         made.map(move |(end, values)| (format!("{name}.{end}"), Made::Scalar(values)))
@@ -70,17 +70,16 @@ fn curved<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
 /// interface.
 fn strained<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
     let (mut made, carried, fields) = (Vec::new(), view.carried, &view.state.fields);
-    if !view.has_backward_map() {
-        return made;
-    }
-    for (k, s) in carried.structures().iter().enumerate() {
+    let known = |s: &dyn Structure<D>| view.has_backward_map() || s.carries_strain();
+    for (k, s) in carried.structures().iter().enumerate().filter(|(_, s)| known(&***s)) {
         let name = s.name();
         if s.resists_shear() {
             let rest = carried.rest_displacement(fields, k).into_owned();
             made.push((format!("{name}.displacement"), Made::Vector(rest)));
         }
         if D == 3 && s.level_set().is_some() {
-            let reach = view.thickness.filter(|_| s.acts()).unwrap_or_else(|| thinnest(carried));
+            let band = view.thickness.filter(|_| s.acts() && !s.carries_strain());
+            let reach = band.unwrap_or_else(|| thinnest(carried));
             let [area, shear] = carried.nodal_strain(fields, k, reach);
             made.push((format!("{name}.area_change"), Made::Scalar(area)));
             made.push((format!("{name}.shear"), Made::Scalar(shear)));

@@ -1,7 +1,7 @@
 //! Constitutive laws of membranes: for area, for shear, for both.
 
 use crate::base::Result;
-use crate::elastic::{AreaLaw, Force, ShearLaw, SurfaceLaw};
+use crate::elastic::{AreaLaw, ShearLaw, SurfaceLaw};
 use crate::scene::keys::{Context, Nested, NonNegative, Table, one_of, table};
 
 one_of! {
@@ -70,18 +70,13 @@ table! {
 }
 
 /// Rejects laws that exclude each other, or that are not available for the force or the dimension.
-pub(super) fn check(table: &Table<'_>, force: Force, context: &Context) -> Result<()> {
+pub(super) fn check(table: &Table<'_>, context: &Context) -> Result<()> {
     let (shear, whole) = (table.get("shear"), table.get("law"));
     if let Some(item) = shear.as_ref().or(whole.as_ref()) {
         if context.dimension == 2 {
             return Err(item
                 .key_error("shear is for surfaces in space, and a membrane of the plane is a curve")
                 .remedy("give the law of its length alone: area.linear = { modulus = 1 }"));
-        }
-        if force == Force::Sharp {
-            return Err(item
-                .key_error("a sharp force carries the stretch along the interface, but no shear")
-                .remedy("take force = \"smeared\", or leave the shear out"));
         }
     }
     if whole.is_some() {

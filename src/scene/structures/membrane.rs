@@ -4,7 +4,8 @@ use super::build::{self, Build, band_of};
 use super::{KindIn, Registered, StructureKind, Traits, laws};
 use crate::base::{Error, Result};
 use crate::elastic::{
-    AreaFrom, AreaLaw, Band, Force, SharpMembrane, ShearLaw, ShearMembrane, SurfaceLaw,
+    AreaFrom, AreaLaw, Band, Force, SharpMembrane, SharpShearMembrane, ShearLaw, ShearMembrane,
+    SurfaceLaw,
 };
 use crate::mesh::Point;
 use crate::output::Figure;
@@ -84,7 +85,7 @@ kinds! {
 impl Membrane {
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         let force = optional::<Forces>(table, "force", context)?.unwrap_or(Force::Smeared);
-        laws::check(table, force, context)?;
+        laws::check(table, context)?;
         let of_shear =
             ["map", "area_change", "level_set"].into_iter().find_map(|key| table.get(key));
         let resists_shear = ["shear", "law"].into_iter().any(|key| table.get(key).is_some());
@@ -95,11 +96,21 @@ impl Membrane {
                     "give shear.linear = { modulus = 1 } beside the law of area, or leave it out",
                 ));
         }
+        let of_band = ["area_change", "level_set"].into_iter().find_map(|key| table.get(key));
+        if let (Force::Sharp, Some(item)) = (force, of_band) {
+            return Err(item
+                .key_error(format!(
+                    "`{}` is for a smeared force: a sharp one carries its strain along the interface",
+                    item.key
+                ))
+                .remedy("leave it out, or take force = \"smeared\""));
+        }
         cuts::check(table, context)
     }
 
     fn hides(&self, key: &str) -> bool {
-        self.surface().is_none() && ["map", "area_change", "level_set"].contains(&key)
+        let sharp = self.force == Force::Sharp && ["area_change", "level_set"].contains(&key);
+        sharp || self.surface().is_none() && ["map", "area_change", "level_set"].contains(&key)
     }
 
     /// Its area law; for a law of area and shear together, the small-strain limit.
@@ -237,7 +248,15 @@ impl<const D: usize> KindIn<D> for Membrane {
             ..ImmersedInterface::new(&*self.name, phi, of.thickness)
         };
         Ok(match (self.surface(), self.force) {
-            (Some(law), _) => Immersed::boxed(interface, self.sheared(law, of)),
+            (Some(law), Force::Smeared) => Immersed::boxed(interface, self.sheared(law, of)),
+            (Some(law), Force::Sharp) => {
+                let membrane = SharpShearMembrane::new(law);
+                let mapped = (!self.map.is_empty()).then(|| rest_map(&self.map));
+                Immersed::boxed(
+                    interface,
+                    mapped.into_iter().fold(membrane, |m, map| m.with_map(map)),
+                )
+            }
             (None, Force::Sharp) => {
                 Immersed::boxed(interface, SharpMembrane::new(self.area(), of.mean_viscosity()))
             }
@@ -277,7 +296,8 @@ impl StructureKind for Membrane {
             pulls: self.area().modulus() > 0.0,
             on_interface: self.force == Force::Sharp,
             mass: self.mass,
-            resists_shear: self.surface().is_some(),
+            resists_shear: self.surface().is_some() && self.force == Force::Smeared,
+            carries_strain: self.surface().is_some() && self.force == Force::Sharp,
             not_periodic,
             round_at_rest: self.surface().is_none(),
             ..Traits::default()
@@ -296,21 +316,21 @@ impl StructureKind for Membrane {
                  its level set by (3.22)"
             )];
         }
+        let mut lines = vec![format!(
+            "membrane `{name}`: forces F1 + F2 (3.47) with {law}, initial stretch {stretch}{mass}"
+        )];
         let level_set = if self.level_set { "phi0(Y) (3.32)" } else { "carried by (3.31)" };
         let from = match self.area_change {
             AreaFrom::Slope => "|grad phi| (3.42)",
             AreaFrom::Map => "the map (3.40)",
         };
-        let mut lines = vec![
-            format!(
-                "membrane `{name}`: forces F1 + F2 (3.47) with {law}, initial stretch \
-                 {stretch}{mass}"
-            ),
-            format!(
+        lines.push(match self.force {
+            Force::Smeared => format!(
                 "its level set {level_set}, Z1 from {from}, Z2 from the backward characteristics \
                  Y by (3.38), (3.41)"
             ),
-        ];
+            Force::Sharp => "Z1 and the surface tensor A (3.38) carried along the interface".into(),
+        });
         if !self.map.is_empty() {
             let map: Vec<&str> = self.map.iter().map(Expression::text).collect();
             lines.push(format!("at rest its material is at ({})", map.join(", ")));
@@ -319,10 +339,10 @@ impl StructureKind for Membrane {
     }
     fn numerics(&self, tables: &Tables) -> Option<String> {
         if self.force == Force::Sharp {
-            let pulls = self.area().modulus() > 0.0;
+            let pulls = self.surface().is_some() || self.area().modulus() > 0.0;
             return pulls.then(|| {
                 format!(
-                    "force of `{}` on the interface itself, with the stretch carried along it",
+                    "force of `{}` on the interface itself, with the strain carried along it",
                     self.name
                 )
             });

@@ -76,6 +76,8 @@ pub struct Traits {
     pub own_fluid: [Option<f64>; 2],
     /// True if it resists shear, which requires the backward characteristics.
     pub resists_shear: bool,
+    /// True if its interface carries its strain.
+    pub carries_strain: bool,
     /// Key that is not available where particles cross periodic sides, and its meaning.
     pub not_periodic: Option<(&'static str, &'static str)>,
     /// True if it is round at rest, so that its mean stretch follows from its size.
@@ -109,6 +111,7 @@ impl Default for Traits {
             mass: 0.0,
             own_fluid: [None; 2],
             resists_shear: false,
+            carries_strain: false,
             not_periodic: None,
             round_at_rest: false,
             stretches: false,
