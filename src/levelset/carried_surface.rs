@@ -100,26 +100,24 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         let inside = || self.from.iter().zip(&self.ends).filter(|(_, (_, inside))| *inside);
         let amount: f64 = inside().map(|(p, _)| p.at.weight * at(p)).sum();
         let mean = amount / to.iter().map(|p| p.at.weight).sum::<f64>().max(f64::MIN_POSITIVE);
-        let k = |p: &SurfacePoint<D>| diffusivity(p, mean);
-        let Some(mut mass) = SurfaceMass::new(space, self.tracer.unknowns(), (to, phi), k)? else {
+        let values = self.arriving([before], to, |[m], path| [m * (-path.growth()).exp()]);
+        let k = |p: &SurfacePoint<D>| diffusivity(p, values[p.at.q][0]);
+        let unknowns = self.tracer.unknowns();
+        let Some(mut mass) = SurfaceMass::new(space, unknowns, (to, phi), k)? else {
             return Ok(vec![0.0; space.len()]);
         };
         let mut after = vec![f64::NAN; space.len()];
-        let [load] = self.departed(&mass, [before], to, |[m], path| [m * (-path.growth()).exp()]);
+        let [load] = self.loads(&mass, to, &values);
         mass.solve(&load, &mut after)?;
         let cut = CutCells::new(space, to);
         if balance {
-            let mut load = self.arrived(&mass, &cut, |p, _| at(p));
-            for p in to {
-                let value = space.value(&after, p.at.cell, &p.at.barycentric);
-                let place = (p.at.cell, &p.at.barycentric);
-                mass.deposit(space, place, -p.at.weight * value, &mut load);
-            }
+            let arrived = self.arrived(&mass, &cut, |p, _| at(p));
+            let missing: Vec<f64> = arrived.iter().zip(&load).map(|(a, l)| a - l).collect();
             let over = |p: &SurfacePoint<D>| (BALANCED * space.mesh().diameter(p.at.cell)).powi(2);
             mass.diffuse(space, (to, phi), over)?;
-            let mut missing = vec![0.0; space.len()];
-            mass.solve(&load, &mut missing)?;
-            after.iter_mut().zip(missing).for_each(|(m, c)| *m += c);
+            let mut correction = vec![0.0; space.len()];
+            mass.solve(&missing, &mut correction)?;
+            after.iter_mut().zip(correction).for_each(|(m, c)| *m += c);
         }
         continue_outward(self.tracer, cut.list, &mut after);
         after.iter_mut().filter(|m| m.is_nan()).for_each(|m| *m = mean);
@@ -161,7 +159,8 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         else {
             return Ok(before.map(<[f64]>::to_vec));
         };
-        let (loads, cut) = (self.departed(&mass, before, to, value), CutCells::new(space, to));
+        let values = self.arriving(before, to, value);
+        let (loads, cut) = (self.loads(&mass, to, &values), CutCells::new(space, to));
         for ((after, load), before) in after.iter_mut().zip(&loads).zip(before) {
             mass.solve(load, after)?;
             continue_outward(self.tracer, cut.list.clone(), after);
@@ -170,30 +169,41 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         Ok(after)
     }
 
-    /// `int value v` over the new interface, for all functions `v` on it.
-    fn departed<const N: usize>(
+    /// Values at the points of the new interface from those at the starts of their paths.
+    fn arriving<const N: usize>(
         &self,
-        mass: &SurfaceMass,
         before: [&[f64]; N],
         to: &[SurfacePoint<D>],
         value: impl Fn([f64; N], &Path<D>) -> [f64; N],
-    ) -> [Vec<f64>; N] {
+    ) -> Vec<[f64; N]> {
         let (space, dt) = (self.tracer.space(), self.dt);
         let places: Vec<Location> = to.iter().map(location).collect();
         let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -dt, &places);
         let cut = CutCells::new(space, &self.from);
         let gradient = |at: &Location| space.jacobian(self.u, at.cell as usize, &at.barycentric);
+        let at_point =
+            |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
+                let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
+                let normals = [slope.try_normalize(0.0).unwrap_or(p.normal), p.normal];
+                let path = Path { dt, normals, gradients: [gradient(foot), gradient(place)] };
+                let near = cut.near(self.tracer, foot).unwrap_or(*foot);
+                value(before.map(|f| space.value(f, near.cell as usize, &near.barycentric)), &path)
+            };
+        to.iter().zip(&places).zip(&feet).map(at_point).collect()
+    }
+
+    /// `int value v` over the new interface, for all functions `v` on it.
+    fn loads<const N: usize>(
+        &self,
+        mass: &SurfaceMass,
+        to: &[SurfacePoint<D>],
+        values: &[[f64; N]],
+    ) -> [Vec<f64>; N] {
         let mut loads = std::array::from_fn(|_| mass.load());
-        for ((p, place), (foot, _)) in to.iter().zip(&places).zip(&feet) {
-            let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
-            let from = slope.try_normalize(0.0).unwrap_or(p.normal);
-            let gradients = [gradient(foot), gradient(place)];
-            let path = Path { dt, normals: [from, p.normal], gradients };
-            let near = cut.near(self.tracer, foot).unwrap_or(*foot);
-            let at_foot = before.map(|f| space.value(f, near.cell as usize, &near.barycentric));
-            for (load, value) in loads.iter_mut().zip(value(at_foot, &path)) {
+        for (p, values) in to.iter().zip(values) {
+            for (load, value) in loads.iter_mut().zip(values) {
                 let amount = p.at.weight * value;
-                mass.deposit(space, (p.at.cell, &p.at.barycentric), amount, load);
+                mass.deposit(self.tracer.space(), (p.at.cell, &p.at.barycentric), amount, load);
             }
         }
         loads
