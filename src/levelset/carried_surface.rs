@@ -409,7 +409,7 @@ mod tests {
         let tracer = Tracer::new(&space, &[]);
         let (u, from) =
             (vec![Point::<2>::zeros(); space.len()], surface(&space, &phi(0.0)).unwrap());
-        let carried = CarriedSurface::new(&tracer, (&u, 1.0), (from, &old));
+        let carried = CarriedSurface::new(&tracer, (&u, 1.0), (from.into(), &old));
         let mut moved = phi(0.004);
         let to = surface(&space, &moved).unwrap();
         carried.fit(&to, &mut moved).unwrap();
