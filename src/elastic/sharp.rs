@@ -1,14 +1,14 @@
 //! The membrane with an area law whose force acts on the interface itself (sharp interface).
 
 use super::area_law::AreaLaw;
-use super::membrane::explicit_step_limit;
+use super::waves::explicit_step_limit;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Space, SurfaceForm, SurfacePoint, VectorForm, surface_solve};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::surface;
 use crate::structure::{
     Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
-    Moved, Place, Rule, Velocity,
+    Medium, Moved, Place, Rule, Velocity,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -308,9 +308,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn dissipation(&self) -> f64 {
         self.dissipation
     }
+    fn tension(&self) -> f64 {
+        self.largest_tension()
+    }
     /// The force acts on the surrounding fluid within one edge on each side.
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        explicit_step_limit(viscosity, edge, self.largest_tension(), edge)
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        explicit_step_limit(medium, medium.edge, self.largest_tension())
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(

@@ -2,15 +2,15 @@
 //! explicit or implicit in the velocity.
 
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
-use super::membrane::explicit_step_limit;
 use super::surface_law::{SurfaceLaw, Tangent};
+use super::waves::explicit_step_limit;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
 use crate::structure::{
-    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Place, RestMap,
-    SurfaceStrain, rest_displacement,
+    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Medium, Place,
+    RestMap, SurfaceStrain, rest_displacement,
 };
 use nalgebra::{Matrix2, SMatrix, SVector};
 use std::borrow::Cow;
@@ -180,21 +180,16 @@ impl<const D: usize> ShearMembrane<D> {
         let inside = self.band.values().iter().filter(|b| b.w > 0.0).map(stiffness);
         inside.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
     }
-    /// Largest stable step of the explicit coupling, in a fluid of this viscosity on edges of
-    /// length `edge`: the smaller of (1.54) with the tension, for normal waves as in
-    /// [`explicit_step_limit`], and of (1.54) with the stiffness of tangential waves and
-    /// `dx = h/2`, the distance of P2 nodes: the fluid dragged along spreads these over more than
-    /// the shortest wave of the mesh. This length is measured (user guide, "Stability"), not
-    /// derived.
-    pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        let [tension, stiffness] = self.wave_stiffnesses();
-        let along = explicit_step_limit(
-            viscosity,
-            self.width.thickness,
-            stiffness,
-            edge * 60f64.sqrt() / 4.0,
-        );
-        explicit_step_limit(viscosity, self.width.thickness, tension, edge).min(along)
+    /// Largest stable step of the explicit coupling: the smaller of (1.54) with the tension, for
+    /// normal waves as in [`explicit_step_limit`], and of (1.54) with the stiffness of tangential
+    /// waves and `dx = h/2`, the distance of P2 nodes: the fluid dragged along spreads these over
+    /// more than the shortest wave of the mesh. This length is measured (user guide, "Stability"),
+    /// not derived.
+    pub fn step_limit(&self, medium: &Medium) -> f64 {
+        let ([tension, stiffness], eps) = (self.wave_stiffnesses(), self.width.thickness);
+        let spread = Medium { edge: medium.edge * 60f64.sqrt() / 4.0, ..*medium };
+        let along = explicit_step_limit(&spread, eps, stiffness);
+        explicit_step_limit(medium, eps, tension).min(along)
     }
 }
 
@@ -298,8 +293,11 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
         let rest = self.rest(at.space.nodes(), at.fields.vector(self.displacement));
         Ok(ShearMembrane::energy(self, rule, at.fields.scalar(of.level_set()), &rest))
     }
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        ShearMembrane::step_limit(self, viscosity, edge)
+    fn tension(&self) -> f64 {
+        self.wave_stiffnesses()[0]
+    }
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        ShearMembrane::step_limit(self, medium)
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(
