@@ -59,7 +59,7 @@ pub struct Limits {
     /// Largest stable step of the explicit coupling (1.54) at the start, if there is one.
     pub explicit_limit: Option<f64>,
     /// The same once the membranes that have less stretch at the start are stretched by
-    /// [`FIRST_STRETCH`], if there are any.
+    /// a tenth, if there are any.
     pub stretched_limit: Option<f64>,
 }
 
