@@ -2,13 +2,13 @@
 
 use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandWidth};
-use super::membrane::explicit_step_limit;
+use super::waves::explicit_step_limit;
 use crate::base::Result;
 use crate::fem::{At, Basis, Cells, Recovery, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Curvature, Kernel, Norm};
 use crate::mesh::Mesh;
-use crate::structure::{ImmersedInterface, InterfaceForce, Place};
+use crate::structure::{ImmersedInterface, InterfaceForce, Medium, Place};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -106,7 +106,10 @@ impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
         let law = AreaLaw::Tension { tension: self.tension };
         Ok(self.width.integrate(rule, at.fields.scalar(of.level_set()), |_, _, b| law.energy(b.r)))
     }
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        explicit_step_limit(viscosity, self.width.thickness, self.tension, edge)
+    fn tension(&self) -> f64 {
+        self.tension
+    }
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        explicit_step_limit(medium, self.width.thickness, self.tension)
     }
 }

@@ -4,11 +4,14 @@
 use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
 use super::predictor::Predictor;
+use super::waves::explicit_step_limit;
 use crate::base::Result;
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
-use crate::structure::{Coupling, Declaration, Host, ImmersedInterface, InterfaceForce, Place};
+use crate::structure::{
+    Coupling, Declaration, Host, ImmersedInterface, InterfaceForce, Medium, Place,
+};
 use nalgebra::{SMatrix, SVector};
 
 /// An elastic membrane on the zero level of `phi`, smeared over a band.
@@ -148,23 +151,13 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
     ) -> Result<f64> {
         Ok(Membrane::energy(self, rule, at.fields.scalar(of.level_set())))
     }
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        explicit_step_limit(viscosity, self.width.thickness, self.largest_tension(), edge)
+    fn tension(&self) -> f64 {
+        self.largest_tension()
+    }
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        explicit_step_limit(medium, self.width.thickness, self.largest_tension())
     }
     fn bytes(&self) -> usize {
         self.predictor.as_ref().map_or(0, Predictor::bytes)
     }
-}
-
-/// Largest stable step of the explicit coupling (1.54):
-/// `dt <= (mu eps + sqrt(mu^2 eps^2 + lambda eps dx^2 / 2)) / lambda`, with `lambda` the tension
-/// `E'(r)` and `dx = 2 h / sqrt(60)`, from the largest eigenvalue `60/h^2` of the P2 Laplacian on
-/// edges `h`. Infinite without tension.
-pub fn explicit_step_limit(viscosity: f64, thickness: f64, tension: f64, edge: f64) -> f64 {
-    if tension <= 0.0 {
-        return f64::INFINITY;
-    }
-    let dx = 2.0 * edge / 60f64.sqrt();
-    let damping = viscosity * thickness;
-    (damping + (damping * damping + 0.5 * tension * thickness * dx * dx).sqrt()) / tension
 }

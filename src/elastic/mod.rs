@@ -10,6 +10,7 @@ mod sharp;
 mod sharp_shear;
 mod shear;
 mod surface_law;
+mod waves;
 
 pub use crate::structure::{
     LagrangianInvariants, RestMap, SurfaceStrain, area_change_by_level_set,
@@ -17,9 +18,10 @@ pub use crate::structure::{
 pub use area_law::AreaLaw;
 pub use band_cells::Band;
 pub use continuum_force::ContinuumForce;
-pub use membrane::{Membrane, explicit_step_limit};
+pub use membrane::Membrane;
 pub use predictor::Predictor;
 pub use sharp::{Force, SharpMembrane};
 pub use sharp_shear::SharpShearMembrane;
 pub use shear::{AreaFrom, ShearMembrane};
 pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};
+pub use waves::{explicit_step_limit, wave_period};

@@ -2,13 +2,13 @@
 
 use super::area_law::AreaLaw;
 use super::cut_surface::{CutSurface, Points};
-use super::membrane::explicit_step_limit;
+use super::waves::explicit_step_limit;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::structure::{
     Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
-    Moved, Place, Rule,
+    Medium, Moved, Place, Rule,
 };
 use nalgebra::{SMatrix, SVector};
 
@@ -238,9 +238,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn dissipation(&self) -> f64 {
         self.dissipation
     }
+    fn tension(&self) -> f64 {
+        self.largest_tension()
+    }
     /// The force acts on the surrounding fluid within one edge on each side.
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        explicit_step_limit(viscosity, edge, self.largest_tension(), edge)
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        explicit_step_limit(medium, medium.edge, self.largest_tension())
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(

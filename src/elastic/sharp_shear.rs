@@ -11,7 +11,7 @@ use crate::levelset::Path;
 use crate::mesh::Point;
 use crate::structure::{
     Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
-    Moved, Place, RestMap, Rule, SurfaceStrain,
+    Medium, Moved, Place, RestMap, Rule, SurfaceStrain,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -242,8 +242,11 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         Ok(self.sum_of_energies())
     }
     /// The force acts on the surrounding fluid within one edge on each side.
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        step_limit(wave_stiffnesses(self.law, self.strained.iter()), (viscosity, edge), edge)
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        step_limit(wave_stiffnesses(self.law, self.strained.iter()), medium.edge, medium)
+    }
+    fn tension(&self) -> f64 {
+        wave_stiffnesses(self.law, self.strained.iter())[0]
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(

@@ -2,15 +2,15 @@
 //! explicit or implicit in the velocity.
 
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
-use super::membrane::explicit_step_limit;
 use super::surface_law::{SurfaceLaw, Tangent};
+use super::waves::explicit_step_limit;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
 use crate::structure::{
-    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Place, RestMap,
-    SurfaceStrain, rest_displacement,
+    Coupling, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Medium, Place,
+    RestMap, SurfaceStrain, rest_displacement,
 };
 use nalgebra::{ArrayStorage, Matrix2, SMatrix, SVector};
 use std::borrow::Cow;
@@ -213,26 +213,22 @@ impl<const D: usize> ShearMembrane<D> {
     pub fn wave_stiffnesses(&self) -> [f64; 2] {
         wave_stiffnesses(self.law, self.band.values().iter())
     }
-    /// Largest stable step of the explicit coupling, in a fluid of this viscosity on edges of
-    /// length `edge`: the smaller of (1.54) with the tension, for normal waves as in
-    /// [`explicit_step_limit`], and of (1.54) with the stiffness of tangential waves and
-    /// `dx = h/2`, the distance of P2 nodes: the fluid dragged along spreads these over more than
-    /// the shortest wave of the mesh. This length is measured (user guide, "Stability"), not
-    /// derived.
-    pub fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        step_limit(self.wave_stiffnesses(), (viscosity, self.width.thickness), edge)
+    /// Largest stable step of the explicit coupling: the smaller of (1.54) with the tension, for
+    /// normal waves as in [`explicit_step_limit`], and of (1.54) with the stiffness of tangential
+    /// waves and `dx = h/2`, the distance of P2 nodes: the fluid dragged along spreads these over
+    /// more than the shortest wave of the mesh. This length is measured (user guide, "Stability"),
+    /// not derived.
+    pub fn step_limit(&self, medium: &Medium) -> f64 {
+        step_limit(self.wave_stiffnesses(), self.width.thickness, medium)
     }
 }
 
-/// The limit (1.54) for the `stiffnesses` of normal and tangential waves, see
+/// The limit (1.54) for the stiffnesses of normal and tangential waves, see
 /// [`ShearMembrane::step_limit`].
-pub(super) fn step_limit(
-    [tension, stiffness]: [f64; 2],
-    (viscosity, thickness): (f64, f64),
-    edge: f64,
-) -> f64 {
-    let along = explicit_step_limit(viscosity, thickness, stiffness, edge * 60f64.sqrt() / 4.0);
-    explicit_step_limit(viscosity, thickness, tension, edge).min(along)
+pub(super) fn step_limit([tension, stiffness]: [f64; 2], thickness: f64, medium: &Medium) -> f64 {
+    let spread = Medium { edge: medium.edge * 60f64.sqrt() / 4.0, ..*medium };
+    let along = explicit_step_limit(&spread, thickness, stiffness);
+    explicit_step_limit(medium, thickness, tension).min(along)
 }
 
 /// The strain at point `q` of cell `c`.
@@ -320,8 +316,11 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
         let rest = self.rest(at.space.nodes(), at.fields.vector(self.displacement));
         Ok(ShearMembrane::energy(self, rule, at.fields.scalar(of.level_set()), &rest))
     }
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        ShearMembrane::step_limit(self, viscosity, edge)
+    fn tension(&self) -> f64 {
+        self.wave_stiffnesses()[0]
+    }
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        ShearMembrane::step_limit(self, medium)
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(

@@ -407,8 +407,8 @@ mod tests {
         let space = plane(16);
         let phi = |shift: f64| space.interpolate(|x| x.norm() - 0.6 + shift * (3.0 * x[0]).sin());
         let tracer = Tracer::new(&space, &[]);
-        let (u, from) =
-            (vec![Point::<2>::zeros(); space.len()], surface(&space, &phi(0.0)).unwrap());
+        let (u, old) = (vec![Point::<2>::zeros(); space.len()], phi(0.0));
+        let from = surface(&space, &old).unwrap();
         let carried = CarriedSurface::new(&tracer, (&u, 1.0), (from.into(), &old));
         let mut moved = phi(0.004);
         let to = surface(&space, &moved).unwrap();

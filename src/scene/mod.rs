@@ -38,7 +38,7 @@ mod view;
 mod words;
 
 pub use expression::{Expression, ExpressionError};
-pub use problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
+pub use problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
 pub use problems::{Advected, ImmersedFlow, Segmented, explain, problem};
 pub use read::KEYS;
 pub use row::Row;

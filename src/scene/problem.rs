@@ -4,6 +4,7 @@ use super::row::Row;
 use crate::base::{PHASES, Result, Warning};
 use crate::flow::StepReport;
 use crate::mesh::Mesh;
+use crate::output::rounded;
 use crate::sim::{Energies, EnergyBalance};
 use std::path::Path;
 
@@ -57,6 +58,40 @@ pub struct Limits {
     pub band_edges: Option<[f64; 2]>,
     /// Largest stable step of the explicit coupling (1.54) at the start, if there is one.
     pub explicit_limit: Option<f64>,
+    /// The same once the membranes that have less stretch at the start are stretched by
+    /// a tenth, if there are any.
+    pub stretched_limit: Option<f64>,
+}
+
+/// Strain of the membranes without tension for which a plan estimates the limit of the step.
+pub const FIRST_STRETCH: f64 = 0.1;
+
+/// An elastic wave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElasticWave {
+    /// Name of its structure.
+    pub name: String,
+    /// Its period in the present tension.
+    pub period: f64,
+}
+
+impl ElasticWave {
+    /// Number of steps of a period below which a scheme damps a wave rather than resolves it.
+    pub const STEPS: f64 = 10.0;
+    /// True if steps of length `dt` are too long for it.
+    pub fn is_lost(&self, dt: f64) -> bool {
+        dt * ElasticWave::STEPS > self.period
+    }
+    /// A step of length `dt` beside the period, in words.
+    pub fn in_words(&self, dt: f64) -> String {
+        format!(
+            "a step of {} is {} of the period {} of the elastic wave of `{}`",
+            rounded(dt, 3),
+            rounded(dt / self.period, 3),
+            rounded(self.period, 3),
+            self.name
+        )
+    }
 }
 
 /// Remedies of alarms, in terms of scene keys.
@@ -135,6 +170,11 @@ pub trait Problem {
     fn facts(&self) -> Facts;
     /// Names of the structures whose bands have reached the boundary.
     fn cut_bands(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// The slowest elastic wave of each structure that has one, in the present tension; none where
+    /// steps follow the error.
+    fn waves(&self) -> Vec<ElasticWave> {
         Vec::new()
     }
     /// Remedies of alarms.

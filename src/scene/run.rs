@@ -123,6 +123,7 @@ impl<'a> Run<'a> {
         let mut run = Run { scene, folder, problem, series, record, plan, saved: Instant::now() };
         if fresh {
             run.record.note_mesh(&*run.problem);
+            run.record.note_waves(&*run.problem);
             run.sample(0)?;
         }
         Ok(run)
@@ -167,6 +168,7 @@ impl<'a> Run<'a> {
                 self.record.note_first_step();
             }
             self.record.note_rise(before, &*self.problem);
+            self.record.note_waves(&*self.problem);
             self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
             let elapsed = self.saved.elapsed().as_secs_f64();
             let due = self.scene.output.checkpoint.is_some_and(|s| elapsed >= s);
@@ -289,6 +291,17 @@ impl<'a> Run<'a> {
                  to be trusted. {}",
                 100.0 * self.record.worst_balance,
                 advice.energy
+            ));
+        }
+        let [lost, won] = [self.record.least_balance, self.record.worst_balance];
+        let residual = if won > -lost { won } else { lost };
+        for wave in self.record.lost_waves.values().filter(|_| residual.abs() > ENERGY_ALARM) {
+            alarms.push(format!(
+                "Elastic wave: {} at t = {:.4}, too much to follow it, and the energy balance is \
+                 off by {:+.1} %. Take a smaller step, or time.tolerance.",
+                wave.said,
+                wave.time,
+                100.0 * residual
             ));
         }
         for (name, time) in &self.record.at_wall {

@@ -2,7 +2,7 @@
 
 use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, Rule};
 use super::place::{Host, Moved, Place};
-use super::{Coupling, Held, RestMap, Structure, SurfaceStrain};
+use super::{Coupling, Held, Medium, RestMap, Structure, SurfaceStrain};
 use crate::base::Result;
 use crate::fem::{Basis, Space, SurfacePoint};
 use crate::flow::Fluid;
@@ -135,8 +135,10 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     fn dissipation(&self) -> f64 {
         0.0
     }
+    /// Largest tension.
+    fn tension(&self) -> f64;
     /// Largest stable step of the explicit coupling.
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64;
+    fn step_limit(&self, medium: &Medium) -> f64;
     /// Rejects couplings that are not implemented.
     ///
     /// # Errors
@@ -254,8 +256,11 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
     fn dissipation(&self) -> f64 {
         self.force.dissipation()
     }
-    fn step_limit(&self, viscosity: f64, edge: f64) -> f64 {
-        self.force.step_limit(viscosity, edge)
+    fn tension(&self) -> f64 {
+        self.force.tension()
+    }
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        self.force.step_limit(medium)
     }
     fn rest_map(&self) -> Option<&RestMap<D>> {
         self.force.rest_map()

@@ -10,6 +10,7 @@ mod fields;
 mod interface;
 mod level_set;
 mod markers;
+mod medium;
 mod place;
 mod surface_strain;
 
@@ -21,6 +22,7 @@ pub use fields::{
 pub use interface::{Immersed, ImmersedInterface, InterfaceForce};
 pub use level_set::LevelSet;
 pub use markers::{polygon_area, polygon_length};
+pub use medium::Medium;
 pub use place::{Host, Moved, Place, Velocity};
 pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};
 
@@ -163,9 +165,14 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn dissipation(&self) -> f64 {
         0.0
     }
-    /// Largest stable step of the explicit coupling in a fluid of this viscosity on edges of length
-    /// `edge`, (1.54), for the prepared fields; infinite if there is no limit.
-    fn step_limit(&self, _viscosity: f64, _edge: f64) -> f64 {
+    /// Largest tension of the prepared fields, which drives its elastic waves; 0 or less without
+    /// any.
+    fn tension(&self) -> f64 {
+        0.0
+    }
+    /// Largest stable step of the explicit coupling in this medium, (1.54), for the prepared
+    /// fields; infinite if there is no limit.
+    fn step_limit(&self, _medium: &Medium) -> f64 {
         f64::INFINITY
     }
     /// Position at rest of the material at time 0; `None` for the identity.

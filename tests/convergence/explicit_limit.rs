@@ -7,7 +7,7 @@ use immersa::elastic::{AreaLaw, Membrane, explicit_step_limit};
 use immersa::fem::{Condition, Element, Space};
 use immersa::mesh::{Diagonals, rectangle};
 use immersa::sim::{Coupling, Fluid, Simulation, SimulationSettings};
-use immersa::structure::{Immersed, ImmersedInterface};
+use immersa::structure::{Immersed, ImmersedInterface, Medium};
 use immersa::studies::stability::largest_stable_step;
 use std::sync::Arc;
 
@@ -55,6 +55,11 @@ fn the_limit_of_the_soft_ellipse_on_the_finer_mesh() {
 #[test]
 fn the_limit_of_the_stiff_ellipse_on_the_finer_mesh() {
     ellipse(60, 10.0, [0.00199, 0.00211], &[(2, 20)]);
+}
+
+/// A fluid of density 1 on edges of this length, in steps of order 1.
+pub fn medium(viscosity: f64, edge: f64) -> Medium {
+    Medium { density: 1.0, viscosity, edge, order: 1 }
 }
 
 /// Constant tension 1 over a band of half-width `thickness`.
@@ -106,7 +111,7 @@ pub fn flat(
 fn the_limit_of_a_flat_membrane() {
     for (n, viscosity, measured) in [(16, 1e-2, 1.34), (16, 0.1, 1.56), (32, 1e-3, 1.23)] {
         let (thickness, edge) = (3.0 / n as f64, 1.0 / n as f64);
-        let limit = explicit_step_limit(viscosity, thickness, 1.0, edge);
+        let limit = explicit_step_limit(&medium(viscosity, edge), thickness, 1.0);
         let run = |dt: f64| {
             Ok(is_stable(flat(n, viscosity, &tension(thickness), dt, Coupling::Explicit), 90, 1.0))
         };

@@ -6,7 +6,7 @@
 //! weight `-mu`. The small weight matters: it is what keeps `div u` from feeding the membrane in
 //! our scheme without grad-div (see `energy`).
 
-use crate::explicit_limit::{flat, is_stable, tension};
+use crate::explicit_limit::{flat, is_stable, medium, tension};
 use crate::membrane::{Case, area_error, balance, half_chords};
 use crate::semi_implicit::divergence_form;
 use immersa::elastic::{Band, explicit_step_limit};
@@ -136,7 +136,7 @@ fn f4_a_stiff_membrane_gains_energy_at_every_step() {
 #[test]
 fn f5_the_explicit_coupling_beyond_its_limit() {
     let (viscosity, thickness) = (1e-2, 3.0 / 16.0);
-    let limit = explicit_step_limit(viscosity, thickness, 1.0, 1.0 / 16.0);
+    let limit = explicit_step_limit(&medium(viscosity, 1.0 / 16.0), thickness, 1.0);
     let renormalised = tension(thickness);
     let carried = tension(thickness).with_band(Band::Carried, 1.0);
     let bears = |coupling, membrane, factor: f64| {

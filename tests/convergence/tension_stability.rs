@@ -2,7 +2,7 @@
 //! explicit one of remark 1.12, and those that are to bear any step. The film is that of the page,
 //! `book/src/studies/film.toml`.
 
-use crate::explicit_limit::is_stable;
+use crate::explicit_limit::{is_stable, medium};
 use immersa::elastic::explicit_step_limit;
 use immersa::scene::{ImmersedFlow, Scene};
 use immersa::sim::Simulation;
@@ -27,7 +27,7 @@ fn film(dt: f64, set: &[&str]) -> Simulation<2> {
 
 /// The largest stable step over (1.54) with a band of 2.5 edges, in 60 steps.
 fn ratio([cells, tension, viscosity]: [f64; 3], set: &[&str]) -> f64 {
-    let limit = explicit_step_limit(viscosity, 2.5 / cells, tension, 1.0 / cells);
+    let limit = explicit_step_limit(&medium(viscosity, 1.0 / cells), 2.5 / cells, tension);
     let scene = [
         format!("mesh.rectangle.cells=[{cells},{cells}]"),
         format!("drop.0.tension={tension}"),
@@ -189,7 +189,7 @@ fn the_fully_explicit_scheme_grows_with_any_step() {
 fn viscosity_makes_the_fully_explicit_scheme_stable() {
     let fully = "numerics.coupling=\"fully-explicit\"";
     for viscosity in [0.1, 1.0] {
-        let limit = explicit_step_limit(viscosity, 2.5 / 16.0, 1.0, 1.0 / 16.0);
+        let limit = explicit_step_limit(&medium(viscosity, 1.0 / 16.0), 2.5 / 16.0, 1.0);
         let found = ratio([16.0, 1.0, viscosity], &[fully]) * limit / (viscosity * 2.5 / 16.0);
         println!("Film, fully explicit, viscosity {viscosity}: {found:.2} mu eps/lambda");
         assert!(
@@ -203,7 +203,7 @@ fn viscosity_makes_the_fully_explicit_scheme_stable() {
 #[test]
 fn implicit_schemes_bear_ten_times_the_limit() {
     let bears = |set: &str, viscosity: f64, cells: f64| {
-        let limit = explicit_step_limit(viscosity, 2.5 / cells, 1.0, 1.0 / cells);
+        let limit = explicit_step_limit(&medium(viscosity, 1.0 / cells), 2.5 / cells, 1.0);
         is_stable(film(10.0 * limit, &[&format!("fluid.viscosity={viscosity}"), set]), 60, 1.0)
     };
     for viscosity in [1e-4, 0.01, 1.0] {

@@ -37,3 +37,4 @@ mod solvers;
 mod space;
 mod studies;
 mod terms;
+mod waves;

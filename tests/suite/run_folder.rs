@@ -6,7 +6,7 @@ use immersa::mesh::{Diagonals, Locator, Point, rectangle};
 use immersa::output::{FieldData, Series, SeriesWriter, write_pvd, write_vtu};
 use immersa::scene::Scene;
 use immersa::sim::{Fluid, Simulation, SimulationSettings};
-use immersa::structure::{Immersed, ImmersedInterface};
+use immersa::structure::{Immersed, ImmersedInterface, Medium};
 use nalgebra::SVector;
 use std::fs;
 use std::path::Path;
@@ -114,7 +114,12 @@ fn row(sim: &Simulation<2>) -> Vec<f64> {
     let chord =
         |x, y| contour.half_chord(space, phi, &centre, &SVector::<f64, 2>::new(x, y)).unwrap();
     let e = state.energies;
-    let limit = sim.structures()[0].step_limit(0.01, 0.1);
+    let limit = sim.structures()[0].step_limit(&Medium {
+        density: 1.0,
+        viscosity: 0.01,
+        edge: 0.1,
+        order: 2,
+    });
     let at = Locator::new(space.mesh()).locate(space.mesh(), &centre).unwrap();
     let u = space.value(&state.flow.u, at.cell as usize, &at.barycentric);
     let p = sim.flow().pressure().space().value(&state.flow.p, at.cell as usize, &at.barycentric);

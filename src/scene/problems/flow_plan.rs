@@ -1,9 +1,10 @@
 //! The plan of an immersed flow.
 
 use crate::fem::Element;
+use crate::output::rounded;
 use crate::scene::Scene;
 use crate::scene::plan::{self, Section};
-use crate::scene::problem::Limits;
+use crate::scene::problem::{ElasticWave, FIRST_STRETCH, Limits};
 use crate::scene::redistance::in_words;
 use crate::scene::schema::Contrast;
 use crate::scene::view::View;
@@ -16,6 +17,8 @@ pub(super) struct FlowPlan<'a, const D: usize> {
     pub sim: &'a Simulation<D>,
     pub view: View<'a, D>,
     pub limits: Limits,
+    /// Elastic waves at the start.
+    pub waves: Vec<ElasticWave>,
     /// Velocity scale from which grad-div was derived, if it was.
     pub velocity_scale: Option<f64>,
 }
@@ -193,15 +196,28 @@ impl<const D: usize> FlowPlan<'_, D> {
 
     fn steps(&self) -> Vec<String> {
         let (scene, mut lines) = (self.scene, vec![plan::steps(self.scene)]);
-        let Some(limit) = self.limits.explicit_limit else { return lines };
-        let ratio = scene.time.step / limit;
-        lines.push(format!(
-            "explicit step limit (1.54) at the start: {limit:.3e}; the step is {ratio:.2} of it"
-        ));
+        let dt = scene.time.step;
+        lines.extend(self.waves.iter().map(|w| {
+            let (period, steps) = (rounded(w.period, 3), rounded(w.period / dt, 3));
+            format!("elastic wave of `{}` at the start: period {period}, {steps} steps", w.name)
+        }));
+        let Limits { explicit_limit: now, stretched_limit: stretched, .. } = self.limits;
+        let Some(limit) = now.into_iter().chain(stretched).reduce(f64::min) else { return lines };
+        let ratio = dt / limit;
+        let said =
+            |limit: f64| format!("{limit:.3e}; the step is {} of it", rounded(dt / limit, 3));
+        lines.push(match now {
+            Some(limit) => format!("explicit step limit (1.54) at the start: {}", said(limit)),
+            None => "explicit step limit (1.54): none at the start, no tension yet".into(),
+        });
+        lines.extend(stretched.map(|limit| {
+            let strain = 100.0 * FIRST_STRETCH;
+            format!("explicit step limit (1.54) at a stretch of {strain} %: {}", said(limit))
+        }));
         let sheared = scene.acting().any(|s| s.traits().resists_shear);
         lines.extend(match scene.numerics.coupling {
             Coupling::Explicit if ratio > 1.0 && sheared => Some(
-                "with shear the explicit coupling was found stable to 1.4 to 3.8 times this: if \
+                "with shear the explicit coupling was found stable to 1.4 to 4.1 times this: if \
                  the energy rises, take a smaller step, or coupling = \"implicit\"",
             ),
             Coupling::Explicit if ratio > 1.0 => {

@@ -1,5 +1,7 @@
 //! The flow of a scene with its structures.
 
+mod waves;
+
 use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
 use crate::base::{Error, Kind, PHASES, Result, Warning};
@@ -13,7 +15,7 @@ use crate::scene::measure::{self, Probes, force_columns};
 use crate::scene::pacing::pacing;
 use crate::scene::plan;
 use crate::scene::points::point;
-use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
+use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
@@ -50,6 +52,10 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub warnings: Vec<Warning>,
     /// Largest stable step of the explicit coupling (1.54) at the start, if there is one.
     pub explicit_limit: Option<f64>,
+    /// The same once the membranes that have less stretch at the start have some.
+    stretched_limit: Option<f64>,
+    /// Radius of the circle (in space: sphere) that holds as much as each structure at the start.
+    radii: Vec<f64>,
     /// Shortest and longest edge in the bands when the mesh was built.
     pub band_edges: Option<[f64; 2]>,
     /// Half-width of the bands.
@@ -104,6 +110,8 @@ impl<const D: usize> ImmersedFlow<D> {
             velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
             scene: scene.clone(),
             explicit_limit: None,
+            stretched_limit: None,
+            radii: Vec::new(),
             simulation,
             warnings,
             thickness,
@@ -112,6 +120,9 @@ impl<const D: usize> ImmersedFlow<D> {
             lengths,
         };
         flow.explicit_limit = flow.step_limit();
+        flow.stretched_limit = flow.limit_when_stretched();
+        flow.radii = flow.equal_radii()?;
+        flow.warn_of_waves();
         flow.follow_error(scales).map(|()| flow)
     }
 
@@ -120,14 +131,6 @@ impl<const D: usize> ImmersedFlow<D> {
         let Some(tolerance) = self.scene.time.tolerance else { return Ok(()) };
         let pacing = pacing(&self.scene, tolerance, scales);
         self.simulation.pace(pacing).map_err(|e| self.scene.blame(&["time", "tolerance"], e))
-    }
-
-    /// The limit (1.54) for the current tension, with the shortest edge in the bands; `None`
-    /// without tension.
-    pub fn step_limit(&self) -> Option<f64> {
-        let ([edge, _], viscosity) = (self.band_edges?, self.simulation.least_viscosity());
-        let limits = self.simulation.structures().iter().map(|s| s.step_limit(viscosity, edge));
-        limits.filter(|limit| limit.is_finite()).reduce(f64::min)
     }
 
     /// A view of the current state.
@@ -217,13 +220,14 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             sim: &self.simulation,
             view: self.view(),
             limits: self.limits(),
+            waves: self.elastic_waves(),
             velocity_scale: self.velocity_scale,
         };
         Ok(plan::text(std::iter::once(mesh).chain(flow.sections())))
     }
     fn limits(&self) -> Limits {
-        let ImmersedFlow { thickness, band_edges, explicit_limit, .. } = *self;
-        Limits { thickness, band_edges, explicit_limit }
+        let ImmersedFlow { thickness, band_edges, explicit_limit, stretched_limit, .. } = *self;
+        Limits { thickness, band_edges, explicit_limit, stretched_limit }
     }
     fn step(&mut self) -> Result<StepReport> {
         with_keys(self.simulation.step())
@@ -319,6 +323,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         };
         let cut = self.simulation.structures().iter().filter(|s| is_cut(&***s));
         cut.map(|s| s.name().to_string()).collect()
+    }
+    fn waves(&self) -> Vec<ElasticWave> {
+        self.elastic_waves()
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
         ground::plane(self.simulation.space().mesh())

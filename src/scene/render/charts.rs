@@ -160,7 +160,7 @@ fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
         caption += " And the step over the largest one that explicit coupling allows (1.54): \
             above 1 explicit coupling is unstable, while implicit coupling is not.";
         if run.scene.acting().any(|s| s.traits().resists_shear) {
-            caption += " With shear this limit is on the safe side: steps of 1.4 to 3.8 times it \
+            caption += " With shear this limit is on the safe side: steps of 1.4 to 4.1 times it \
                 were found stable.";
         }
     }

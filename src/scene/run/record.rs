@@ -4,7 +4,7 @@ use super::Clock;
 use super::solves::Solves;
 use crate::base::PHASES;
 use crate::scene::Scene;
-use crate::scene::problem::Problem;
+use crate::scene::problem::{Moment, Problem};
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,6 +26,12 @@ pub(super) struct Record {
     pub largest_rise: f64,
     /// Largest residual of the energy balance.
     pub worst_balance: f64,
+    /// Least residual of the energy balance: negative where the scheme lost energy.
+    #[serde(default)]
+    pub least_balance: f64,
+    /// The elastic waves that steps were too long for, in words, by structure: the quickest.
+    #[serde(default)]
+    pub lost_waves: BTreeMap<String, LostWave>,
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
@@ -56,6 +62,17 @@ pub(super) struct Record {
     /// Bytes of the factors read by these substitutions.
     #[serde(default)]
     pub factor_bytes_read: f64,
+}
+
+/// An elastic wave that the steps were too long for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct LostWave {
+    /// Its period.
+    pub period: f64,
+    /// The time.
+    pub time: f64,
+    /// The wave and the step in words.
+    pub said: String,
 }
 
 /// A mesh of an adapted run.
@@ -121,6 +138,21 @@ impl Record {
                 self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
         self.worst_balance = self.worst_balance.max(budget.residual(&e));
+        self.least_balance = self.least_balance.min(budget.residual(&e));
+    }
+
+    /// Records the elastic waves that a step is too long for.
+    pub(super) fn note_waves(&mut self, problem: &dyn Problem) {
+        let Moment { dt, time, .. } = problem.moment();
+        for wave in problem.waves().into_iter().filter(|w| w.is_lost(dt)) {
+            let said = wave.in_words(dt);
+            let lost = LostWave { period: wave.period, time, said };
+            match self.lost_waves.get_mut(&wave.name) {
+                Some(known) if known.period <= lost.period => {}
+                Some(known) => *known = lost,
+                None => drop(self.lost_waves.insert(wave.name, lost)),
+            }
+        }
     }
 
     /// Records the structures whose bands reach the boundary.

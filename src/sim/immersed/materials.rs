@@ -4,15 +4,30 @@ use super::Simulation;
 use crate::fem::At;
 use crate::flow::{Coefficient, Fluid};
 use crate::levelset as band;
-use crate::structure::{FieldId, Fields, Held};
+use crate::structure::{FieldId, Fields, Held, Medium, Structure};
 
 impl<const D: usize> Simulation<D> {
     pub(super) fn has_constant_materials(&self) -> bool {
         self.settings.has_constant_materials(&self.carried.structures)
     }
-    /// Smallest viscosity of all fluids.
-    pub fn least_viscosity(&self) -> f64 {
-        self.fluids().map(|f| f.viscosity).fold(f64::INFINITY, f64::min)
+    /// The fluids inside and outside of a structure, with the densities of their inertia.
+    pub fn sides(&self, of: &dyn Structure<D>) -> [Fluid; 2] {
+        let outside = self.settings.fluid;
+        let inside = of.held().and_then(|h| h.fluid).unwrap_or(outside);
+        let density = if self.settings.boussinesq { outside.density } else { inside.density };
+        [Fluid { density, ..inside }, outside]
+    }
+    /// What the waves of a structure move in, on edges of length `edge`.
+    ///
+    /// Between two fluids the shortest waves move toward the lighter and thinner one, to the edge
+    /// of the band: of the densities and of the viscosities these are the geometric means, which
+    /// give a step below the measured limit by 1.2 to 2 for contrasts up to 1000 (user guide,
+    /// "Coupling"). The mass of an interface only makes its waves slower, and is left out.
+    pub fn medium(&self, of: &dyn Structure<D>, edge: f64) -> Medium {
+        let [inside, outside] = self.sides(of);
+        let mean = |property: fn(Fluid) -> f64| (property(inside) * property(outside)).sqrt();
+        let (density, viscosity) = (mean(|f| f.density), mean(|f| f.viscosity));
+        Medium { density, viscosity, edge, order: self.settings.order }
     }
 
     /// Density and viscosity for the current fields.

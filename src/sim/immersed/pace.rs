@@ -64,11 +64,11 @@ impl<const D: usize> Simulation<D> {
             return Ok(f64::INFINITY);
         }
         self.prepare_now()?;
-        let (viscosity, mut limit) = (self.least_viscosity(), f64::INFINITY);
+        let mut limit = f64::INFINITY;
         for s in self.carried.structures.iter().filter(|s| explicit(&***s)) {
             let phi = s.level_set().map_or(&[][..], |id| self.state.fields.scalar(id));
             if let Some(edges) = band_edges(&self.carried.space, phi, s.reach()) {
-                limit = limit.min(s.step_limit(viscosity, edges.smallest));
+                limit = limit.min(s.step_limit(&self.medium(&**s, edges.smallest)));
             }
         }
         Ok(OF_THE_LIMIT * limit)

@@ -12,6 +12,8 @@ pub(super) struct StepLimit {
     pub edge: Option<f64>,
     /// (1.54) at the start.
     pub formula: Option<f64>,
+    /// True if a membrane has less tension at the start than a small stretch gives it.
+    pub is_slack: bool,
     pub bracket: Bracket,
     /// Of the largest stable step.
     pub verdict: Verdict,

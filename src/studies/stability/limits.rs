@@ -97,8 +97,9 @@ impl LimitSearch {
         let scene = campaign.scene_of(&Trial::new("", assignments(combination)))?;
         match problem(&scene).map(|p| p.limits()) {
             Ok(found) => {
-                (limit.edge, limit.formula) =
-                    (found.band_edges.map(|e| e[0]), found.explicit_limit);
+                limit.edge = found.band_edges.map(|e| e[0]);
+                limit.formula = found.explicit_limit;
+                limit.is_slack = found.stretched_limit.is_some();
             }
             Err(e) if e.kind() == Kind::Scene => {
                 campaign.listener().note(&format!("[{k}/{of}] {}: refused", in_words(combination)));
@@ -150,8 +151,8 @@ impl LimitSearch {
             ]);
             table.rows.push(row);
         }
-        table.caption = "Formula: (1.54) with the tension at the start and dx = 2 h/sqrt(60), h \
-            the shortest edge in the band. Ratio: the measured limit over it. Growth: of the \
+        table.caption = "Formula: (1.54) with the density, the tension at the start and dx = 2 h/sqrt(60), \
+            h the shortest edge in the band; of order 2 with half the viscosity. Ratio: the measured limit over it. Growth: of the \
             energy beyond the balance at the largest stable step, the most in the run. Rate: its \
             change per time in the second half of that run, negative while energy is lost."
             .into();
@@ -175,6 +176,12 @@ impl LimitSearch {
                 notes.push(format!(
                     "{name}unstable at {islands} although stable at {}: no bound.",
                     rounded(stable, 4)
+                ));
+            }
+            if l.is_slack {
+                notes.push(format!(
+                    "{name}at the start there is little tension or none, and the formula gives no \
+                     bound: it falls as the membrane is stretched."
                 ));
             }
             if l.bracket
