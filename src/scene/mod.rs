@@ -8,6 +8,7 @@ mod cuts;
 mod errors;
 pub mod expression;
 mod geometry;
+mod images;
 pub mod keys;
 mod measure;
 mod meshing;

@@ -24,6 +24,7 @@ mod layers;
 mod meshes;
 mod passive;
 mod precision;
+mod periodic;
 mod program;
 mod redistance;
 mod render;
