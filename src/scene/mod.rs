@@ -32,6 +32,7 @@ pub mod schema;
 mod script;
 mod shapes;
 mod site;
+mod start;
 pub mod structures;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -60,12 +60,14 @@ pub struct Limits {
 }
 
 /// Remedies of alarms, in terms of scene keys.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Advice {
     /// Against spurious energy.
     pub energy: String,
+    /// Against energy that vanishes.
+    pub loss: String,
     /// Against a change of an enclosed area.
-    pub area: &'static str,
+    pub area: String,
 }
 
 /// A column of a profile: the suffix of its name, and its values.
@@ -127,6 +129,11 @@ pub trait Problem {
     /// Energies and their balance, where a flow is solved.
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         None
+    }
+    /// True if the first step changes the velocity at once, which takes energy: a fluid at rest that
+    /// is set in motion, or an initial velocity that does not fit.
+    fn is_impulsive(&self) -> bool {
+        false
     }
     /// CPU seconds by [phase](PHASES) since the last call, and number of substitutions with the
     /// factor of the flow.

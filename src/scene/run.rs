@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Spurious energy, over the energy in play, that raises the alarm.
+/// Spurious or lost energy, over the energy in play, that raises the alarm.
 const ENERGY_ALARM: f64 = 0.05;
 /// Threshold of the alarm for the relative change of an enclosed area.
 const AREA_ALARM: f64 = 0.01;
@@ -283,13 +283,19 @@ impl<'a> Run<'a> {
 
     fn alarms(&self) -> Vec<String> {
         let (mut alarms, advice) = (Vec::new(), self.problem.advice());
-        if self.record.worst_balance > ENERGY_ALARM {
-            alarms.push(format!(
-                "Energy balance: {:.1} % of the energy in play is spurious, so the motion is not \
-                 to be trusted. {}",
-                100.0 * self.record.worst_balance,
-                advice.energy
-            ));
+        let lost = -self.record.last_balance;
+        for (share, what, remedy) in [
+            (self.record.worst_balance, "is spurious", advice.energy),
+            // While a motion sets in, the energy in play is small: a loss is judged at the end.
+            (lost, "vanished without viscosity taking it", advice.loss),
+        ] {
+            if share > ENERGY_ALARM {
+                alarms.push(format!(
+                    "Energy balance: {:.1} % of the energy in play {what}, so the motion is not \
+                     to be trusted. Take {remedy}.",
+                    100.0 * share
+                ));
+            }
         }
         for (name, time) in &self.record.at_wall {
             alarms.push(format!(
@@ -299,7 +305,7 @@ impl<'a> Run<'a> {
         }
         for (name, change) in &self.record.area_change {
             if change.abs() > AREA_ALARM {
-                let ([enclosed, _], remedy) = (self.scene.extents(), advice.area);
+                let ([enclosed, _], remedy) = (self.scene.extents(), &advice.area);
                 alarms.push(format!(
                     "Enclosed {enclosed}: that of `{name}` changed by {:+.2} %. Take {remedy}.",
                     100.0 * change

@@ -276,7 +276,7 @@ fn check_inflow<const D: usize>(
 }
 
 /// A part of the boundary with possible inflow.
-fn inflow<const D: usize>(
+pub(super) fn inflow<const D: usize>(
     scene: &Scene,
     mesh: &Mesh<D>,
     pairs: &[Translation<D>],

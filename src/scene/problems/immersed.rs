@@ -17,30 +17,15 @@ use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColum
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
-use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector, wall_nodes};
 use crate::scene::view::View;
 use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
+use crate::scene::start::start;
 use crate::structure::Structure;
-use crate::transport::Method;
 use nalgebra::SVector;
 use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Default weight of the grad-div term over `rho U L`: for a flow with a membrane, to which
-/// divergence errors add energy, and for a flow alone, where a larger weight reduces the accuracy
-/// (driven cavity on 32 x 32, error of u_min: 6e-3 with a weight of 5, 2e-4 with 0.1).
-const GRAD_DIV: [f64; 2] = [5.0, 0.1];
-/// Default weight with a sharp membrane: the spurious currents around a drop at rest are inversely
-/// proportional to it (n = 30: 9e-3 at 5, 9e-4 at 50).
-const GRAD_DIV_SHARP: f64 = 50.0;
-/// Default weight of the grad-div term over the viscosity in a flow without inertia: with a band,
-/// and with a sharp membrane (lambda = 10, mu = 0.01, n = 20: 14 % spurious energy at 10, 2.8 % at
-/// 500).
-const GRAD_DIV_STOKES: [f64; 2] = [10.0, 500.0];
-/// Number of times at which prescribed velocities are sampled for the velocity scale.
-const SAMPLES: usize = 64;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
@@ -62,7 +47,9 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub(in crate::scene) scene: Scene,
     /// Target lengths of an adapted mesh.
     pub(in crate::scene) lengths: Option<Lengths>,
-    /// Nodes on the boundary without periodic sides.
+    /// True if the first step changes the velocity at once.
+    is_impulsive: bool,
+    /// Nodes on the boundary without periodic and open sides.
     wall_nodes: Vec<u32>,
     probes: Probes<D>,
     carried_bands: Vec<Option<f64>>,
@@ -80,14 +67,17 @@ impl<const D: usize> ImmersedFlow<D> {
         let placed = ground::place(scene, &site)?;
         let thickness = ground::thickness(scene, &site, &placed)?;
         let structures = ground::structures(scene, &mut site, placed, thickness)?;
-        let scales = [velocity_scale(scene, &site), site.size()];
-        let grad_div = scene.numerics.grad_div.unwrap_or_else(|| grad_div(scene, scales));
-        let settings = settings(scene, &site, grad_div);
+        let scales = [scales::velocity(scene, &site), site.size()];
+        let grad_div = scene.numerics.grad_div.unwrap_or_else(|| scales::grad_div(scene, scales));
+        let least_energy = scales::least_energy(scene, &site, scales);
+        let settings = SimulationSettings { least_energy, ..settings(scene, &site, grad_div) };
         let of_coupling = settings.check_couplings(&structures);
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         site.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         site.check_finite("force", &scene.fluid.force)?;
-        let (wall_nodes, initial) = (site.wall_nodes(), vector(&scene.fluid.initial_velocity));
+        let initial = vector(&scene.fluid.initial_velocity);
+        let start = start(scene, &site)?;
+        site.warnings.extend(start.warnings);
         let Site { mesh, quality, warnings, .. } = site;
         let of_boundary = |e: Error| match e.kind() {
             Kind::Scene => scene.blame(&["boundary"], e),
@@ -108,6 +98,7 @@ impl<const D: usize> ImmersedFlow<D> {
             warnings,
             thickness,
             quality,
+            is_impulsive: start.impulsive,
             wall_nodes,
             lengths,
         };
@@ -298,6 +289,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         self.simulation.take_costs()
     }
     fn facts(&self) -> Facts {
+    fn is_impulsive(&self) -> bool {
+        self.is_impulsive
+    }
         let (sim, flow) = (&self.simulation, self.simulation.flow());
         let velocity = flow.numbering().first_pressure();
         let pressure = flow.numbering().order() - velocity;

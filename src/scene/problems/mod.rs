@@ -2,6 +2,7 @@
 
 mod advected;
 mod fields;
+mod flow_advice;
 mod flow_plan;
 mod ground;
 mod immersed;

@@ -24,8 +24,14 @@ pub(super) struct Record {
     /// Largest rise of kinetic and elastic energy in one step that is not the work of walls and
     /// forces, over the initial energy.
     pub largest_rise: f64,
-    /// Largest residual of the energy balance.
+    /// Spurious energy of the first step if it changes the velocity at once, at most 0.
+    #[serde(default)]
+    pub start: f64,
+    /// Largest residual of the energy balance, without the start.
     pub worst_balance: f64,
+    /// The residual after the last step, without the start.
+    #[serde(default)]
+    pub last_balance: f64,
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
@@ -120,7 +126,12 @@ impl Record {
             self.largest_rise =
                 self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
-        self.worst_balance = self.worst_balance.max(budget.residual(&e));
+        let spurious = budget.spurious(&e);
+        if problem.moment().steps == 1 && problem.is_impulsive() {
+            self.start = spurious.min(0.0);
+        }
+        self.last_balance = budget.share(spurious - self.start);
+        self.worst_balance = self.worst_balance.max(self.last_balance);
     }
 
     /// Records the structures whose bands reach the boundary.
@@ -150,6 +161,7 @@ impl Record {
             let worst = self.area_change.entry(name.to_string()).or_insert(0.0);
             if change.abs() > worst.abs() {
                 *worst = change;
+        Ok(())
             }
         }
     }

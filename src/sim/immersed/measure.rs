@@ -31,8 +31,9 @@ impl<const D: usize> Simulation<D> {
     fn elastic_energy(&mut self) -> Result<f64> {
         let Some(fine) = &self.fine else { return Ok(0.0) };
         let at = Place::new(&self.carried.space, &self.flow, &self.state.fields, self.state.time);
-        let acting = self.carried.structures.iter_mut().filter(|s| s.acts());
-        acting.map(|s| s.energy(&at, fine)).sum()
+        let acting =
+            self.carried.structures.iter_mut().enumerate().filter(|(k, s)| s.acts() && of(*k));
+        acting.map(|(_, s)| s.energy(&at, fine)).sum()
     }
 
     /// Rate of outflow of kinetic energy through the boundary.

@@ -107,7 +107,7 @@ impl<const D: usize> Simulation<D> {
         sim.set_materials_now();
         sim.prepare_now()?;
         sim.state.energies = sim.measure(0.0)?;
-        sim.state.balance = EnergyBalance::new(&sim.state.energies);
+        sim.state.balance = EnergyBalance::new(&sim.state.energies, sim.settings.least_energy);
         Ok(sim)
     }
 

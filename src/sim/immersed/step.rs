@@ -128,7 +128,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Solves for velocity and pressure. Also returns the power of the walls.
     fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, f64)> {
-        let Work { current, next, .. } = work;
+        let Work { current, next, ahead, .. } = work;
         let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
         let [now, earlier] = scheme.history();
         let history = [

@@ -1,0 +1,130 @@
+//! Alarms and warnings about runs whose results mean nothing, and none about those that are right.
+
+use super::program::*;
+
+/// A scene without files but the series.
+fn scene(mesh: &str, fluid: &str, rest: &str) -> String {
+    format!(
+        "output = {{ fields = false, pictures = false, checkpoint = false }}\nmesh.{mesh}\n\
+         [fluid]\n{fluid}\n{rest}\n"
+    )
+}
+
+fn square(cells: usize) -> String {
+    format!("rectangle = {{ min = [0, 0], max = [1, 1], cells = [{cells}, {cells}] }}")
+}
+
+/// What the program says about a scene that it runs to the end: its warnings and alarms.
+#[track_caller]
+fn said(scene: &str) -> String {
+    let folder = folder_with(scene);
+    let ended = immersa(folder.path(), &["run", "scene.toml", "--out", "run"]);
+    ended.expect(0, &["done"]);
+    let said = |l: &&str| l.starts_with("ALARM") || l.starts_with("warning");
+    ended.stderr.lines().filter(said).collect::<Vec<_>>().join("\n")
+}
+
+#[track_caller]
+fn assert_said(scene: &str, words: &[&str]) {
+    let said = said(scene);
+    assert!(!said.is_empty() && words.iter().all(|w| said.contains(w)), "{said}");
+}
+
+/// Nothing moves but by rounding, or all of the fluid together: energies are rounding errors, or
+/// those of the first step alone.
+#[test]
+fn water_at_rest_and_water_that_moves_as_a_whole_raise_no_alarm() {
+    let water = "density = 1000\nviscosity = 1e-3";
+    let heavy = format!("{water}\ngravity = [0, -9.81]");
+    let time = "[time]\nend = 1\nstep = 0.1";
+    for n in [3, 7, 12] {
+        assert_eq!(said(&scene(&square(n), &heavy, time)), "");
+    }
+    let pushed = format!("{water}\nforce = [3, 0]");
+    assert_eq!(said(&scene(&square(7), &pushed, time)), "");
+    let carried = format!("[boundary.walls]\nvelocity = [\"3*t\", 0]\n{time}");
+    assert_eq!(said(&scene(&square(7), water, &carried)), "");
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1], cells = [3, 3, 3] }";
+    let heavy = format!("{water}\ngravity = [0, 0, -9.81]");
+    assert_eq!(said(&scene(cube, &heavy, "[time]\nend = 0.3\nstep = 0.1")), "");
+}
+
+/// Vortices that turn once in a few steps lose most of their energy in them, and little in steps as
+/// short as the alarm asks for. A lid that sets water in motion takes energy in the first step.
+#[test]
+fn energy_that_vanishes_without_viscosity_raises_the_alarm() {
+    let vortices = |step: f64| {
+        let start =
+            "initial_velocity = [\"sin(6*pi*x)*cos(6*pi*y)\", \"-cos(6*pi*x)*sin(6*pi*y)\"]";
+        let fluid = format!("viscosity = 1e-6\n{start}");
+        let rest = format!("[boundary.walls]\nslip = true\n[time]\nend = 0.2\nstep = {step}\n");
+        scene(&square(36), &fluid, &rest)
+    };
+    assert_said(&vortices(0.05), &["Energy balance", "vanished", "smaller time.step"]);
+    assert_eq!(said(&vortices(0.0125)), "");
+    let lid = "[boundary.walls]\nno_slip = true\n[boundary.top]\nvelocity = [\"x*(1-x)\", 0]\n\
+               [time]\nend = 0.1\nstep = 0.05\n";
+    assert_eq!(said(&scene(&square(8), "viscosity = 0.01", lid)), "");
+}
+
+#[test]
+fn an_initial_velocity_that_does_not_fit_is_told() {
+    let time = "[time]\nend = 0.02\nstep = 0.01\n";
+    let plane = |velocity: &str, walls: &str| {
+        let fluid = format!("viscosity = 0.01\ninitial_velocity = {velocity}");
+        scene(&square(8), &fluid, &format!("{walls}\n{time}"))
+    };
+    let open = "[boundary.walls]\nopen = true";
+    let divergent = plane("[\"x\", \"y\"]", open);
+    let word = "warning: the initial velocity is not free of divergence: div u = 2.000";
+    assert_said(&divergent, &[word, "fluid.initial_velocity"]);
+    let explained = immersa(folder_with(&divergent).path(), &["explain", "scene.toml"]);
+    assert!(explained.stdout.contains(word), "{}", explained.stdout);
+    let through = "goes through boundary `walls`";
+    for wall in ["no_slip = true", "slip = true", "velocity = [0, 1]"] {
+        let walls = format!("[boundary.walls]\n{wall}");
+        assert_said(&plane("[1, 1]", &walls), &[through, "boundary.walls"]);
+    }
+    let left = "[boundary.left]\nperiodic = \"right\"";
+    let periodic = format!("{left}\n{open}");
+    assert_said(&plane("[\"-y\", \"x\"]", &periodic), &["is not periodic", "differs by 1.000"]);
+    // What fits: along the walls, constants of four digits, swirl in a round domain.
+    let [slip, no_slip] = ["slip", "no_slip"].map(|w| format!("[boundary.walls]\n{w} = true"));
+    let waves = "[\"sin(3.142*x)*cos(3.142*y)\", \"-cos(3.142*x)*sin(3.142*y)\"]";
+    let stream = "[boundary.left]\nvelocity = [1, 0]\n[boundary.right]\nopen = true";
+    for (velocity, walls) in [
+        ("[\"y*(1-y)\", 0]", format!("{left}\n{no_slip}")),
+        (waves, slip.clone()),
+        ("[1, 0]", format!("{slip}\n{stream}")),
+    ] {
+        assert_eq!(said(&plane(velocity, &walls)), "");
+    }
+    let disc = "disc = { centre = [0, 0], radius = 1, cells = 6 }";
+    let swirl = "viscosity = 0.01\ninitial_velocity = [\"-y\", \"x\"]";
+    assert_eq!(said(&scene(disc, swirl, &format!("{slip}\n{time}"))), "");
+    // In space.
+    let cube = "box = { min = [0, 0, 0], max = [1, 1, 1], cells = [2, 2, 2] }";
+    let swirl = |z: &str| format!("viscosity = 0.01\ninitial_velocity = [\"-y\", \"x\", {z}]");
+    let rest = format!("{open}\n{time}");
+    assert_said(&scene(cube, &swirl("\"z\""), &rest), &["div u = 1.000"]);
+    assert_eq!(said(&scene(cube, &swirl("1"), &rest)), "");
+    let rest = format!("{slip}\n{time}");
+    assert_said(&scene(cube, &swirl("1"), &rest), &[through]);
+}
+
+/// Zalesak's disc in a square, where fluid comes in: composed transport is refused there.
+#[test]
+fn the_advice_of_an_alarm_is_one_that_the_scene_takes() {
+    let turn = "prescribed_velocity = [\"2*pi*(0.5-y)\", \"2*pi*(x-0.5)\"]";
+    let slotted = "hypot(x-0.5,y-0.75)-0.15, min(min(0.025-abs(x-0.5), 2), 0.85-y)";
+    let disc = |cells: usize| {
+        let rest = format!(
+            "[[level_set]]\nshape.expression = \"max({slotted})\"\n\
+             [time]\nend = 0.5\nstep = 0.02"
+        );
+        scene(&square(cells), turn, &rest)
+    };
+    let told = said(&disc(24));
+    assert!(told.contains("Take a finer mesh or ") && !told.contains("composed"), "{told}");
+    assert_eq!(said(&disc(48)), "");
+}
