@@ -144,6 +144,18 @@ pub trait Problem {
     fn cut_bands(&self) -> Vec<String> {
         Vec::new()
     }
+    /// Names of the structures that leave the domain now, whose areas need not be kept.
+    fn leaving(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// Structures that the mesh does not resolve now: their names, and what is wrong with what
+    /// remedy.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
+        Ok(Vec::new())
+    }
     /// Remedies of alarms.
     fn advice(&self) -> Advice;
     /// The mesh, in the plane.

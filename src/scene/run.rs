@@ -123,6 +123,7 @@ impl<'a> Run<'a> {
         let mut run = Run { scene, folder, problem, series, record, plan, saved: Instant::now() };
         if fresh {
             run.record.note_mesh(&*run.problem);
+            run.record.note_leaving(&*run.problem);
             run.sample(0)?;
         }
         Ok(run)
@@ -167,6 +168,7 @@ impl<'a> Run<'a> {
                 self.record.note_first_step();
             }
             self.record.note_rise(before, &*self.problem);
+            self.record.note_leaving(&*self.problem);
             self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
             let elapsed = self.saved.elapsed().as_secs_f64();
             let due = self.scene.output.checkpoint.is_some_and(|s| elapsed >= s);

@@ -1,6 +1,7 @@
 //! Alarms and warnings about runs whose results mean nothing, and none about those that are right.
 
 use super::program::*;
+use immersa::output::Series;
 
 /// A scene without files but the series.
 fn scene(mesh: &str, fluid: &str, rest: &str) -> String {
@@ -127,4 +128,70 @@ fn the_advice_of_an_alarm_is_one_that_the_scene_takes() {
     let told = said(&disc(24));
     assert!(told.contains("Take a finer mesh or ") && !told.contains("composed"), "{told}");
     assert_eq!(said(&disc(48)), "");
+}
+
+/// A drop in a uniform stream that leaves through an open side, with what is told at the end.
+fn leaving(mesh: &str, [u, left, rest]: [&str; 3], shape: &str, more: &str) -> (String, Series) {
+    let scene = format!(
+        "output = {{ every = 0.05, fields = false, pictures = false, checkpoint = false }}\n\
+         mesh.{mesh}\n[fluid]\nviscosity = 0.05\ninitial_velocity = {u}\n\
+         [boundary.left]\nvelocity = {left}\n[boundary.right]\nopen = true\n\
+         [boundary.walls]\nslip = true\n[[drop]]\nname = \"d\"\nshape.{shape}\n\
+         tension = 1\n{more}\n{rest}\n"
+    );
+    let folder = folder_with(&scene);
+    let ended = immersa(folder.path(), &["run", "scene.toml", "--out", "run"]);
+    ended.expect(0, &["done"]);
+    let alarms = ended.stderr.lines().filter(|l| l.starts_with("ALARM"));
+    (alarms.collect::<Vec<_>>().join("\n"), series(&folder.path().join("run")))
+}
+
+/// Heavy or light, sharp or smeared: the stream carries it out as if it went on behind the side. Its
+/// tension leaves with it, and nothing comes back.
+#[test]
+fn a_drop_leaves_through_an_open_side_and_does_not_come_back() {
+    let mesh = "rectangle = { min = [0, 0], max = [2, 1], cells = [24, 12] }";
+    let rest = "[numerics]\nthickness = 0.21\n[time]\nend = 1\nstep = 0.02";
+    let circle = "circle = { centre = [1.4, 0.5], radius = 0.25 }";
+    for more in ["density = 2", "density = 0.01", "density = 2\nforce = \"smeared\""] {
+        let (alarms, series) = leaving(mesh, ["[1, 0]", "[1, 0]", rest], circle, more);
+        assert_eq!(alarms, "", "{more}");
+        let column = |name: &str| series.column(name).unwrap();
+        let fastest = column("velocity_max").iter().copied().fold(0.0, f64::max);
+        assert!(fastest < 1.03, "{more}: {fastest}");
+        let balance = column("energy_balance").last().unwrap();
+        assert!(balance.abs() < 2e-3, "{more}: {balance}");
+        assert!(column("d.area").last().unwrap().is_nan(), "{more}");
+        // Half of it has left when its centre would be at the side.
+        let at = series.columns[0].iter().position(|t| (t - 0.6).abs() < 1e-9).unwrap();
+        let half = column("d.area")[at] / column("d.area")[0];
+        assert!((half - 0.5).abs() < 0.01, "{more}: {half}");
+    }
+}
+
+#[test]
+fn a_drop_leaves_a_box_through_an_open_side() {
+    let mesh = "box = { min = [0, 0, 0], max = [1.5, 1, 1], cells = [9, 6, 6] }";
+    let rest = "[time]\nend = 0.9\nstep = 0.05\norder = 1";
+    let sphere = "sphere = { centre = [1, 0.5, 0.5], radius = 0.3 }";
+    let (alarms, series) = leaving(mesh, ["[1, 0, 0]", "[1, 0, 0]", rest], sphere, "");
+    assert_eq!(alarms, "");
+    let fastest = series.column("velocity_max").unwrap().iter().copied().fold(0.0, f64::max);
+    assert!(fastest < 1.1, "{fastest}");
+    assert!(series.column("d.volume").unwrap().last().unwrap().is_nan());
+}
+
+/// Where a flow turns back while a drop leaves, fluid from outside comes in.
+#[test]
+fn what_comes_in_through_an_open_side_is_fluid_from_outside() {
+    let mesh = "rectangle = { min = [0, 0], max = [2, 1], cells = [24, 12] }";
+    let rest = "[numerics]\nthickness = 0.21\n[time]\nend = 1.2\nstep = 0.02";
+    let circle = "circle = { centre = [1.5, 0.5], radius = 0.25 }";
+    let (alarms, series) = leaving(mesh, ["[1, 0]", "[\"cos(pi*t)\", 0]", rest], circle, "");
+    assert_eq!(alarms, "");
+    let area = series.column("d.area").unwrap();
+    let least = area.iter().copied().fold(f64::INFINITY, f64::min);
+    let (first, last) = (area[0], area.last().unwrap());
+    // At t = 0.5 its centre is 0.18 before the side, and a cap of height 0.07 has gone.
+    assert!((last / least - 1.0).abs() < 0.01 && last / first < 0.93, "{first} {least} {last}");
 }

@@ -207,6 +207,9 @@ impl<const D: usize> Problem for Advected<D> {
     fn derived(&self) -> Vec<(&'static str, f64)> {
         vec![("grad_div", 0.0)]
     }
+    fn leaving(&self) -> Vec<String> {
+        self.advection.leaving().map(str::to_string).collect()
+    }
     fn advice(&self) -> Advice {
         let numerics = &self.scene.numerics;
         let bound = self.takes_in || self.scene.adapt.is_some() || numerics.redistance.is_some();

@@ -26,6 +26,7 @@ use nalgebra::SVector;
 use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
+use std::collections::HashSet;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
@@ -88,6 +89,7 @@ impl<const D: usize> ImmersedFlow<D> {
         redistance(scene, simulation.carried_mut());
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
+        let wall_nodes = closed_nodes(&simulation);
             band_edges: edges_in_bands(&simulation, thickness),
             probes: Probes::new(scene, &mesh)?,
             carried_bands: ground::carried_bands(scene),
@@ -145,7 +147,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let sim = &flow.simulation;
         flow.band_edges = edges_in_bands(sim, flow.thickness);
         (flow.quality, _) = mesh::check(sim.space().mesh());
-        flow.wall_nodes = wall_nodes(sim.space(), sim.carried().translations());
+        flow.wall_nodes = closed_nodes(sim);
         flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
         Ok(())
     }
@@ -316,6 +318,12 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
         ground::plane(self.simulation.space().mesh())
+    fn leaving(&self) -> Vec<String> {
+        self.simulation.leaving().map(str::to_string).collect()
+    }
+    fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
+        unresolved(&self.simulation, self.thickness)
+    }
     }
     fn derived(&self) -> Vec<(&'static str, f64)> {
         let grad_div = ("grad_div", self.simulation.settings().grad_div);
@@ -329,6 +337,13 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             true => "",
             false => " a larger thickness over the edges of the mesh, numerics.band = \"carried\",",
         };
+/// Nodes on the boundary without periodic and open sides.
+fn closed_nodes<const D: usize>(sim: &Simulation<D>) -> Vec<u32> {
+    let open: HashSet<u32> = sim.outlet_nodes().collect();
+    let nodes = wall_nodes(sim.space(), sim.carried().translations()).into_iter();
+    nodes.filter(|n| !open.contains(n)).collect()
+}
+
         let transport = if projected { " transport = \"nodal\"," } else { "" };
         Advice {
             energy: format!("Take a larger numerics.grad_div,{band}{transport} or a smaller step."),

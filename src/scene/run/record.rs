@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::scene::problem::Problem;
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A column of a profile: its name, which contains the time, and its values.
 pub(super) type Column = (String, Vec<f64>);
@@ -38,6 +38,12 @@ pub(super) struct Record {
     pub area_change: BTreeMap<String, f64>,
     /// First time at which the band of a membrane reached the boundary.
     pub at_wall: BTreeMap<String, f64>,
+    /// Structures that have begun to leave the domain.
+    #[serde(default)]
+    pub left: BTreeSet<String>,
+    /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
+    #[serde(default)]
+    pub unresolved: BTreeMap<String, (f64, String, String)>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
     /// Solves of the linear systems.
@@ -134,11 +140,28 @@ impl Record {
         self.worst_balance = self.worst_balance.max(self.last_balance);
     }
 
-    /// Records the structures whose bands reach the boundary.
-    pub(super) fn note_walls(&mut self, problem: &dyn Problem) {
+    /// Records the structures that leave the domain.
+    pub(super) fn note_leaving(&mut self, problem: &dyn Problem) {
+        self.left.extend(problem.leaving());
+    }
+
+    /// Records the structures whose bands reach the boundary, and those that the mesh does not
+    /// resolve.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    pub(super) fn note_structures(&mut self, problem: &dyn Problem) -> Result<()> {
+        let time = problem.moment().time;
         for name in problem.cut_bands() {
             self.at_wall.entry(name).or_insert(problem.moment().time);
         }
+        for (name, Warning { what, remedy }) in problem.unresolved()? {
+            // What has left has no interface.
+            if !self.left.contains(&name) {
+                self.unresolved.entry(name).or_insert((time, what, remedy));
+            }
+        }
+        Ok(())
     }
 
     /// Records a row of the series.
@@ -152,8 +175,9 @@ impl Record {
             .filter(|(_, v)| v.is_finite())
             .collect();
         let [enclosed, _] = scene.extents();
-        // A segmentation does not conserve the area.
-        for name in scene.interfaces().filter(|_| scene.image.is_none()) {
+        // A segmentation does not conserve the area, nor does a domain that a structure leaves.
+        let kept = |name: &&str| scene.image.is_none() && !self.left.contains(*name);
+        for name in scene.interfaces().filter(kept) {
             // An interface that has vanished has no area.
             let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);
             let first = *self.area.entry(name.to_string()).or_insert(area);

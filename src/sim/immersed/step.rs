@@ -41,6 +41,7 @@ impl<const D: usize> Simulation<D> {
     fn flow_step(&mut self, work: &mut Work<D>) -> Result<StepReport> {
         let scheme = self.scheme();
         work.current.clone_from(&self.state.flow.u);
+        let leaving = self.leaving_at(&self.state.fields);
         self.phases.begin();
         // Predicted structures.
         self.predict(&scheme, work)?;
@@ -73,6 +74,7 @@ impl<const D: usize> Simulation<D> {
         // Energies and their balance (3.23).
         let now = self.measure(wall_power)?;
         self.state.balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
+        self.state.balance.work += self.energy_at_outlets(&leaving)?;
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
@@ -89,6 +91,7 @@ impl<const D: usize> Simulation<D> {
             (acting().count() > 0, acting().any(|s| s.coupling() == Coupling::SemiImplicit));
         if scheme.second && acts {
             self.carried.carry(fields, velocity, of, &[], ahead)?;
+            self.outlets.let_in(&self.carried.structures, current, scheme.dt, ahead);
         } else {
             ahead.clone_from(fields);
         }
@@ -137,8 +140,10 @@ impl<const D: usize> Simulation<D> {
         ];
         let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) =
             <_>::default();
-        for s in &self.carried.structures {
-            s.terms(&mut terms);
+        for (s, leaves) in self.carried.structures.iter().zip(self.leaving_at(ahead)) {
+            if !leaves {
+                s.terms(&mut terms);
+            }
             s.blocks(&mut blocks);
         }
         let step = Step {
@@ -181,6 +186,7 @@ impl<const D: usize> Simulation<D> {
         let of = (scheme.dt, scheme.time, false);
         let blocks = self.flow.block_values();
         self.carried.carry(&self.state.fields, velocity, of, blocks, moved)?;
+        self.outlets.let_in(&self.carried.structures, mean, scheme.dt, moved);
         std::mem::swap(&mut self.state.fields, moved);
         self.phases.end(Phase::Transport);
         if self.carried.redistance(self.state.steps + 1, &mut self.state.fields)? {
