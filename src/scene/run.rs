@@ -226,7 +226,7 @@ impl<'a> Run<'a> {
             let row = self.problem.row()?;
             self.series.append(now, row.values())?;
             self.record.rows = self.series.rows();
-            self.record.note_walls(&*self.problem);
+            self.record.note_structures(&*self.problem)?;
             self.record.note_row(self.scene, &row);
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
@@ -304,6 +304,9 @@ impl<'a> Run<'a> {
                 "The band of `{name}` reached the boundary at t = {time:.4}: its stress is cut \
                  off there. Enlarge the mesh or give a smaller thickness."
             ));
+        }
+        for (time, what, remedy) in self.record.unresolved.values() {
+            alarms.push(format!("{what} at t = {time:.4}. {remedy}."));
         }
         for (name, change) in &self.record.area_change {
             if change.abs() > AREA_ALARM {

@@ -2,6 +2,7 @@
 
 use super::program::*;
 use immersa::output::Series;
+use std::path::Path;
 
 /// A scene without files but the series.
 fn scene(mesh: &str, fluid: &str, rest: &str) -> String {
@@ -194,4 +195,63 @@ fn what_comes_in_through_an_open_side_is_fluid_from_outside() {
     let (first, last) = (area[0], area.last().unwrap());
     // At t = 0.5 its centre is 0.18 before the side, and a cap of height 0.07 has gone.
     assert!((last / least - 1.0).abs() < 0.01 && last / first < 0.93, "{first} {least} {last}");
+}
+
+#[test]
+fn an_inside_out_shape_is_refused() {
+    let inside_out = "shape.expression = \"0.3 - hypot(x - 0.5, y - 0.5)\"";
+    let time = "[time]\nend = 0.02\nstep = 0.01";
+    let acting = scene(
+        &square(16),
+        "viscosity = 1",
+        &format!("[[drop]]\ntension = 1\n{inside_out}\n{time}"),
+    );
+    let ended = immersa(folder_with(&acting).path(), &["run", "scene.toml"]);
+    ended.expect(2, &["`drop` is inside out", "scene.toml:", "value: ", "change the sign"]);
+    let passive = scene(
+        &square(16),
+        "prescribed_velocity = [0, 0]",
+        &format!("[[level_set]]\nname = \"a\"\n{inside_out}\n{time}"),
+    );
+    assert_said(&passive, &["warning: the shape of `a` is inside out"]);
+}
+
+#[test]
+fn a_band_thicker_than_what_it_surrounds_is_told() {
+    let drop = |radius: f64| {
+        let rest = format!(
+            "[[drop]]\nforce = \"smeared\"\ntension = 1\n\
+             shape.circle = {{ centre = [0.5, 0.5], radius = {radius} }}\n\
+             [numerics]\nthickness = 0.16\n[time]\nend = 0.02\nstep = 0.01"
+        );
+        scene(&square(16), "viscosity = 1", &rest)
+    };
+    assert_said(&drop(0.1), &["the band of `drop` is thicker", "inside 0.1", "thickness"]);
+    assert_eq!(said(&drop(0.25)), "");
+}
+
+/// A stream carries a drop into the coarse part of a mesh, whose cells are as large as the drop.
+#[test]
+fn a_drop_that_comes_into_coarse_cells_is_told_when_it_does() {
+    let drop = |force: &str| {
+        let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gmsh/graded.msh");
+        let rest = format!(
+            "[boundary.left]\nvelocity = [1, 0]\n[boundary.right]\nopen = true\n\
+             [boundary.walls]\nslip = true\n[[drop]]\nname = \"d\"\nforce = \"{force}\"\n\
+             tension = 0.1\nshape.circle = {{ centre = [0.4, 0.5], radius = 0.15 }}\n\
+             [numerics]\nthickness = 0.14\n[time]\nend = 1.6\nstep = 0.04\n"
+        );
+        let mesh = format!("file = \"{}\"", mesh.display());
+        said(&scene(&mesh, "viscosity = 0.05\ninitial_velocity = [1, 0]", &rest))
+    };
+    let time = |told: &str| -> f64 {
+        let after = told.split("at t = ").nth(1).unwrap_or_else(|| panic!("{told}"));
+        after.split(". ").next().unwrap().parse().unwrap()
+    };
+    let smeared = drop("smeared");
+    assert!(smeared.contains("The band of `d` is too thin for the mesh"), "{smeared}");
+    assert!((0.1..0.5).contains(&time(&smeared)), "{smeared}");
+    let sharp = drop("sharp");
+    assert!(sharp.contains("`d`, of radius 0.1") && sharp.contains("is not resolved"), "{sharp}");
+    assert!((0.7..1.5).contains(&time(&sharp)), "{sharp}");
 }

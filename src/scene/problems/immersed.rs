@@ -2,6 +2,8 @@
 
 use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
+use super::resolution::unresolved;
+use super::{flow_advice, scales};
 use crate::base::{Error, Kind, PHASES, Result, Warning};
 use crate::flow::{BodyForce, Load, StepReport, traction};
 use crate::levelset::band_edges;
@@ -18,15 +20,15 @@ use crate::scene::redistance::redistance;
 use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
 use crate::scene::site::{Site, vector, wall_nodes};
+use crate::scene::start::start;
 use crate::scene::view::View;
 use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
-use crate::scene::start::start;
 use crate::structure::Structure;
 use nalgebra::SVector;
 use std::any::Any;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
-use std::collections::HashSet;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
@@ -87,20 +89,20 @@ impl<const D: usize> ImmersedFlow<D> {
         let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
             .map_err(of_boundary)?;
         redistance(scene, simulation.carried_mut());
+        let wall_nodes = closed_nodes(&simulation);
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
-        let wall_nodes = closed_nodes(&simulation);
             band_edges: edges_in_bands(&simulation, thickness),
             probes: Probes::new(scene, &mesh)?,
             carried_bands: ground::carried_bands(scene),
             velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
             scene: scene.clone(),
             explicit_limit: None,
+            is_impulsive: start.impulsive,
             simulation,
             warnings,
             thickness,
             quality,
-            is_impulsive: start.impulsive,
             wall_nodes,
             lengths,
         };
@@ -287,13 +289,13 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let state = self.simulation.state();
         Some((state.energies, state.balance))
     }
+    fn is_impulsive(&self) -> bool {
+        self.is_impulsive
+    }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         self.simulation.take_costs()
     }
     fn facts(&self) -> Facts {
-    fn is_impulsive(&self) -> bool {
-        self.is_impulsive
-    }
         let (sim, flow) = (&self.simulation, self.simulation.flow());
         let velocity = flow.numbering().first_pressure();
         let pressure = flow.numbering().order() - velocity;
@@ -316,14 +318,14 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let cut = self.simulation.structures().iter().filter(|s| is_cut(&***s));
         cut.map(|s| s.name().to_string()).collect()
     }
-    fn plane_mesh(&self) -> Option<&Mesh<2>> {
-        ground::plane(self.simulation.space().mesh())
     fn leaving(&self) -> Vec<String> {
         self.simulation.leaving().map(str::to_string).collect()
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         unresolved(&self.simulation, self.thickness)
     }
+    fn plane_mesh(&self) -> Option<&Mesh<2>> {
+        ground::plane(self.simulation.space().mesh())
     }
     fn derived(&self) -> Vec<(&'static str, f64)> {
         let grad_div = ("grad_div", self.simulation.settings().grad_div);
@@ -331,25 +333,15 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         std::iter::once(grad_div).chain(thickness).collect()
     }
     fn advice(&self) -> Advice {
-        let projected = self.scene.numerics.transport == Method::Projected;
-        let sharp = self.scene.acting().any(|s| s.traits().on_interface);
-        let band = match sharp {
-            true => "",
-            false => " a larger thickness over the edges of the mesh, numerics.band = \"carried\",",
-        };
+        flow_advice::advice(&self.scene)
+    }
+}
+
 /// Nodes on the boundary without periodic and open sides.
 fn closed_nodes<const D: usize>(sim: &Simulation<D>) -> Vec<u32> {
     let open: HashSet<u32> = sim.outlet_nodes().collect();
     let nodes = wall_nodes(sim.space(), sim.carried().translations()).into_iter();
     nodes.filter(|n| !open.contains(n)).collect()
-}
-
-        let transport = if projected { " transport = \"nodal\"," } else { "" };
-        Advice {
-            energy: format!("Take a larger numerics.grad_div,{band}{transport} or a smaller step."),
-            area: "a larger numerics.grad_div or a finer mesh",
-        }
-    }
 }
 
 /// Shortest and longest edge in the bands of the acting structures.
@@ -360,62 +352,6 @@ fn edges_in_bands<const D: usize>(sim: &Simulation<D>, thickness: Option<f64>) -
     let edges = acting.filter_map(|id| band_edges(sim.space(), fields.scalar(id), eps));
     let edges = edges.map(|e| [e.smallest, e.largest]);
     edges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
-}
-
-/// The largest of the speeds due to walls, the initial state, gravity and the elastic waves of the
-/// structures.
-fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
-    let (fluid, length) = (&scene.fluid, site.size());
-    let density = heaviest(scene);
-    let initial = vector(&fluid.initial_velocity);
-    let mut speed = site.mesh.points().iter().map(|x| initial(x, 0.0).norm()).fold(0.0, f64::max);
-    for b in &scene.boundaries {
-        if let (Condition::Velocity(v), Ok(facets)) = (&b.condition, site.mesh.boundary(&b.name)) {
-            let v = vector(v);
-            for &f in facets {
-                for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
-                    // Multiples of the golden ratio are not in phase with any oscillation.
-                    for k in 0..SAMPLES {
-                        let t = scene.time.end * (k as f64 * 0.618_033_988_749_895).fract();
-                        speed = speed.max(v(&site.space.nodes()[n as usize], t).norm());
-                    }
-                }
-            }
-        }
-    }
-    if density > 0.0 {
-        for s in scene.acting() {
-            speed = speed.max((s.traits().modulus / (density * length)).sqrt());
-        }
-        let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
-        speed = speed.max((gravity * length).sqrt());
-        let force = vector(&fluid.force);
-        let force = site.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max);
-        speed = speed.max((force * length / density).sqrt());
-    }
-    speed
-}
-
-/// Weight of grad-div in units with `rho U L = 1`, at least the viscosity; `scales` are a speed and
-/// a length.
-fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
-    let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
-    let sharp = scene.acting().any(|s| s.traits().on_interface);
-    if !scene.has_inertia() {
-        return GRAD_DIV_STOKES[usize::from(sharp)] * viscosity;
-    }
-    let alone = scene.acting().next().is_none();
-    let weight = if sharp { GRAD_DIV_SHARP } else { GRAD_DIV[usize::from(alone)] };
-    (weight * heaviest(scene) * speed * length).max(viscosity)
-}
-
-/// The largest density in the inertia: of all fluids, or in the Boussinesq form of that outside.
-fn heaviest(scene: &Scene) -> f64 {
-    let outside = scene.outside().density;
-    match scene.fluid.boussinesq {
-        true => outside,
-        false => scene.fluids().map(|f| f.density).fold(outside, f64::max),
-    }
 }
 
 fn settings<const D: usize>(

@@ -6,6 +6,8 @@ mod flow_advice;
 mod flow_plan;
 mod ground;
 mod immersed;
+mod resolution;
+mod scales;
 mod segmented;
 
 pub use advected::Advected;

@@ -2,7 +2,7 @@
 
 use super::Clock;
 use super::solves::Solves;
-use crate::base::PHASES;
+use crate::base::{PHASES, Result, Warning};
 use crate::scene::Scene;
 use crate::scene::problem::Problem;
 use crate::scene::row::Row;
@@ -153,7 +153,7 @@ impl Record {
     pub(super) fn note_structures(&mut self, problem: &dyn Problem) -> Result<()> {
         let time = problem.moment().time;
         for name in problem.cut_bands() {
-            self.at_wall.entry(name).or_insert(problem.moment().time);
+            self.at_wall.entry(name).or_insert(time);
         }
         for (name, Warning { what, remedy }) in problem.unresolved()? {
             // What has left has no interface.
@@ -185,7 +185,6 @@ impl Record {
             let worst = self.area_change.entry(name.to_string()).or_insert(0.0);
             if change.abs() > worst.abs() {
                 *worst = change;
-        Ok(())
             }
         }
     }
