@@ -241,8 +241,8 @@ impl<const D: usize> Simulation<D> {
     }
     /// For each structure, true if it leaves through an open side and exerts no force.
     fn leaving_at(&self, fields: &Fields<D>) -> Vec<bool> {
-        let reached = |s: &Box<dyn Structure<D>>| self.outlets.are_reached(&**s, fields, None);
-        self.structures().iter().map(reached).collect()
+        let structures = self.structures().iter().map(|s| &**s);
+        structures.map(|s| self.outlets.are_reached(s, fields, None)).collect()
     }
     /// Nodes on open sides, some of them several times.
     pub fn outlet_nodes(&self) -> impl Iterator<Item = u32> + '_ {
