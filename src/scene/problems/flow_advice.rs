@@ -3,6 +3,7 @@
 use crate::elastic::Band;
 use crate::scene::Scene;
 use crate::scene::problem::Advice;
+use crate::scene::schema::Condition;
 use crate::scene::structures::{StructureKind, band_of};
 use crate::sim::Coupling;
 use crate::transport::Method;
@@ -28,9 +29,18 @@ pub(super) fn advice(scene: &Scene) -> Advice {
         energy.push("numerics.transport = \"nodal\"".into());
     }
     energy.push("a smaller time.step".into());
-    let mut loss = vec!["a smaller time.step", "a finer mesh"];
+    let mut loss = vec!["a smaller time.step".to_string(), "a finer mesh".into()];
     if time.order == 1 {
-        loss.insert(0, "time.order = 2");
+        loss.insert(0, "time.order = 2".into());
+    }
+    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
+    let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
+    if !open.is_empty() {
+        let away = format!(
+            "a domain with {} farther away where fluid comes back in there",
+            open.join(" and ")
+        );
+        [&mut energy, &mut loss].into_iter().for_each(|list| list.push(away.clone()));
     }
     Advice {
         energy: one_of(&energy),
