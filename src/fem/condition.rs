@@ -31,7 +31,10 @@ pub type Conditions<const D: usize> = Vec<(String, Condition<D>)>;
 
 /// For every facet the number of its condition, sorted by ascending priority; `None` means no slip
 /// by default.
-pub(super) fn condition_of_facets<const D: usize>(
+///
+/// # Errors
+/// A name that the mesh does not have, a facet without a condition.
+pub fn condition_of_facets<const D: usize>(
     mesh: &Mesh<D>,
     conditions: &Conditions<D>,
 ) -> Result<Vec<(u32, Option<usize>)>> {

@@ -8,6 +8,7 @@ mod cuts;
 mod errors;
 pub mod expression;
 mod geometry;
+mod images;
 pub mod keys;
 mod measure;
 mod meshing;
@@ -31,6 +32,7 @@ pub mod schema;
 mod script;
 mod shapes;
 mod site;
+mod start;
 pub mod structures;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -95,12 +95,14 @@ impl ElasticWave {
 }
 
 /// Remedies of alarms, in terms of scene keys.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Advice {
     /// Against spurious energy.
     pub energy: String,
+    /// Against energy that vanishes.
+    pub loss: String,
     /// Against a change of an enclosed area.
-    pub area: &'static str,
+    pub area: String,
 }
 
 /// A column of a profile: the suffix of its name, and its values.
@@ -163,6 +165,11 @@ pub trait Problem {
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         None
     }
+    /// True if the first step changes the velocity at once, which takes energy: a fluid at rest that
+    /// is set in motion, or an initial velocity that does not fit.
+    fn is_impulsive(&self) -> bool {
+        false
+    }
     /// CPU seconds by [phase](PHASES) since the last call, and number of substitutions with the
     /// factor of the flow.
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64);
@@ -176,6 +183,18 @@ pub trait Problem {
     /// steps follow the error.
     fn waves(&self) -> Vec<ElasticWave> {
         Vec::new()
+    }
+    /// Names of the structures that leave the domain now, whose areas need not be kept.
+    fn leaving(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// Structures that the mesh does not resolve now: their names, and what is wrong with what
+    /// remedy.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
+        Ok(Vec::new())
     }
     /// Remedies of alarms.
     fn advice(&self) -> Advice;

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Spurious energy, over the energy in play, that raises the alarm.
+/// Spurious or lost energy, over the energy in play, that raises the alarm.
 const ENERGY_ALARM: f64 = 0.05;
 /// Threshold of the alarm for the relative change of an enclosed area.
 const AREA_ALARM: f64 = 0.01;
@@ -124,6 +124,7 @@ impl<'a> Run<'a> {
         if fresh {
             run.record.note_mesh(&*run.problem);
             run.record.note_waves(&*run.problem);
+            run.record.note_leaving(&*run.problem);
             run.sample(0)?;
         }
         Ok(run)
@@ -169,6 +170,7 @@ impl<'a> Run<'a> {
             }
             self.record.note_rise(before, &*self.problem);
             self.record.note_waves(&*self.problem);
+            self.record.note_leaving(&*self.problem);
             self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
             let elapsed = self.saved.elapsed().as_secs_f64();
             let due = self.scene.output.checkpoint.is_some_and(|s| elapsed >= s);
@@ -226,7 +228,7 @@ impl<'a> Run<'a> {
             let row = self.problem.row()?;
             self.series.append(now, row.values())?;
             self.record.rows = self.series.rows();
-            self.record.note_walls(&*self.problem);
+            self.record.note_structures(&*self.problem)?;
             self.record.note_row(self.scene, &row);
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
@@ -285,13 +287,19 @@ impl<'a> Run<'a> {
 
     fn alarms(&self) -> Vec<String> {
         let (mut alarms, advice) = (Vec::new(), self.problem.advice());
-        if self.record.worst_balance > ENERGY_ALARM {
-            alarms.push(format!(
-                "Energy balance: {:.1} % of the energy in play is spurious, so the motion is not \
-                 to be trusted. {}",
-                100.0 * self.record.worst_balance,
-                advice.energy
-            ));
+        let lost = -self.record.last_balance;
+        for (share, what, remedy) in [
+            (self.record.worst_balance, "is spurious", advice.energy),
+            // While a motion sets in, the energy in play is small: a loss is judged at the end.
+            (lost, "vanished without viscosity taking it", advice.loss),
+        ] {
+            if share > ENERGY_ALARM {
+                alarms.push(format!(
+                    "Energy balance: {:.1} % of the energy in play {what}, so the motion is not \
+                     to be trusted. Take {remedy}.",
+                    100.0 * share
+                ));
+            }
         }
         let [lost, won] = [self.record.least_balance, self.record.worst_balance];
         let residual = if won > -lost { won } else { lost };
@@ -310,9 +318,12 @@ impl<'a> Run<'a> {
                  off there. Enlarge the mesh or give a smaller thickness."
             ));
         }
+        for (time, what, remedy) in self.record.unresolved.values() {
+            alarms.push(format!("{what} at t = {time:.4}. {remedy}."));
+        }
         for (name, change) in &self.record.area_change {
             if change.abs() > AREA_ALARM {
-                let ([enclosed, _], remedy) = (self.scene.extents(), advice.area);
+                let ([enclosed, _], remedy) = (self.scene.extents(), &advice.area);
                 alarms.push(format!(
                     "Enclosed {enclosed}: that of `{name}` changed by {:+.2} %. Take {remedy}.",
                     100.0 * change

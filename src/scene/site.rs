@@ -1,13 +1,14 @@
 //! The mesh of a scene with spaces, links and conditions, on which problems are built.
 
 use super::expression::Expression;
+use super::images::Images;
 use super::points::coordinates;
 use super::schema::{Condition, Shape};
 use super::script::Script;
 use super::shapes;
 use crate::base::{Error, Result, Warning};
-use crate::fem::{self, Conditions, Element, Space, image_shifts};
-use crate::levelset::{Shape as Distance, check_inside, signed_distance};
+use crate::fem::{self, Conditions, Element, Space};
+use crate::levelset::check_inside;
 use crate::mesh::{Mesh, Point, Quality};
 use crate::structure::InitialFunction;
 use nalgebra::SVector;
@@ -77,27 +78,9 @@ impl<'a, const D: usize> Site<'a, D> {
         if !open {
             check_inside((low, high), domain, 0.0).map_err(place)?;
         }
-        let shifts = image_shifts(&self.pairs);
-        let nodal =
-            self.with_images(signed_distance(&self.space, shape.as_ref()), shape.as_ref(), &shifts);
-        let nearest =
-            move |x: &Point<D>| nearest_image(shifts.iter().map(|s| shape.distance(&(x + s))));
-        Ok(Placed { nodal, function: Arc::new(nearest) })
-    }
-
-    /// The distance to the nearest of the periodic images of a shape, so that the level set is
-    /// periodic too.
-    fn with_images(
-        &self,
-        mut distance: Vec<f64>,
-        shape: &dyn Distance<D>,
-        shifts: &[Point<D>],
-    ) -> Vec<f64> {
-        for (d, x) in distance.iter_mut().zip(self.space.nodes()).filter(|_| shifts.len() > 1) {
-            let images = shifts.iter().skip(1).map(|shift| shape.distance(&(x + shift)));
-            *d = nearest_image(std::iter::once(*d).chain(images));
-        }
-        distance
+        let images = Images::new(shape, &self.space, &self.pairs);
+        let nodal = images.nodal(&self.space, &self.pairs).map_err(place)?;
+        Ok(Placed { nodal, function: Arc::new(move |x: &Point<D>| images.distance(x)) })
     }
 
     /// Rejects an expression of `[fluid]` without a finite value at some node at time 0.
@@ -127,15 +110,6 @@ pub(super) fn wall_nodes<const D: usize>(
     pairs.iter().for_each(|p| wall[p.facet as usize] = false);
     let facets = facets.iter().zip(wall).filter(|(_, wall)| *wall);
     facets.flat_map(|(f, _)| space.facet_nodes(f).collect::<Vec<_>>()).collect()
-}
-
-/// The signed distance to the union of a shape and its images, from the distances to each. If all
-/// are negative, all images are the same shape, such as the half plane below a wave, and the
-/// smallest magnitude is taken.
-fn nearest_image(distances: impl Iterator<Item = f64>) -> f64 {
-    let start = (f64::INFINITY, f64::NEG_INFINITY);
-    let (least, greatest) = distances.fold(start, |(l, g), d| (l.min(d), g.max(d)));
-    if greatest < 0.0 { greatest } else { least }
 }
 
 /// Boundary conditions of a scene on a mesh.

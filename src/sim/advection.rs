@@ -1,6 +1,7 @@
 //! Level sets in a prescribed velocity: no flow is solved.
 
 use super::carried::{Carried, Transport, largest};
+use super::outlets::Outlets;
 use super::state::State;
 use super::transfer::{Bring, Transfer};
 use crate::base::{PHASES, Phases, Result};
@@ -11,6 +12,7 @@ use crate::mesh::Mesh;
 use crate::structure::{Fields, Structure, Velocity};
 use nalgebra::SVector;
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Structures transported by a prescribed velocity; there is no flow matrix and no pressure.
@@ -41,6 +43,7 @@ pub struct Advection<const D: usize> {
     dt: f64,
     conditions: Conditions<D>,
     carried: Carried<D>,
+    outlets: Outlets<D>,
     state: State<D>,
     phases: Phases,
     moved: Fields<D>,
@@ -70,12 +73,15 @@ impl<const D: usize> Advection<D> {
         structures: Vec<Box<dyn Structure<D>>>,
     ) -> Result<Advection<D>> {
         let links = periodic_pairs(space.mesh(), conditions)?;
+        let periodic: HashSet<u32> = links.iter().map(|l| l.facet).collect();
+        let facets = 0..space.mesh().facets().len() as u32;
+        let outlets = Outlets::new(&space, facets.filter(|f| !periodic.contains(f)));
         let (carried, fields) = Carried::new(&space, links, transport, structures, (None, kept))?;
         let flow = FlowState { u: space.interpolate(|x| velocity(x, 0.0)), p: Vec::new() };
         let state = State { flow, fields, ..State::default() };
         let (phases, moved, conditions) =
             (Phases::default(), Fields::default(), conditions.clone());
-        Ok(Advection { velocity, dt, conditions, carried, state, phases, moved })
+        Ok(Advection { velocity, dt, conditions, carried, outlets, state, phases, moved })
     }
 
     /// Takes one step.
@@ -138,6 +144,12 @@ impl<const D: usize> Advection<D> {
     /// Level set of structure number `k` at the nodes.
     pub fn level_set(&self, k: usize) -> Cow<'_, [f64]> {
         self.carried.level_set(&self.state.fields, k)
+    }
+    /// Names of the structures that have reached a part of the boundary that the velocity crosses.
+    pub fn leaving(&self) -> impl Iterator<Item = &str> {
+        let (fields, u) = (&self.state.fields, &self.state.flow.u);
+        let reached = |s: &dyn Structure<D>| self.outlets.are_reached(s, fields, Some(u));
+        self.carried.structures.iter().filter(move |s| reached(&***s)).map(|s| s.name())
     }
     /// Largest speed at a node.
     pub fn largest_speed(&self) -> f64 {

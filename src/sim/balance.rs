@@ -37,12 +37,14 @@ pub struct EnergyBalance {
     pub exchanged: f64,
     /// Energy added by transfers to new meshes; not subtracted from the residual.
     pub transferred: f64,
+    /// Energy below which differences are rounding errors.
+    pub least: f64,
 }
 
 impl EnergyBalance {
-    /// A balance that starts with `e`.
-    pub fn new(e: &Energies) -> EnergyBalance {
-        EnergyBalance { initial: e.total(), ..EnergyBalance::default() }
+    /// A balance that starts with `e`; energies below `least` are rounding errors.
+    pub fn new(e: &Energies, least: f64) -> EnergyBalance {
+        EnergyBalance { initial: e.total(), least, ..EnergyBalance::default() }
     }
     /// Adds a step of length `dt` from `old` to `new`. Rates are taken at the new time (`order` 1,
     /// as in backward Euler) or as the mean (order 2).
@@ -53,12 +55,19 @@ impl EnergyBalance {
         self.work += dt * mean(|e| e.power);
         self.exchanged += dt * mean(|e| e.power.abs());
     }
-    /// Spurious energy since time 0 over the reference energy (the initial energy and the absolute
-    /// work); negative if the scheme is dissipative.
+    /// Spurious energy since time 0; negative if the scheme is dissipative.
+    pub fn spurious(&self, now: &Energies) -> f64 {
+        now.total() + self.dissipated - self.work - self.initial
+    }
+    /// An energy over that in play: the initial energy and the absolute work, and at least that of
+    /// rounding errors.
+    pub fn share(&self, energy: f64) -> f64 {
+        let in_play = (self.initial.abs() + self.exchanged).max(self.least);
+        if in_play > 0.0 { energy / in_play } else { 0.0 }
+    }
+    /// Spurious energy over the energy in play.
     pub fn residual(&self, now: &Energies) -> f64 {
-        let scale = self.initial.abs() + self.exchanged;
-        let created = now.total() + self.dissipated - self.work - self.initial;
-        if scale > 0.0 { created / scale } else { 0.0 }
+        self.share(self.spurious(now))
     }
 }
 
@@ -75,7 +84,7 @@ mod tests {
             dissipation: (-t).exp(),
             ..Energies::default()
         };
-        let mut balance = EnergyBalance::new(&at(0.0));
+        let mut balance = EnergyBalance::new(&at(0.0), 0.0);
         let dt = 1e-3;
         for k in 1..=1000 {
             balance.advance(&at((k - 1) as f64 * dt), &at(k as f64 * dt), dt, 2);
@@ -92,7 +101,7 @@ mod tests {
         let old = Energies { dissipation: 1.0, grad_div: 2.0, power: -4.0, ..Energies::default() };
         let new = Energies { dissipation: 3.0, grad_div: 6.0, power: 8.0, ..Energies::default() };
         let after = |order| {
-            let mut budget = EnergyBalance::new(&old);
+            let mut budget = EnergyBalance::new(&old, 0.0);
             budget.advance(&old, &new, 0.5, order);
             [budget.dissipated, budget.work, budget.exchanged]
         };
@@ -110,8 +119,10 @@ mod tests {
             work: 2.0,
             exchanged: 5.0,
             transferred: 0.0,
+            least: 4.0,
         };
         assert_eq!(budget.residual(&now), 0.125);
+        assert_eq!(EnergyBalance { least: 16.0, ..budget }.residual(&now), 0.0625);
         assert_eq!(EnergyBalance::default().residual(&now), 0.0);
     }
 }

@@ -10,7 +10,7 @@ use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x05";
+const MAGIC: &[u8; 8] = b"immersa\x06";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
@@ -37,7 +37,7 @@ impl<const D: usize> State<D> {
         }
         let (e, b) = (self.energies, self.balance);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
-        out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred]);
+        out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred, b.least]);
         let check = fnv1a(&out.0);
         out.integer(check);
         out.0
@@ -109,10 +109,10 @@ impl<const D: usize> State<D> {
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] =
             from.numbers()?.try_into().ok()?;
-        let [initial, dissipated, work, exchanged, transferred] =
+        let [initial, dissipated, work, exchanged, transferred, least] =
             from.numbers()?.try_into().ok()?;
         let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
-        let balance = EnergyBalance { initial, dissipated, work, exchanged, transferred };
+        let balance = EnergyBalance { initial, dissipated, work, exchanged, transferred, least };
         let flow = FlowState { u, p };
         Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
     }
@@ -155,7 +155,7 @@ mod tests {
                 solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },
             }),
             energies: Energies { kinetic: 1.5, ..Energies::default() },
-            balance: EnergyBalance { work: 0.25, ..EnergyBalance::default() },
+            balance: EnergyBalance { work: 0.25, least: 1e-9, ..EnergyBalance::default() },
         }
     }
 

@@ -7,6 +7,7 @@ mod carried;
 mod checkpoint;
 mod clock;
 mod immersed;
+mod outlets;
 mod segmentation;
 mod state;
 mod strain;

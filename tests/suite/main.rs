@@ -3,6 +3,7 @@
 mod adapted;
 mod adaptive;
 mod adaptmesh;
+mod alarms;
 mod band;
 mod book;
 mod broken_meshes;
@@ -23,6 +24,7 @@ mod krylov;
 mod layers;
 mod meshes;
 mod passive;
+mod periodic;
 mod precision;
 mod program;
 mod redistance;

@@ -1,5 +1,6 @@
 //! Level sets of a scene in a prescribed velocity.
 
+use super::flow_advice::one_of;
 use super::{fields, ground};
 use crate::base::{Error, PHASES, Result, Warning, same};
 use crate::flow::StepReport;
@@ -16,6 +17,7 @@ use crate::scene::row::Row;
 use crate::scene::site::{Site, vector};
 use crate::scene::view::View;
 use crate::sim::{Advection, State, Transfer};
+use crate::transport::Method;
 use std::any::Any;
 use std::path::Path;
 use std::sync::Arc;
@@ -32,6 +34,8 @@ pub struct Advected<const D: usize = 2> {
     pub(in crate::scene) lengths: Option<Lengths>,
     probes: Probes<D>,
     carried_bands: Vec<Option<f64>>,
+    /// True if fluid may come in through the boundary.
+    takes_in: bool,
 }
 
 impl<const D: usize> Advected<D> {
@@ -47,6 +51,7 @@ impl<const D: usize> Advected<D> {
         site.check_finite("prescribed_velocity", velocity)?;
         let placed = ground::place(scene, &site)?;
         let structures = ground::structures(scene, &mut site, placed, None)?;
+        let takes_in = ground::inflow(scene, &site.mesh, &site.pairs).is_some();
         let Site { mesh, conditions, quality, warnings, .. } = site;
         let velocity = (Arc::new(vector(velocity)) as _, scene.time.step);
         let transport = (ground::transport(scene), &conditions);
@@ -54,7 +59,16 @@ impl<const D: usize> Advected<D> {
         redistance(scene, advection.carried_mut());
         let (probes, carried_bands) = (Probes::new(scene, &mesh)?, ground::carried_bands(scene));
         let scene = scene.clone();
-        Ok(Advected { advection, warnings, quality, scene, lengths, probes, carried_bands })
+        Ok(Advected {
+            advection,
+            warnings,
+            quality,
+            scene,
+            lengths,
+            probes,
+            carried_bands,
+            takes_in,
+        })
     }
 
     /// Transfers the problem to another mesh of the domain.
@@ -193,7 +207,22 @@ impl<const D: usize> Problem for Advected<D> {
     fn derived(&self) -> Vec<(&'static str, f64)> {
         vec![("grad_div", 0.0)]
     }
+    fn leaving(&self) -> Vec<String> {
+        self.advection.leaving().map(str::to_string).collect()
+    }
     fn advice(&self) -> Advice {
-        Advice { energy: String::new(), area: "numerics.transport = \"composed\" or a finer mesh" }
+        let numerics = &self.scene.numerics;
+        let bound = self.takes_in || self.scene.adapt.is_some() || numerics.redistance.is_some();
+        let mut choices = vec!["a finer mesh"];
+        match numerics.transport {
+            Method::Composed => {}
+            _ if !bound => choices.push("numerics.transport = \"composed\""),
+            Method::Projected => choices.push("numerics.transport = \"nodal\""),
+            Method::Nodal => {}
+        }
+        if numerics.transport != Method::Composed && numerics.redistance.is_none() {
+            choices.push("numerics.redistance = { method = \"exact\", volume = true }");
+        }
+        Advice { area: one_of(&choices), ..Advice::default() }
     }
 }

@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use crate::scene::adapt::{Lengths, adapted_start};
 use crate::scene::checks::unreached_profiles;
 use crate::scene::expression::Expression;
+use crate::scene::keys::Tabled;
 use crate::scene::meshing;
 pub(super) use crate::scene::placing::place;
 use crate::scene::schema::{self, Boundary, Condition, MeshSource};
@@ -121,10 +122,41 @@ pub(super) fn structures<const D: usize>(
     let mut all = Vec::new();
     for (k, (kind, placed)) in scene.structures().iter().zip(placed).enumerate() {
         let (keys, inside) = (scene.structure_keys(k), scene.inside(&**kind));
+        check_sign(scene, site, k, placed.as_ref())?;
         let mut build = Build { site, keys, placed, thickness: eps, inside, walls: &walls };
         all.push(kind_in::<D>(&**kind)?.build(&mut build)?);
     }
     Ok(all)
+}
+
+/// Checks that a shape is not inside out: negative on the whole boundary. An interface that acts is
+/// closed, and this is an error; one that is passive, or ends at periodic sides, may have two
+/// insides along the walls.
+///
+/// # Errors
+/// Such a shape.
+fn check_sign<const D: usize>(
+    scene: &Scene,
+    site: &mut Site<'_, D>,
+    k: usize,
+    placed: Option<&Placed<D>>,
+) -> Result<()> {
+    let walls = site.wall_nodes();
+    let Some(Placed { nodal, .. }) = placed.filter(|_| !walls.is_empty()) else { return Ok(()) };
+    if !walls.iter().all(|&n| nodal[n as usize] < 0.0) {
+        return Ok(());
+    }
+    let kind = &scene.structures()[k];
+    let what =
+        format!("the shape of `{}` is inside out: negative on the whole boundary", kind.name());
+    let remedy = "change the sign of shape.expression: it is negative inside, positive outside";
+    if !kind.traits().acts || !site.pairs.is_empty() {
+        site.warnings.push(Warning::new(what, remedy));
+        return Ok(());
+    }
+    let [list, number] = scene.structure_keys(k);
+    let value = kind.shape().map(|s| s.inline()).unwrap_or_default();
+    Err(scene.blame(&[&list, &number, "shape"], Error::scene(what).value(value).remedy(remedy)))
 }
 
 /// For each structure, the slope that its band is measured with, if the band is carried.
@@ -276,7 +308,7 @@ fn check_inflow<const D: usize>(
 }
 
 /// A part of the boundary with possible inflow.
-fn inflow<const D: usize>(
+pub(super) fn inflow<const D: usize>(
     scene: &Scene,
     mesh: &Mesh<D>,
     pairs: &[Translation<D>],

@@ -4,6 +4,8 @@ mod waves;
 
 use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
+use super::resolution::unresolved;
+use super::{flow_advice, scales};
 use crate::base::{Error, Kind, PHASES, Result, Warning};
 use crate::flow::{BodyForce, Load, StepReport, traction};
 use crate::levelset::band_edges;
@@ -19,30 +21,16 @@ use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem,
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
-use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector, wall_nodes};
+use crate::scene::start::start;
 use crate::scene::view::View;
 use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
 use crate::structure::Structure;
-use crate::transport::Method;
 use nalgebra::SVector;
 use std::any::Any;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Default weight of the grad-div term over `rho U L`: for a flow with a membrane, to which
-/// divergence errors add energy, and for a flow alone, where a larger weight reduces the accuracy
-/// (driven cavity on 32 x 32, error of u_min: 6e-3 with a weight of 5, 2e-4 with 0.1).
-const GRAD_DIV: [f64; 2] = [5.0, 0.1];
-/// Default weight with a sharp membrane: the spurious currents around a drop at rest are inversely
-/// proportional to it (n = 30: 9e-3 at 5, 9e-4 at 50).
-const GRAD_DIV_SHARP: f64 = 50.0;
-/// Default weight of the grad-div term over the viscosity in a flow without inertia: with a band,
-/// and with a sharp membrane (lambda = 10, mu = 0.01, n = 20: 14 % spurious energy at 10, 2.8 % at
-/// 500).
-const GRAD_DIV_STOKES: [f64; 2] = [10.0, 500.0];
-/// Number of times at which prescribed velocities are sampled for the velocity scale.
-const SAMPLES: usize = 64;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
@@ -68,7 +56,9 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub(in crate::scene) scene: Scene,
     /// Target lengths of an adapted mesh.
     pub(in crate::scene) lengths: Option<Lengths>,
-    /// Nodes on the boundary without periodic sides.
+    /// True if the first step changes the velocity at once.
+    is_impulsive: bool,
+    /// Nodes on the boundary without periodic and open sides.
     wall_nodes: Vec<u32>,
     probes: Probes<D>,
     carried_bands: Vec<Option<f64>>,
@@ -86,14 +76,17 @@ impl<const D: usize> ImmersedFlow<D> {
         let placed = ground::place(scene, &site)?;
         let thickness = ground::thickness(scene, &site, &placed)?;
         let structures = ground::structures(scene, &mut site, placed, thickness)?;
-        let scales = [velocity_scale(scene, &site), site.size()];
-        let grad_div = scene.numerics.grad_div.unwrap_or_else(|| grad_div(scene, scales));
-        let settings = settings(scene, &site, grad_div);
+        let scales = [scales::velocity(scene, &site), site.size()];
+        let grad_div = scene.numerics.grad_div.unwrap_or_else(|| scales::grad_div(scene, scales));
+        let least_energy = scales::least_energy(scene, &site, scales);
+        let settings = SimulationSettings { least_energy, ..settings(scene, &site, grad_div) };
         let of_coupling = settings.check_couplings(&structures);
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         site.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
         site.check_finite("force", &scene.fluid.force)?;
-        let (wall_nodes, initial) = (site.wall_nodes(), vector(&scene.fluid.initial_velocity));
+        let initial = vector(&scene.fluid.initial_velocity);
+        let start = start(scene, &site)?;
+        site.warnings.extend(start.warnings);
         let Site { mesh, quality, warnings, .. } = site;
         let of_boundary = |e: Error| match e.kind() {
             Kind::Scene => scene.blame(&["boundary"], e),
@@ -102,6 +95,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
             .map_err(of_boundary)?;
         redistance(scene, simulation.carried_mut());
+        let wall_nodes = closed_nodes(&simulation);
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
@@ -112,6 +106,7 @@ impl<const D: usize> ImmersedFlow<D> {
             explicit_limit: None,
             stretched_limit: None,
             radii: Vec::new(),
+            is_impulsive: start.impulsive,
             simulation,
             warnings,
             thickness,
@@ -157,7 +152,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let sim = &flow.simulation;
         flow.band_edges = edges_in_bands(sim, flow.thickness);
         (flow.quality, _) = mesh::check(sim.space().mesh());
-        flow.wall_nodes = wall_nodes(sim.space(), sim.carried().translations());
+        flow.wall_nodes = closed_nodes(sim);
         flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
         Ok(())
     }
@@ -298,6 +293,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let state = self.simulation.state();
         Some((state.energies, state.balance))
     }
+    fn is_impulsive(&self) -> bool {
+        self.is_impulsive
+    }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         self.simulation.take_costs()
     }
@@ -327,6 +325,12 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn waves(&self) -> Vec<ElasticWave> {
         self.elastic_waves()
     }
+    fn leaving(&self) -> Vec<String> {
+        self.simulation.leaving().map(str::to_string).collect()
+    }
+    fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
+        unresolved(&self.simulation, self.thickness)
+    }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
         ground::plane(self.simulation.space().mesh())
     }
@@ -336,18 +340,15 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         std::iter::once(grad_div).chain(thickness).collect()
     }
     fn advice(&self) -> Advice {
-        let projected = self.scene.numerics.transport == Method::Projected;
-        let sharp = self.scene.acting().any(|s| s.traits().on_interface);
-        let band = match sharp {
-            true => "",
-            false => " a larger thickness over the edges of the mesh, numerics.band = \"carried\",",
-        };
-        let transport = if projected { " transport = \"nodal\"," } else { "" };
-        Advice {
-            energy: format!("Take a larger numerics.grad_div,{band}{transport} or a smaller step."),
-            area: "a larger numerics.grad_div or a finer mesh",
-        }
+        flow_advice::advice(&self.scene)
     }
+}
+
+/// Nodes on the boundary without periodic and open sides.
+fn closed_nodes<const D: usize>(sim: &Simulation<D>) -> Vec<u32> {
+    let open: HashSet<u32> = sim.outlet_nodes().collect();
+    let nodes = wall_nodes(sim.space(), sim.carried().translations()).into_iter();
+    nodes.filter(|n| !open.contains(n)).collect()
 }
 
 /// Shortest and longest edge in the bands of the acting structures.
@@ -358,62 +359,6 @@ fn edges_in_bands<const D: usize>(sim: &Simulation<D>, thickness: Option<f64>) -
     let edges = acting.filter_map(|id| band_edges(sim.space(), fields.scalar(id), eps));
     let edges = edges.map(|e| [e.smallest, e.largest]);
     edges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
-}
-
-/// The largest of the speeds due to walls, the initial state, gravity and the elastic waves of the
-/// structures.
-fn velocity_scale<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
-    let (fluid, length) = (&scene.fluid, site.size());
-    let density = heaviest(scene);
-    let initial = vector(&fluid.initial_velocity);
-    let mut speed = site.mesh.points().iter().map(|x| initial(x, 0.0).norm()).fold(0.0, f64::max);
-    for b in &scene.boundaries {
-        if let (Condition::Velocity(v), Ok(facets)) = (&b.condition, site.mesh.boundary(&b.name)) {
-            let v = vector(v);
-            for &f in facets {
-                for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
-                    // Multiples of the golden ratio are not in phase with any oscillation.
-                    for k in 0..SAMPLES {
-                        let t = scene.time.end * (k as f64 * 0.618_033_988_749_895).fract();
-                        speed = speed.max(v(&site.space.nodes()[n as usize], t).norm());
-                    }
-                }
-            }
-        }
-    }
-    if density > 0.0 {
-        for s in scene.acting() {
-            speed = speed.max((s.traits().modulus / (density * length)).sqrt());
-        }
-        let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
-        speed = speed.max((gravity * length).sqrt());
-        let force = vector(&fluid.force);
-        let force = site.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max);
-        speed = speed.max((force * length / density).sqrt());
-    }
-    speed
-}
-
-/// Weight of grad-div in units with `rho U L = 1`, at least the viscosity; `scales` are a speed and
-/// a length.
-fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
-    let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
-    let sharp = scene.acting().any(|s| s.traits().on_interface);
-    if !scene.has_inertia() {
-        return GRAD_DIV_STOKES[usize::from(sharp)] * viscosity;
-    }
-    let alone = scene.acting().next().is_none();
-    let weight = if sharp { GRAD_DIV_SHARP } else { GRAD_DIV[usize::from(alone)] };
-    (weight * heaviest(scene) * speed * length).max(viscosity)
-}
-
-/// The largest density in the inertia: of all fluids, or in the Boussinesq form of that outside.
-fn heaviest(scene: &Scene) -> f64 {
-    let outside = scene.outside().density;
-    match scene.fluid.boussinesq {
-        true => outside,
-        false => scene.fluids().map(|f| f.density).fold(outside, f64::max),
-    }
 }
 
 fn settings<const D: usize>(

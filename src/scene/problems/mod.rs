@@ -2,9 +2,12 @@
 
 mod advected;
 mod fields;
+mod flow_advice;
 mod flow_plan;
 mod ground;
 mod immersed;
+mod resolution;
+mod scales;
 mod segmented;
 
 pub use advected::Advected;

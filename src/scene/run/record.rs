@@ -2,12 +2,12 @@
 
 use super::Clock;
 use super::solves::Solves;
-use crate::base::PHASES;
+use crate::base::{PHASES, Result, Warning};
 use crate::scene::Scene;
 use crate::scene::problem::{Moment, Problem};
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A column of a profile: its name, which contains the time, and its values.
 pub(super) type Column = (String, Vec<f64>);
@@ -24,7 +24,10 @@ pub(super) struct Record {
     /// Largest rise of kinetic and elastic energy in one step that is not the work of walls and
     /// forces, over the initial energy.
     pub largest_rise: f64,
-    /// Largest residual of the energy balance.
+    /// Spurious energy of the first step if it changes the velocity at once, at most 0.
+    #[serde(default)]
+    pub start: f64,
+    /// Largest residual of the energy balance, without the start.
     pub worst_balance: f64,
     /// Least residual of the energy balance: negative where the scheme lost energy.
     #[serde(default)]
@@ -32,12 +35,21 @@ pub(super) struct Record {
     /// The elastic waves that steps were too long for, in words, by structure: the quickest.
     #[serde(default)]
     pub lost_waves: BTreeMap<String, LostWave>,
+    /// The residual after the last step, without the start.
+    #[serde(default)]
+    pub last_balance: f64,
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
     pub area_change: BTreeMap<String, f64>,
     /// First time at which the band of a membrane reached the boundary.
     pub at_wall: BTreeMap<String, f64>,
+    /// Structures that have begun to leave the domain.
+    #[serde(default)]
+    pub left: BTreeSet<String>,
+    /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
+    #[serde(default)]
+    pub unresolved: BTreeMap<String, (f64, String, String)>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
     /// Solves of the linear systems.
@@ -137,8 +149,13 @@ impl Record {
             self.largest_rise =
                 self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
-        self.worst_balance = self.worst_balance.max(budget.residual(&e));
-        self.least_balance = self.least_balance.min(budget.residual(&e));
+        let spurious = budget.spurious(&e);
+        if problem.moment().steps == 1 && problem.is_impulsive() {
+            self.start = spurious.min(0.0);
+        }
+        self.last_balance = budget.share(spurious - self.start);
+        self.worst_balance = self.worst_balance.max(self.last_balance);
+        self.least_balance = self.least_balance.min(self.last_balance);
     }
 
     /// Records the elastic waves that a step is too long for.
@@ -155,11 +172,28 @@ impl Record {
         }
     }
 
-    /// Records the structures whose bands reach the boundary.
-    pub(super) fn note_walls(&mut self, problem: &dyn Problem) {
+    /// Records the structures that leave the domain.
+    pub(super) fn note_leaving(&mut self, problem: &dyn Problem) {
+        self.left.extend(problem.leaving());
+    }
+
+    /// Records the structures whose bands reach the boundary, and those that the mesh does not
+    /// resolve.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    pub(super) fn note_structures(&mut self, problem: &dyn Problem) -> Result<()> {
+        let time = problem.moment().time;
         for name in problem.cut_bands() {
-            self.at_wall.entry(name).or_insert(problem.moment().time);
+            self.at_wall.entry(name).or_insert(time);
         }
+        for (name, Warning { what, remedy }) in problem.unresolved()? {
+            // What has left has no interface.
+            if !self.left.contains(&name) {
+                self.unresolved.entry(name).or_insert((time, what, remedy));
+            }
+        }
+        Ok(())
     }
 
     /// Records a row of the series.
@@ -173,8 +207,9 @@ impl Record {
             .filter(|(_, v)| v.is_finite())
             .collect();
         let [enclosed, _] = scene.extents();
-        // A segmentation does not conserve the area.
-        for name in scene.interfaces().filter(|_| scene.image.is_none()) {
+        // A segmentation does not conserve the area, nor does a domain that a structure leaves.
+        let kept = |name: &&str| scene.image.is_none() && !self.left.contains(*name);
+        for name in scene.interfaces().filter(kept) {
             // An interface that has vanished has no area.
             let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);
             let first = *self.area.entry(name.to_string()).or_insert(area);

@@ -84,6 +84,7 @@ impl<const D: usize> Build<'_, '_, D> {
             let margins = self.walls.iter().map(|&n| distance[n as usize].abs());
             let margin = margins.fold(f64::INFINITY, f64::min);
             if margin > reach {
+                self.warn_of_thick_band(name, reach, &distance);
                 return Ok(());
             }
             Err(Error::scene(format!("the band of `{name}` reaches the boundary of the mesh"))
@@ -96,6 +97,22 @@ impl<const D: usize> Build<'_, '_, D> {
             false => vec![&self.keys[0][..]],
         };
         check.map_err(|e| script.blame(&place, e))
+    }
+}
+
+impl<const D: usize> Build<'_, '_, D> {
+    /// A warning if the band is thicker than what it surrounds.
+    fn warn_of_thick_band(&mut self, name: &str, reach: f64, distance: &[f64]) {
+        let depth = -distance.iter().copied().fold(0.0, f64::min);
+        if reach <= depth {
+            return;
+        }
+        let what = format!(
+            "the band of `{name}` is thicker than what it surrounds: half-width {reach:.4}, \
+             largest distance from the interface inside {depth:.4}"
+        );
+        let advice = "give a larger shape, or a smaller numerics.thickness on a finer mesh";
+        self.site.warnings.push(Warning::new(what, advice));
     }
 }
 

@@ -49,8 +49,10 @@ impl<const D: usize> Simulation<D> {
             ..Place::new(&self.carried.space, &self.flow, &kept.fields, self.state.time)
         };
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))?;
+        let leaving = self.leaving_at(&kept.fields);
         let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();
-        self.carried.structures.iter().for_each(|s| s.terms(&mut terms));
+        let acting = self.carried.structures.iter().zip(leaving).filter(|(_, leaves)| !leaves);
+        acting.for_each(|(s, _)| s.terms(&mut terms));
         let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.solve_cost);
         self.state.factored = Some(kept);
         made

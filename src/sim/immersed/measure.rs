@@ -15,8 +15,10 @@ impl<const D: usize> Simulation<D> {
     /// A level set that is not finite.
     pub(super) fn measure(&mut self, wall_power: f64) -> Result<Energies> {
         let [kinetic, dissipation, grad_div, div2] = self.flow.energies(&self.state.flow);
-        let elastic = self.elastic_energy()?;
-        let slip: f64 = self.carried.structures.iter().map(|s| s.dissipation()).sum();
+        let leaving = self.leaving_at(&self.state.fields);
+        let elastic = self.elastic_energy(|k| !leaving[k])?;
+        let acting = self.carried.structures.iter().zip(&leaving).filter(|(_, leaves)| !**leaves);
+        let slip: f64 = acting.map(|(s, _)| s.dissipation()).sum();
         Ok(Energies {
             kinetic,
             elastic,
@@ -27,12 +29,24 @@ impl<const D: usize> Simulation<D> {
         })
     }
 
-    /// Sum of the energies of the structures.
-    fn elastic_energy(&mut self) -> Result<f64> {
+    /// Elastic energy brought by structures that have left or come back to an open side since they
+    /// were `leaving` there: negative if it has left with them.
+    pub(super) fn energy_at_outlets(&mut self, leaving: &[bool]) -> Result<f64> {
+        let now = self.leaving_at(&self.state.fields);
+        if now == leaving {
+            return Ok(0.0);
+        }
+        let brought = self.elastic_energy(|k| leaving[k] && !now[k])?;
+        Ok(brought - self.elastic_energy(|k| now[k] && !leaving[k])?)
+    }
+
+    /// Sum of the energies of the structures with these numbers.
+    fn elastic_energy(&mut self, of: impl Fn(usize) -> bool) -> Result<f64> {
         let Some(fine) = &self.fine else { return Ok(0.0) };
         let at = Place::new(&self.carried.space, &self.flow, &self.state.fields, self.state.time);
-        let acting = self.carried.structures.iter_mut().filter(|s| s.acts());
-        acting.map(|s| s.energy(&at, fine)).sum()
+        let acting =
+            self.carried.structures.iter_mut().enumerate().filter(|(k, s)| s.acts() && of(*k));
+        acting.map(|(_, s)| s.energy(&at, fine)).sum()
     }
 
     /// Rate of outflow of kinetic energy through the boundary.

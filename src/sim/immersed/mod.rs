@@ -14,9 +14,10 @@ pub use settings::SimulationSettings;
 use super::balance::{Energies, EnergyBalance};
 use super::carried::{Carried, largest};
 use super::clock::Pacing;
+use super::outlets::Outlets;
 use super::state::State;
 use crate::base::{PHASES, Phases, Result};
-use crate::fem::{Basis, Element, Rule, Space};
+use crate::fem::{Basis, Condition, Element, Rule, Space, condition_of_facets};
 use crate::flow::{FlowSolver, FlowState, Fluid};
 use crate::mesh::{Mesh, Point};
 use crate::structure::{Coupling, Fields, Place, Structure};
@@ -52,6 +53,8 @@ pub struct Simulation<const D: usize> {
     settings: SimulationSettings<D>,
     carried: Carried<D>,
     flow: FlowSolver<D>,
+    /// Open sides.
+    outlets: Outlets<D>,
     pacing: Option<Pacing>,
     /// Velocity basis at the points of a finer rule, for energies; `None` without forces.
     fine: Option<Basis<D>>,
@@ -107,7 +110,7 @@ impl<const D: usize> Simulation<D> {
         sim.set_materials_now();
         sim.prepare_now()?;
         sim.state.energies = sim.measure(0.0)?;
-        sim.state.balance = EnergyBalance::new(&sim.state.energies);
+        sim.state.balance = EnergyBalance::new(&sim.state.energies, sim.settings.least_energy);
         Ok(sim)
     }
 
@@ -133,6 +136,10 @@ impl<const D: usize> Simulation<D> {
         let degree = ENERGY_DEGREE[D - 2].max(settings.quadrature);
         let acts = structures.iter().any(|s| s.acts());
         let fine = acts.then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, degree))));
+        let open = condition_of_facets(mesh, conditions)?
+            .into_iter()
+            .filter(|(_, k)| k.is_some_and(|k| matches!(conditions[k].1, Condition::Open)));
+        let outlets = Outlets::new(&space, open.map(|(f, _)| f));
         let links = flow.numbering().translations().to_vec();
         let basis = (Some(flow.velocity()), kept);
         let (carried, fields) = Carried::new(&space, links, settings.transport, structures, basis)?;
@@ -141,6 +148,7 @@ impl<const D: usize> Simulation<D> {
             settings,
             carried,
             flow,
+            outlets,
             pacing: None,
             fine,
             state,
@@ -225,6 +233,20 @@ impl<const D: usize> Simulation<D> {
     /// Enables [`reaction`](Self::reaction) after each step; costs one assembly per step.
     pub fn keep_reactions(&mut self, keep: bool) {
         self.keeps_reactions = keep;
+    }
+    /// Names of the structures that leave through an open side.
+    pub fn leaving(&self) -> impl Iterator<Item = &str> {
+        let leaving = self.leaving_at(&self.state.fields);
+        self.structures().iter().zip(leaving).filter(|(_, leaves)| *leaves).map(|(s, _)| s.name())
+    }
+    /// For each structure, true if it leaves through an open side and exerts no force.
+    fn leaving_at(&self, fields: &Fields<D>) -> Vec<bool> {
+        let structures = self.structures().iter().map(|s| &**s);
+        structures.map(|s| self.outlets.are_reached(s, fields, None)).collect()
+    }
+    /// Nodes on open sides, some of them several times.
+    pub fn outlet_nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.outlets.nodes()
     }
     /// Largest speed at a node.
     pub fn largest_speed(&self) -> f64 {

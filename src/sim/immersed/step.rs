@@ -41,6 +41,7 @@ impl<const D: usize> Simulation<D> {
     fn flow_step(&mut self, work: &mut Work<D>) -> Result<StepReport> {
         let scheme = self.scheme();
         work.current.clone_from(&self.state.flow.u);
+        let leaving = self.leaving_at(&self.state.fields);
         self.phases.begin();
         // Predicted structures.
         self.predict(&scheme, work)?;
@@ -72,6 +73,7 @@ impl<const D: usize> Simulation<D> {
         // Energies and their balance (3.23).
         let now = self.measure(wall_power)?;
         self.state.balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
+        self.state.balance.work += self.energy_at_outlets(&leaving)?;
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
@@ -88,6 +90,7 @@ impl<const D: usize> Simulation<D> {
             (acting().count() > 0, acting().any(|s| s.coupling() == Coupling::SemiImplicit));
         if scheme.second && acts {
             self.carried.predict(fields, velocity, of, ahead)?;
+            self.outlets.let_in(&self.carried.structures, current, scheme.dt, ahead);
         } else {
             ahead.clone_from(fields);
         }
@@ -127,7 +130,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Solves for velocity and pressure. Also returns the power of the walls.
     fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, f64)> {
-        let Work { current, next, .. } = work;
+        let Work { current, next, ahead, .. } = work;
         let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
         let [now, earlier] = scheme.history();
         let history = [
@@ -136,8 +139,10 @@ impl<const D: usize> Simulation<D> {
         ];
         let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) =
             <_>::default();
-        for s in &self.carried.structures {
-            s.terms(&mut terms);
+        for (s, leaves) in self.carried.structures.iter().zip(self.leaving_at(ahead)) {
+            if !leaves {
+                s.terms(&mut terms);
+            }
             s.blocks(&mut blocks);
         }
         let step = Step {
@@ -180,6 +185,7 @@ impl<const D: usize> Simulation<D> {
         let of = (scheme.dt, scheme.time, self.state.steps + 1);
         let with = (self.flow.block_values(), &mut self.phases);
         self.carried.carry(&self.state.fields, velocity, of, with, moved)?;
+        self.outlets.let_in(&self.carried.structures, mean, scheme.dt, moved);
         std::mem::swap(&mut self.state.fields, moved);
         Ok(())
     }

@@ -17,3 +17,4 @@ for case in "pieces -2" "cube -3"; do
         gmsh "$1.geo" "$2" -v 2 -format "msh$version" -part 2 -o "$1-$version-partitioned.msh"
     done
 done
+gmsh graded.geo -2 -v 2 -format msh41 -o graded.msh
