@@ -73,6 +73,8 @@ pub struct SharpMembrane<const D: usize> {
 
 /// The slip is `extent / (SLIP mu)` times the tangential force.
 const SLIP: f64 = 15.0;
+/// Tension over modulus that is an error of rounding.
+const ROUNDING: f64 = 1e-9;
 /// Least length at rest per length that is not taken for an error of the transport.
 const THINNEST: f64 = 1e-3;
 impl<const D: usize> SharpMembrane<D> {
@@ -130,9 +132,10 @@ impl<const D: usize> SharpMembrane<D> {
     pub fn dissipation(&self) -> f64 {
         self.dissipation
     }
-    /// Largest tension `E'(r)` on the prepared interface; 0 without tension.
+    /// Largest tension `E'(r)` on the prepared interface; 0 without tension, up to rounding.
     pub fn largest_tension(&self) -> f64 {
-        self.stretch.iter().map(|&r| self.law.tension(r)).fold(0.0, f64::max)
+        let largest = self.stretch.iter().map(|&r| self.law.tension(r)).fold(0.0, f64::max);
+        if largest > ROUNDING * self.law.modulus() { largest } else { 0.0 }
     }
     /// Slip velocity over tangential force.
     fn slip(&self, space: &Space<D>, p: &SurfacePoint<D>) -> f64 {

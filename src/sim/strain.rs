@@ -14,7 +14,8 @@ const DEGREE: usize = 6;
 
 impl<const D: usize> Carried<D> {
     /// The displacement `Y(x) - x` at the nodes to the position at rest of the material of
-    /// structure number `k`; a passive interface is at rest at time 0.
+    /// structure number `k`; a passive interface is at rest at time 0. Empty where backward
+    /// characteristics are not carried.
     pub fn rest_displacement<'a>(
         &self,
         fields: &'a Fields<D>,
@@ -22,8 +23,10 @@ impl<const D: usize> Carried<D> {
     ) -> Cow<'a, [SVector<f64, D>]> {
         let displacement = fields.displacement();
         match self.structures.get(k).and_then(|s| s.rest_map()) {
-            Some(map) => Cow::Owned(rest_displacement(map, self.space.nodes(), displacement)),
-            None => Cow::Borrowed(displacement),
+            Some(map) if !displacement.is_empty() => {
+                Cow::Owned(rest_displacement(map, self.space.nodes(), displacement))
+            }
+            _ => Cow::Borrowed(displacement),
         }
     }
     /// Root mean square of `det grad Y - 1` over the domain, (5.21) of the paper, (3.68) of the

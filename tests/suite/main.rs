@@ -7,6 +7,7 @@ mod alarms;
 mod band;
 mod book;
 mod broken_meshes;
+mod carried_far;
 mod case;
 mod comparison;
 mod convergence;

@@ -197,6 +197,6 @@ fn the_scene_writes_what_it_read() {
         let scene = Scene::parse_with(DROP, Path::new("scene.toml"), &set).unwrap();
         let again = Scene::parse(&scene.to_toml(), Path::new("scene.toml")).unwrap();
         assert_eq!(scene.numerics, again.numerics);
-        assert!(scene.numerics.redistance.is_some_and(|r| r.volume && r.every == 4));
+        assert!(scene.numerics.redistance.is_some_and(|r| r.volume && r.every == Some(4)));
     }
 }

@@ -166,8 +166,8 @@ fn what_cannot_be_sheared_is_refused_where_it_is_written() {
     };
     refused(
         "shear.linear = { modulus = 0.1 }",
-        "force = \"sharp\"\nshear.linear = { modulus = 1 }",
-        &["carries the stretch", "smeared"],
+        "force = \"sharp\"\narea_change = \"map\"\nshear.linear = { modulus = 1 }",
+        &["for a smeared force", "membrane.0.area_change"],
     );
     refused(
         "shear.linear = { modulus = 0.1 }\n",

@@ -29,7 +29,7 @@ pub(super) struct Record {
     pub start: f64,
     /// Largest residual of the energy balance, without the start.
     pub worst_balance: f64,
-    /// Least residual of the energy balance: negative where the scheme lost energy.
+    /// Least residual of the energy balance, with the start: negative where the scheme lost energy.
     #[serde(default)]
     pub least_balance: f64,
     /// The elastic waves that steps were too long for, in words, by structure: the quickest.
@@ -155,7 +155,7 @@ impl Record {
         }
         self.last_balance = budget.share(spurious - self.start);
         self.worst_balance = self.worst_balance.max(self.last_balance);
-        self.least_balance = self.least_balance.min(self.last_balance);
+        self.least_balance = self.least_balance.min(budget.share(spurious));
     }
 
     /// Records the elastic waves that a step is too long for.

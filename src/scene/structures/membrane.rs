@@ -340,9 +340,10 @@ impl StructureKind for Membrane {
     fn numerics(&self, tables: &Tables) -> Option<String> {
         if self.force == Force::Sharp {
             let pulls = self.surface().is_some() || self.area().modulus() > 0.0;
+            let what = if self.surface().is_some() { "strain" } else { "stretch" };
             return pulls.then(|| {
                 format!(
-                    "force of `{}` on the interface itself, with the strain carried along it",
+                    "force of `{}` on the interface itself, with the {what} carried along it",
                     self.name
                 )
             });
