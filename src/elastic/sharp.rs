@@ -31,13 +31,14 @@ pub enum Force {
 /// - `n` is the normal of the cut interface, whose length the force shortens, not that of a
 ///   gradient;
 /// - the stretch is not `|grad phi|` but the inverse of a density that the interface carries, its
-///   length (area) at rest per length: `Dm/Dt + m P : grad u = 0` ([`CarriedSurface::density`]).
+///   length (area) at rest per length: `Dm/Dt + m P : grad u = 0`
+///   ([`CarriedSurface::density`](crate::levelset::CarriedSurface::density)).
 ///   For divergence-free velocities this is `|grad phi|` on the interface; on a mesh the force
 ///   amplifies the error of `|grad phi|` in short waves, and in a flow that shears the fluid beside
 ///   the interface the slope is soon no stretch at all.
 ///
 /// The level set is moved in every step onto the points of the interface as the fluid carries them
-/// ([`CarriedSurface::fit`]), and its slope has no meaning.
+/// ([`CarriedSurface::fit`](crate::levelset::CarriedSurface::fit)), and its slope has no meaning.
 ///
 /// A tangential force gives the velocity a kink, which P2 smooths over a cell of extent `l` across
 /// the interface: the interface moves too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its
