@@ -99,9 +99,13 @@ impl<const D: usize> SharpShearMembrane<D> {
                 }))
             }
         };
-        let strain =
-            |(x, n): (&Point<D>, &SVector<f64, D>)| SurfaceStrain::new(n, &gradient(x), of.stretch);
-        space.nodes().iter().zip(&normals).map(strain).collect()
+        // Constant along the normal: that of the nearest point of the interface.
+        let strain = |n: usize| {
+            let (normal, slope) = &normals[n];
+            let near = space.nodes()[n] - normal * (of.phi[n] / slope.max(f64::MIN_POSITIVE));
+            SurfaceStrain::new(normal, &gradient(&near), of.stretch)
+        };
+        (0..space.len()).map(strain).collect()
     }
     fn prepare_at(
         &mut self,
@@ -147,16 +151,21 @@ fn components<const D: usize>(m: &SMatrix<f64, D, D>) -> [f64; 6] {
     COMPONENTS.map(|(i, j, _)| if j < D { m[(i, j)] } else { 0.0 })
 }
 
-/// Unit normals at the nodes, by the mean of the gradients in the cells about them.
-fn nodal_normals<const D: usize>(space: &Space<D>, phi: &[f64]) -> Vec<SVector<f64, D>> {
-    let mut sums = vec![SVector::<f64, D>::zeros(); space.len()];
+/// Unit normals and slopes at the nodes, by the mean of the gradients in the cells about them.
+fn nodal_normals<const D: usize>(space: &Space<D>, phi: &[f64]) -> Vec<(SVector<f64, D>, f64)> {
+    let mut sums = vec![(SVector::<f64, D>::zeros(), 0.0); space.len()];
     for c in 0..space.mesh().cell_count() {
         for (a, &n) in space.cell_nodes(c).iter().enumerate() {
-            sums[n as usize] += space.gradient(phi, c, &space.element().node(a, D));
+            let (sum, count) = &mut sums[n as usize];
+            *sum += space.gradient(phi, c, &space.element().node(a, D));
+            *count += 1.0;
         }
     }
     let axis = SVector::<f64, D>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
-    sums.iter().map(|g| g.try_normalize(0.0).unwrap_or(axis)).collect()
+    let of = |(g, count): &(SVector<f64, D>, f64)| {
+        (g.try_normalize(0.0).unwrap_or(axis), g.norm() / f64::max(*count, 1.0))
+    };
+    sums.iter().map(of).collect()
 }
 
 /// The shape at the end of a path from that at its start.

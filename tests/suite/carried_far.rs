@@ -77,7 +77,8 @@ fn a_twisted_sphere_has_its_energy_and_gives_it_to_the_fluid() {
     assert!((start / exact - 1.0).abs() < 0.02, "{start} {exact}");
     (0..10).for_each(|_| drop(sphere.step().unwrap()));
     let [now, balance] = ["energy_elastic", "energy_balance"].map(|c| get(&*sphere, c));
-    assert!(now < 0.97 * start && balance.abs() < 0.01, "{now} {start} {balance}");
+    // The projection of the strain in ten steps, at three edges a radius.
+    assert!(now < 0.8 * start && balance.abs() < 0.03, "{now} {start} {balance}");
     let volume = get(&*sphere, "membrane.volume") / (4.0 / 3.0 * PI * 0.125) - 1.0;
     assert!(volume.abs() < 2e-3, "{volume}");
 }
