@@ -72,12 +72,10 @@ table! {
 /// Rejects laws that exclude each other, or that are not available for the force or the dimension.
 pub(super) fn check(table: &Table<'_>, context: &Context) -> Result<()> {
     let (shear, whole) = (table.get("shear"), table.get("law"));
-    if let Some(item) = shear.as_ref().or(whole.as_ref()) {
-        if context.dimension == 2 {
-            return Err(item
-                .key_error("shear is for surfaces in space, and a membrane of the plane is a curve")
-                .remedy("give the law of its length alone: area.linear = { modulus = 1 }"));
-        }
+    if let (2, Some(item)) = (context.dimension, shear.as_ref().or(whole.as_ref())) {
+        return Err(item
+            .key_error("shear is for surfaces in space, and a membrane of the plane is a curve")
+            .remedy("give the law of its length alone: area.linear = { modulus = 1 }"));
     }
     if whole.is_some() {
         return match shear.as_ref().or(table.get("area").as_ref()) {
