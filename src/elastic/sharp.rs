@@ -32,7 +32,7 @@ pub enum Force {
 ///   gradient;
 /// - the stretch is not `|grad phi|` but the inverse of a density that the interface carries, its
 ///   length (area) at rest per length: `Dm/Dt + m P : grad u = 0`
-///   ([`CarriedSurface::density`](crate::levelset::CarriedSurface::density)).
+///   ([`Onto::density`](crate::levelset::Onto::density)).
 ///   For divergence-free velocities this is `|grad phi|` on the interface; on a mesh the force
 ///   amplifies the error of `|grad phi|` in short waves, and in a flow that shears the fluid beside
 ///   the interface the slope is soon no stretch at all.
@@ -214,8 +214,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         by: &mut Moved<'_, D>,
         fields: &mut Fields<D>,
     ) -> Result<()> {
+        let constant = matches!(self.law, AreaLaw::Tension { .. });
+        if constant && by.ahead {
+            return Ok(());
+        }
         let Some((carried, to)) = self.cuts.follow(of, by, fields)? else { return Ok(()) };
-        if matches!(self.law, AreaLaw::Tension { .. }) {
+        if constant {
             return Ok(());
         }
         let space = by.carrier.tracer.space();
@@ -224,7 +228,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
             by.dt * self.slip(space, p) * self.law.stiffness(r) * r
         };
         let (density, phi) = (by.before.scalar(self.rest_density), fields.scalar(of.level_set()));
-        let after = carried.density(density, (&to, phi), !by.ahead, slip)?;
+        let after = carried.onto(&to, phi)?.density(density, !by.ahead, slip)?;
         fields.scalar_mut(self.rest_density).copy_from_slice(&after);
         Ok(())
     }

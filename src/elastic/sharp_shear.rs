@@ -86,7 +86,6 @@ impl<const D: usize> SharpShearMembrane<D> {
     }
     /// Strains of the nodes at time 0: by the map at rest and the stretch of the interface.
     fn initial(&self, of: &ImmersedInterface<D>, space: &Space<D>) -> Vec<SurfaceStrain<D>> {
-        let normals = nodal_normals(space, &of.phi);
         let (low, high) = space.mesh().bounding_box();
         let h = STEP * (high - low).norm();
         let gradient = |x: &Point<D>| match &self.map {
@@ -99,13 +98,17 @@ impl<const D: usize> SharpShearMembrane<D> {
                 }))
             }
         };
+        let axis = SVector::<f64, D>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
         // Constant along the normal: that of the nearest point of the interface.
-        let strain = |n: usize| {
-            let (normal, slope) = &normals[n];
-            let near = space.nodes()[n] - normal * (of.phi[n] / slope.max(f64::MIN_POSITIVE));
-            SurfaceStrain::new(normal, &gradient(&near), of.stretch)
+        let strain = |((x, g), phi): ((&Point<D>, &SVector<f64, D>), &f64)| {
+            let (normal, near) = match g.try_normalize(0.0) {
+                Some(normal) => (normal, x - normal * (phi / g.norm())),
+                None => (axis, *x),
+            };
+            SurfaceStrain::new(&normal, &gradient(&near), of.stretch)
         };
-        (0..space.len()).map(strain).collect()
+        let slopes = space.means(|c, l| space.gradient(&of.phi, c, l));
+        space.nodes().iter().zip(&slopes).zip(&of.phi).map(strain).collect()
     }
     fn prepare_at(
         &mut self,
@@ -149,23 +152,6 @@ fn matrix<const D: usize>(values: [f64; 6]) -> SMatrix<f64, D, D> {
 /// The components of a symmetric matrix.
 fn components<const D: usize>(m: &SMatrix<f64, D, D>) -> [f64; 6] {
     COMPONENTS.map(|(i, j, _)| if j < D { m[(i, j)] } else { 0.0 })
-}
-
-/// Unit normals and slopes at the nodes, by the mean of the gradients in the cells about them.
-fn nodal_normals<const D: usize>(space: &Space<D>, phi: &[f64]) -> Vec<(SVector<f64, D>, f64)> {
-    let mut sums = vec![(SVector::<f64, D>::zeros(), 0.0); space.len()];
-    for c in 0..space.mesh().cell_count() {
-        for (a, &n) in space.cell_nodes(c).iter().enumerate() {
-            let (sum, count) = &mut sums[n as usize];
-            *sum += space.gradient(phi, c, &space.element().node(a, D));
-            *count += 1.0;
-        }
-    }
-    let axis = SVector::<f64, D>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
-    let of = |(g, count): &(SVector<f64, D>, f64)| {
-        (g.try_normalize(0.0).unwrap_or(axis), g.norm() / f64::max(*count, 1.0))
-    };
-    sums.iter().map(of).collect()
 }
 
 /// The shape at the end of a path from that at its start.
@@ -230,11 +216,10 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         fields: &mut Fields<D>,
     ) -> Result<()> {
         let Some((carried, to)) = self.cuts.follow(of, by, fields)? else { return Ok(()) };
-        let end = (&*to, fields.scalar(of.level_set()));
-        let density = by.before.scalar(self.rest_density);
-        let density = carried.density(density, end, !by.ahead, |_, _| 0.0)?;
-        let shape =
-            carried.fields(self.shape.map(|id| by.before.scalar(id)), end, carried_shape)?;
+        let mut onto = carried.onto(&to, fields.scalar(of.level_set()))?;
+        let before = |id: FieldId| by.before.scalar(id);
+        let density = onto.density(before(self.rest_density), !by.ahead, |_, _| 0.0)?;
+        let shape = onto.fields(self.shape.map(before), carried_shape)?;
         fields.scalar_mut(self.rest_density).copy_from_slice(&density);
         for (id, values) in self.shape.iter().zip(shape) {
             fields.scalar_mut(*id).copy_from_slice(&values);

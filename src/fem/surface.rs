@@ -52,17 +52,16 @@ pub struct SurfaceMass {
 }
 
 impl SurfaceMass {
-    /// The product on the surface of `points`, the zero set of `phi`, with the diffusivity `k` at
-    /// each point. `unknowns` has one number per node, equal for nodes that periodic sides identify.
-    /// `None` without points.
+    /// The functions on the cells that the surface of `points` cuts; [`diffuse`](Self::diffuse)
+    /// then makes the matrix. `unknowns` has one number per node, equal for nodes that periodic
+    /// sides identify. `None` without points.
     ///
     /// # Errors
     /// A matrix that cannot be factored.
     pub fn new<const D: usize>(
         space: &Space<D>,
         unknowns: &[u32],
-        (points, phi): (&[SurfacePoint<D>], &[f64]),
-        diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
+        points: &[SurfacePoint<D>],
     ) -> Result<Option<SurfaceMass>> {
         let cells: Vec<&[SurfacePoint<D>]> =
             points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
@@ -86,11 +85,10 @@ impl SurfaceMass {
         let groups = cells.iter().map(|g| of_cell(g[0].at.cell));
         let matrix = SymmetricMatrix::from_groups(order as usize, groups)?;
         let factor = Factor::analyse(&matrix, Ordering::plain(&matrix)?)?;
-        let mut mass = SurfaceMass { number, matrix, factor };
-        mass.diffuse(space, (points, phi), diffusivity)?;
-        Ok(Some(mass))
+        Ok(Some(SurfaceMass { number, matrix, factor }))
     }
-    /// Changes the diffusivity `k`; `phi` and `points` are those of [`new`](Self::new).
+    /// Makes the matrix with the diffusivity `k` at each point; the surface is the zero set of
+    /// `phi`, and `points` are those of [`new`](Self::new).
     ///
     /// # Errors
     /// A matrix that cannot be factored.
@@ -214,7 +212,8 @@ mod tests {
     fn solved(space: &Space<2>, height: f64, k: f64, f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let (points, phi) = (line(space, height), space.interpolate(|x| x[1] - height));
         let own: Vec<u32> = (0..space.len() as u32).collect();
-        let mut mass = SurfaceMass::new(space, &own, (&points, &phi), |_| k).unwrap().unwrap();
+        let mut mass = SurfaceMass::new(space, &own, &points).unwrap().unwrap();
+        mass.diffuse(space, (&points, &phi), |_| k).unwrap();
         let mut load = mass.load();
         for p in &points {
             let amount = p.at.weight * f(p.at.x[0]);

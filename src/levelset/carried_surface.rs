@@ -54,74 +54,45 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     /// A matrix that cannot be factored.
     pub fn fit(&self, to: &[SurfacePoint<D>], phi: &mut [f64]) -> Result<()> {
         let space = self.tracer.space();
-        let Some(mut mass) = SurfaceMass::new(space, self.tracer.unknowns(), (to, phi), |_| 0.0)?
-        else {
-            return Ok(());
-        };
+        let unknowns = self.tracer.unknowns();
+        let Some(mut mass) = SurfaceMass::new(space, unknowns, to)? else { return Ok(()) };
+        mass.diffuse(space, (to, phi), |_| 0.0)?;
         let cut = CutCells::new(space, to);
         let value = |_: &_, at: &Location| space.value(phi, at.cell as usize, &at.barycentric);
         let load = self.arrived(&mass, &cut, value);
         let mut correction = vec![f64::NAN; phi.len()];
         mass.solve(&load, &mut correction)?;
-        continue_outward(self.tracer, cut.list, &mut correction);
+        continue_outward(self.tracer, &cut.list, &mut correction);
         for (v, c) in phi.iter_mut().zip(correction).filter(|(_, c)| c.is_finite()) {
             *v -= c;
         }
         Ok(())
     }
 
-    /// Carries a conserved density on the interface, `Dm/Dt + m P : grad u = div_S(k grad_S m)`:
-    /// the length (in space: area) at rest per length, which is the inverse of the stretch, or the
-    /// concentration of a surfactant. `before` are its nodal values at the start, `to` is the
-    /// interface at the end, the zero set of `phi`, and `k >= 0` the diffusivity times the step at
-    /// a point for a density `m` there.
-    ///
-    /// The density at a point of `to` is that where the point comes from, times
-    /// `exp(-dt P : grad u)`, projected ([`SurfaceMass`]): third order, and stable also where the
-    /// motion along the surface stands still. With `balance` the amounts that the points of `from`
-    /// carry along their paths then correct it over distances of some cells, and the total amount
-    /// is kept to rounding. The amounts alone would do, but a quadrature of functions that have
-    /// kinks at other places has errors that do not fall with the mesh size.
-    ///
-    /// The values count in cut cells, and are continued over two layers of cells; other nodes have
-    /// the mean.
+    /// The way onto the interface `to` after the step, the zero set of `phi`, on which fields are
+    /// carried.
     ///
     /// # Errors
-    /// A matrix that cannot be factored.
-    pub fn density(
-        &self,
-        before: &[f64],
-        (to, phi): (&[SurfacePoint<D>], &[f64]),
-        balance: bool,
-        diffusivity: impl Fn(&SurfacePoint<D>, f64) -> f64,
-    ) -> Result<Vec<f64>> {
-        let space = self.tracer.space();
-        let at = |p: &SurfacePoint<D>| space.value(before, p.at.cell, &p.at.barycentric);
-        let inside = || self.from.iter().zip(&self.ends).filter(|(_, (_, inside))| *inside);
-        let amount: f64 = inside().map(|(p, _)| p.at.weight * at(p)).sum();
-        let mean = amount / to.iter().map(|p| p.at.weight).sum::<f64>().max(f64::MIN_POSITIVE);
-        let values = self.arriving([before], to, |[m], path| [m * (-path.growth()).exp()]);
-        let k = |p: &SurfacePoint<D>| diffusivity(p, values[p.at.q][0]);
-        let unknowns = self.tracer.unknowns();
-        let Some(mut mass) = SurfaceMass::new(space, unknowns, (to, phi), k)? else {
-            return Ok(vec![0.0; space.len()]);
+    /// A matrix of too many unknowns.
+    pub fn onto<'b>(
+        &'b self,
+        to: &'b [SurfacePoint<D>],
+        phi: &'b [f64],
+    ) -> Result<Onto<'b, 'a, D>> {
+        let (space, dt) = (self.tracer.space(), self.dt);
+        let places: Vec<Location> = to.iter().map(location).collect();
+        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -dt, &places);
+        let cut = CutCells::new(space, &self.from);
+        let gradient = |at: &Location| space.jacobian(self.u, at.cell as usize, &at.barycentric);
+        let path = |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
+            let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
+            let normals = [slope.try_normalize(0.0).unwrap_or(p.normal), p.normal];
+            let path = Path { dt, normals, gradients: [gradient(foot), gradient(place)] };
+            (cut.near(self.tracer, foot).unwrap_or(*foot), path)
         };
-        let mut after = vec![f64::NAN; space.len()];
-        let [load] = self.loads(&mass, to, &values);
-        mass.solve(&load, &mut after)?;
-        let cut = CutCells::new(space, to);
-        if balance {
-            let arrived = self.arrived(&mass, &cut, |p, _| at(p));
-            let missing: Vec<f64> = arrived.iter().zip(&load).map(|(a, l)| a - l).collect();
-            let over = |p: &SurfacePoint<D>| (BALANCED * space.mesh().diameter(p.at.cell)).powi(2);
-            mass.diffuse(space, (to, phi), over)?;
-            let mut correction = vec![0.0; space.len()];
-            mass.solve(&missing, &mut correction)?;
-            after.iter_mut().zip(correction).for_each(|(m, c)| *m += c);
-        }
-        continue_outward(self.tracer, cut.list, &mut after);
-        after.iter_mut().filter(|m| m.is_nan()).for_each(|m| *m = mean);
-        Ok(after)
+        let paths = to.iter().zip(&places).zip(&feet).map(path).collect();
+        let mass = SurfaceMass::new(space, self.tracer.unknowns(), to)?;
+        Ok(Onto { carried: self, to, phi, paths, mass, cut: CutCells::new(space, to) })
     }
 
     /// `sum w value(p, X) v(X)` over the points `p` of `from`, for all functions `v` on the new
@@ -133,13 +104,81 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         value: impl Fn(&SurfacePoint<D>, &Location) -> f64,
     ) -> Vec<f64> {
         let (space, mut load) = (self.tracer.space(), mass.load());
-        for (p, (end, _)) in self.from.iter().zip(&self.ends).filter(|(_, (_, inside))| *inside) {
+        for (p, (end, _)) in self.inside() {
             if let Some(near) = cut.near(self.tracer, end) {
                 let amount = p.at.weight * value(p, end);
                 mass.deposit(space, (near.cell as usize, &near.barycentric), amount, &mut load);
             }
         }
         load
+    }
+    /// The points that do not leave the domain, with their ends.
+    fn inside(&self) -> impl Iterator<Item = (&SurfacePoint<D>, &(Location, bool))> {
+        self.from.iter().zip(&self.ends).filter(|(_, (_, inside))| *inside)
+    }
+}
+
+/// A carried interface with the one on which it arrives.
+pub struct Onto<'b, 'a, const D: usize> {
+    carried: &'b CarriedSurface<'a, D>,
+    to: &'b [SurfacePoint<D>],
+    /// The level set whose zero is `to`.
+    phi: &'b [f64],
+    /// For every point of `to` where it comes from, by the coordinates of a cell that `from` cuts,
+    /// and its way.
+    paths: Vec<(Location, Path<D>)>,
+    /// `None` if there is no interface any more.
+    mass: Option<SurfaceMass>,
+    cut: CutCells,
+}
+
+impl<const D: usize> Onto<'_, '_, D> {
+    /// Carries a conserved density on the interface, `Dm/Dt + m P : grad u = div_S(k grad_S m)`:
+    /// the length (in space: area) at rest per length, which is the inverse of the stretch, or the
+    /// concentration of a surfactant. `before` are its nodal values at the start, and `k >= 0` the
+    /// diffusivity times the step at a point for a density `m` there.
+    ///
+    /// The density at a point is that where the point comes from, times `exp(-dt P : grad u)`,
+    /// projected ([`SurfaceMass`]): third order, and stable also where the motion along the surface
+    /// stands still. With `balance` the amounts that the points at the start carry along their
+    /// paths then correct it over distances of some cells, and the total amount is kept to
+    /// rounding. The amounts alone would do, but a quadrature of functions that have kinks at other
+    /// places has errors that do not fall with the mesh size.
+    ///
+    /// The values count in cut cells, and are continued over two layers of cells; other nodes have
+    /// the mean.
+    ///
+    /// # Errors
+    /// A matrix that cannot be factored.
+    pub fn density(
+        &mut self,
+        before: &[f64],
+        balance: bool,
+        diffusivity: impl Fn(&SurfacePoint<D>, f64) -> f64,
+    ) -> Result<Vec<f64>> {
+        let (carried, to, end) = (self.carried, self.to, (self.to, self.phi));
+        let space = carried.tracer.space();
+        let at = |p: &SurfacePoint<D>| space.value(before, p.at.cell, &p.at.barycentric);
+        let values = self.arriving([before], |[m], path| [m * (-path.growth()).exp()]);
+        let Some(mass) = &mut self.mass else { return Ok(vec![0.0; space.len()]) };
+        mass.diffuse(space, end, |p| diffusivity(p, values[p.at.q][0]))?;
+        let [load] = loads(space, mass, to, &values);
+        let mut after = vec![f64::NAN; space.len()];
+        mass.solve(&load, &mut after)?;
+        if balance {
+            let arrived = carried.arrived(mass, &self.cut, |p, _| at(p));
+            let missing: Vec<f64> = arrived.iter().zip(&load).map(|(a, l)| a - l).collect();
+            let over = |p: &SurfacePoint<D>| (BALANCED * space.mesh().diameter(p.at.cell)).powi(2);
+            mass.diffuse(space, end, over)?;
+            let mut correction = vec![0.0; space.len()];
+            mass.solve(&missing, &mut correction)?;
+            after.iter_mut().zip(correction).for_each(|(m, c)| *m += c);
+        }
+        continue_outward(carried.tracer, &self.cut.list, &mut after);
+        let amount: f64 = carried.inside().map(|(p, _)| p.at.weight * at(p)).sum();
+        let mean = amount / to.iter().map(|p| p.at.weight).sum::<f64>();
+        after.iter_mut().filter(|m| m.is_nan()).for_each(|m| *m = mean);
+        Ok(after)
     }
 
     /// Carries several fields on the interface: `value` gives their values at the end of a path
@@ -148,22 +187,20 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     /// # Errors
     /// A matrix that cannot be factored.
     pub fn fields<const N: usize>(
-        &self,
+        &mut self,
         before: [&[f64]; N],
-        (to, phi): (&[SurfacePoint<D>], &[f64]),
         value: impl Fn([f64; N], &Path<D>) -> [f64; N],
     ) -> Result<[Vec<f64>; N]> {
-        let space = self.tracer.space();
+        let (tracer, end) = (self.carried.tracer, (self.to, self.phi));
+        let space = tracer.space();
+        let values = self.arriving(before, value);
+        let Some(mass) = &mut self.mass else { return Ok(before.map(<[f64]>::to_vec)) };
+        mass.diffuse(space, end, |_| 0.0)?;
         let mut after = std::array::from_fn(|_| vec![f64::NAN; space.len()]);
-        let Some(mut mass) = SurfaceMass::new(space, self.tracer.unknowns(), (to, phi), |_| 0.0)?
-        else {
-            return Ok(before.map(<[f64]>::to_vec));
-        };
-        let values = self.arriving(before, to, value);
-        let (loads, cut) = (self.loads(&mass, to, &values), CutCells::new(space, to));
+        let loads = loads(space, mass, self.to, &values);
         for ((after, load), before) in after.iter_mut().zip(&loads).zip(before) {
             mass.solve(load, after)?;
-            continue_outward(self.tracer, cut.list.clone(), after);
+            continue_outward(tracer, &self.cut.list, after);
             after.iter_mut().zip(before).filter(|(v, _)| v.is_nan()).for_each(|(v, b)| *v = *b);
         }
         Ok(after)
@@ -173,41 +210,30 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     fn arriving<const N: usize>(
         &self,
         before: [&[f64]; N],
-        to: &[SurfacePoint<D>],
         value: impl Fn([f64; N], &Path<D>) -> [f64; N],
     ) -> Vec<[f64; N]> {
-        let (space, dt) = (self.tracer.space(), self.dt);
-        let places: Vec<Location> = to.iter().map(location).collect();
-        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -dt, &places);
-        let cut = CutCells::new(space, &self.from);
-        let gradient = |at: &Location| space.jacobian(self.u, at.cell as usize, &at.barycentric);
-        let at_point =
-            |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
-                let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
-                let normals = [slope.try_normalize(0.0).unwrap_or(p.normal), p.normal];
-                let path = Path { dt, normals, gradients: [gradient(foot), gradient(place)] };
-                let near = cut.near(self.tracer, foot).unwrap_or(*foot);
-                value(before.map(|f| space.value(f, near.cell as usize, &near.barycentric)), &path)
-            };
-        to.iter().zip(&places).zip(&feet).map(at_point).collect()
+        let space = self.carried.tracer.space();
+        let at_start =
+            |from: &Location| before.map(|f| space.value(f, from.cell as usize, &from.barycentric));
+        self.paths.iter().map(|(from, path)| value(at_start(from), path)).collect()
     }
+}
 
-    /// `int value v` over the new interface, for all functions `v` on it.
-    fn loads<const N: usize>(
-        &self,
-        mass: &SurfaceMass,
-        to: &[SurfacePoint<D>],
-        values: &[[f64; N]],
-    ) -> [Vec<f64>; N] {
-        let mut loads = std::array::from_fn(|_| mass.load());
-        for (p, values) in to.iter().zip(values) {
-            for (load, value) in loads.iter_mut().zip(values) {
-                let amount = p.at.weight * value;
-                mass.deposit(self.tracer.space(), (p.at.cell, &p.at.barycentric), amount, load);
-            }
+/// `int value v` over an interface, for all functions `v` on it; `values` are those at its points.
+fn loads<const D: usize, const N: usize>(
+    space: &Space<D>,
+    mass: &SurfaceMass,
+    to: &[SurfacePoint<D>],
+    values: &[[f64; N]],
+) -> [Vec<f64>; N] {
+    let mut loads = std::array::from_fn(|_| mass.load());
+    for (p, values) in to.iter().zip(values) {
+        for (load, value) in loads.iter_mut().zip(values) {
+            let amount = p.at.weight * value;
+            mass.deposit(space, (p.at.cell, &p.at.barycentric), amount, load);
         }
-        loads
     }
+    loads
 }
 
 /// The way of a particle on an interface over a step.
@@ -280,9 +306,9 @@ impl CutCells {
 
 /// Sets nodes without a value (NaN) in some layers of cells around `cells` to the mean of those with
 /// one in their cells, layer by layer.
-fn continue_outward<const D: usize>(tracer: &Tracer<D>, cells: Vec<u32>, values: &mut [f64]) {
+fn continue_outward<const D: usize>(tracer: &Tracer<D>, cells: &[u32], values: &mut [f64]) {
     let (space, unknowns) = (tracer.space(), tracer.unknowns());
-    let mut layer = cells;
+    let mut layer = cells.to_vec();
     let mut new: Vec<f64> = vec![f64::NAN; values.len()];
     for _ in 0..LAYERS {
         let beside = layer.iter().flat_map(|&c| (0..=D).filter_map(move |k| tracer.beyond(c, k)));
@@ -342,7 +368,7 @@ mod tests {
             let new = phi(k as f64 * dt);
             let to: Arc<[_]> = surface(space, &new).unwrap().into();
             let carried = CarriedSurface::new(&tracer, (u, dt), (from, &old));
-            *m = carried.density(m, (&to, &new), true, |_, _| 0.0).unwrap();
+            *m = carried.onto(&to, &new).unwrap().density(m, true, |_, _| 0.0).unwrap();
             (from, old) = (to, new);
         }
     }

@@ -74,7 +74,8 @@ fn the_force_is_the_derivative_of_the_energy() {
             let phi = phi(s);
             let to = surface(&space, &phi).unwrap();
             let carried = CarriedSurface::new(&tracer, (&u, s), (from.clone(), &old));
-            let density = carried.density(&density, (&to, &phi), true, |_, _| 0.0).unwrap();
+            let density =
+                carried.onto(&to, &phi).unwrap().density(&density, true, |_, _| 0.0).unwrap();
             membrane.prepare(&space, &phi, &density, None).unwrap();
             (membrane.energy(), membrane)
         };

@@ -69,8 +69,8 @@ table! {
         memory: Option<f64> [Auto<Positive>, "GB"],
         /// Degree of the polynomials that quadrature integrates exactly.
         quadrature: Option<usize> [Auto<Count<1, 20>>],
-        /// Makes level sets distances again. Not for elastic membranes, whose stretch is the slope
-        /// of their level set.
+        /// Makes level sets distances again. Not for smeared elastic membranes, whose stretch is the
+        /// slope of their level set. Without it those of sharp forces are, when their slope changes.
         redistance: Option<Redistance> [Opt<Nested<Redistance>>],
     } check Numerics::check; hide Numerics::hides;
 }

@@ -98,9 +98,6 @@ impl<const D: usize> Build<'_, '_, D> {
         };
         check.map_err(|e| script.blame(&place, e))
     }
-}
-
-impl<const D: usize> Build<'_, '_, D> {
     /// A warning if the band is thicker than what it surrounds.
     fn warn_of_thick_band(&mut self, name: &str, reach: f64, distance: &[f64]) {
         let depth = -distance.iter().copied().fold(0.0, f64::min);

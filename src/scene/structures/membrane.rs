@@ -49,7 +49,7 @@ table! {
         /// The law of the energy E(r) of its area.
         area: Option<AreaLaw> [Opt<Nested<AreaLaw>>, Derived("none, where `law` is given")],
         /// The law of the energy of its shear, beside that of its area; in space alone. Backward
-        /// characteristics are then carried.
+        /// characteristics are then carried, unless the force is sharp.
         shear: Option<ShearLaw> [Opt<Nested<ShearLaw>>],
         /// A law of area and shear together, in place of `area` and `shear`; in space alone.
         law: Option<SurfaceLaw> [Opt<Nested<SurfaceLaw>>],
@@ -82,6 +82,9 @@ kinds! {
     Map: Vec<Expression> = Kind::Value("three expressions"), read_map;
 }
 
+/// Keys of a smeared membrane with shear alone.
+const OF_SHEAR_BAND: [&str; 2] = ["area_change", "level_set"];
+
 impl Membrane {
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         let force = optional::<Forces>(table, "force", context)?.unwrap_or(Force::Smeared);
@@ -96,7 +99,7 @@ impl Membrane {
                     "give shear.linear = { modulus = 1 } beside the law of area, or leave it out",
                 ));
         }
-        let of_band = ["area_change", "level_set"].into_iter().find_map(|key| table.get(key));
+        let of_band = OF_SHEAR_BAND.into_iter().find_map(|key| table.get(key));
         if let (Force::Sharp, Some(item)) = (force, of_band) {
             return Err(item
                 .key_error(format!(
@@ -109,8 +112,9 @@ impl Membrane {
     }
 
     fn hides(&self, key: &str) -> bool {
-        let sharp = self.force == Force::Sharp && ["area_change", "level_set"].contains(&key);
-        sharp || self.surface().is_none() && ["map", "area_change", "level_set"].contains(&key)
+        let of_band = OF_SHEAR_BAND.contains(&key);
+        of_band && self.force == Force::Sharp
+            || self.surface().is_none() && (of_band || key == "map")
     }
 
     /// Its area law; for a law of area and shear together, the small-strain limit.
@@ -251,10 +255,10 @@ impl<const D: usize> KindIn<D> for Membrane {
             (Some(law), Force::Smeared) => Immersed::boxed(interface, self.sheared(law, of)),
             (Some(law), Force::Sharp) => {
                 let membrane = SharpShearMembrane::new(law);
-                let mapped = (!self.map.is_empty()).then(|| rest_map(&self.map));
+                let unmapped = self.map.is_empty();
                 Immersed::boxed(
                     interface,
-                    mapped.into_iter().fold(membrane, |m, map| m.with_map(map)),
+                    if unmapped { membrane } else { membrane.with_map(rest_map(&self.map)) },
                 )
             }
             (None, Force::Sharp) => {
