@@ -1,10 +1,16 @@
 //! The band of a membrane and its data at quadrature points, stored for the cells of the band only.
 
 use crate::base::parallel;
-use crate::fem::{At, Basis, OnCell};
+use crate::fem::{At, Basis, Numbering, OnCell, Space};
 use crate::levelset::{Bounds, Kernel, Norm};
 use crate::mesh::NONE;
+use crate::structure::Host;
 use nalgebra::SVector;
+use std::sync::Arc;
+
+/// Distance from the interface, in half-widths, beyond which the band has no point whatever the
+/// level set says there.
+const FARTHEST: f64 = 3.0;
 
 /// Definition of the band by values of the level set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +45,7 @@ impl<const D: usize> BandPoint<D> {
 }
 
 /// Half-width and kind of a band.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct BandWidth {
     /// Half-width `eps`, a length.
     pub thickness: f64,
@@ -49,12 +55,26 @@ pub(super) struct BandWidth {
     pub kernel: Kernel,
     /// The norm of the local slope.
     pub norm: Norm,
+    /// One number per node, equal for nodes that periodic sides identify; empty without.
+    unknowns: Arc<[u32]>,
 }
 
 impl BandWidth {
     /// A renormalised band.
     pub fn new(thickness: f64) -> BandWidth {
-        BandWidth { thickness, slope: None, kernel: Kernel::default(), norm: Norm::default() }
+        BandWidth {
+            thickness,
+            slope: None,
+            kernel: Kernel::default(),
+            norm: Norm::default(),
+            unknowns: Arc::new([]),
+        }
+    }
+    /// Makes the band continue through periodic sides.
+    pub fn begin<const D: usize>(&mut self, host: &Host<'_, D>) {
+        if !host.translations.is_empty() {
+            self.unknowns = Numbering::scalar_unknowns(host.space, host.translations).0.into();
+        }
     }
     /// A band of another kind; `slope` is that of the level set at time 0.
     pub fn with_band(self, band: Band, slope: f64) -> BandWidth {
@@ -64,10 +84,64 @@ impl BandWidth {
     pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> BandWidth {
         BandWidth { kernel, norm, ..self }
     }
-    /// True if the band may have a point in cell `c`.
-    pub fn is_near<const D: usize>(&self, basis: &Basis<D>, phi: &[f64], c: usize) -> bool {
-        let bounds = Bounds::of_cell(basis.space(), phi, c);
-        bounds.meet(self.slope.unwrap_or(bounds.slope * self.norm.largest(D)) * self.thickness)
+    /// The cells that the band may have a point in, in ascending order. A level set that the flow
+    /// has wound up is small over its slope also far from its zero: what is farther away than
+    /// [`FARTHEST`] half-widths is no part of the band.
+    pub fn cells<const D: usize>(&self, basis: &Basis<D>, phi: &[f64]) -> Vec<u32> {
+        let space = basis.space();
+        // 0: no point of the band; 1: cut by the interface; 2: near by its values.
+        let mut kinds = vec![0u8; space.mesh().cell_count()];
+        parallel::fill(&mut kinds, 1, |first, part| {
+            for (i, kind) in part.iter_mut().enumerate() {
+                let bounds = Bounds::of_cell(space, phi, first + i);
+                let slope = self.slope.unwrap_or(bounds.slope * self.norm.largest(D));
+                if bounds.meet(slope * self.thickness) {
+                    let is_cut = bounds.low <= 0.0 && bounds.high >= 0.0;
+                    *kind = if is_cut { 1 } else { 2 };
+                }
+            }
+        });
+        let near = (0..kinds.len() as u32).filter(|&c| kinds[c as usize] > 0).collect();
+        self.without_far(space, near, |c| kinds[c as usize] == 1)
+    }
+    /// The cells of the list that lie close to one that `is_cut`, through cells of the list.
+    fn without_far<const D: usize>(
+        &self,
+        space: &Space<D>,
+        mut near: Vec<u32>,
+        is_cut: impl Fn(u32) -> bool,
+    ) -> Vec<u32> {
+        let unknown = |&n: &u32| self.unknowns.get(n as usize).copied().unwrap_or(n) as usize;
+        let nodes = |c: u32| space.cell_nodes(c as usize);
+        let reach = FARTHEST * self.thickness;
+        let mut away = vec![f64::INFINITY; space.len()];
+        for n in near.iter().filter(|&&c| is_cut(c)).flat_map(|&c| nodes(c)) {
+            away[unknown(n)] = 0.0;
+        }
+        let nearest = |away: &[f64], c: u32| {
+            nodes(c).iter().map(|n| away[unknown(n)]).fold(f64::INFINITY, f64::min)
+        };
+        // Lengths of ways from node to node, longer than distances by a third at most.
+        let mut changes = true;
+        while changes {
+            changes = false;
+            for &c in &near {
+                let least = nearest(&away, c);
+                if least > reach {
+                    continue;
+                }
+                let from = nodes(c).iter().find(|n| away[unknown(n)] == least);
+                let from = from.map(|&n| space.nodes()[n as usize]);
+                for n in nodes(c) {
+                    let step = from.map_or(0.0, |x| (space.nodes()[*n as usize] - x).norm());
+                    if least + step < away[unknown(n)] {
+                        (away[unknown(n)], changes) = (least + step, true);
+                    }
+                }
+            }
+        }
+        near.retain(|&c| nearest(&away, c) <= reach);
+        near
     }
     /// Data at point `q` of cell `c`, where the level set is `own`.
     pub fn point<const D: usize>(
@@ -93,8 +167,10 @@ impl BandWidth {
         phi: &[f64],
         value: impl Fn(usize, usize, &BandPoint<D>) -> f64 + Sync,
     ) -> f64 {
-        let [sum] = parallel::sum(basis.space().mesh().cell_count(), |c| {
-            if !self.is_near(basis, phi, c) {
+        let mut near = vec![false; basis.space().mesh().cell_count()];
+        self.cells(basis, phi).iter().for_each(|&c| near[c as usize] = true);
+        let [sum] = parallel::sum(near.len(), |c| {
+            if !near[c] {
                 return [0.0];
             }
             let own = basis.space().on_cell(phi, c);
@@ -115,20 +191,12 @@ pub(super) struct BandCells<P> {
     cells: Vec<u32>,
     /// Position of a cell in `cells`; [`NONE`] for the others.
     slot: Vec<u32>,
-    /// For every cell: true if the band may have a point in it.
-    near: Vec<bool>,
     values: Vec<P>,
 }
 
 impl<P> Default for BandCells<P> {
     fn default() -> BandCells<P> {
-        BandCells {
-            points: 0,
-            cells: Vec::new(),
-            slot: Vec::new(),
-            near: Vec::new(),
-            values: Vec::new(),
-        }
+        BandCells { points: 0, cells: Vec::new(), slot: Vec::new(), values: Vec::new() }
     }
 }
 
@@ -144,7 +212,12 @@ impl<P: Copy + Send + Sync> BandCells<P> {
         point: impl Fn(usize, usize, &BandPoint<D>) -> P + Sync,
     ) {
         self.points = basis.rule().len();
-        self.find_cells(basis.space().mesh().cell_count(), |c| width.is_near(basis, phi, c));
+        self.cells.iter().for_each(|&c| self.slot[c as usize] = NONE);
+        self.slot.resize(basis.space().mesh().cell_count(), NONE);
+        self.cells = width.cells(basis, phi);
+        for (slot, &c) in self.cells.iter().enumerate() {
+            self.slot[c as usize] = slot as u32;
+        }
         let mut values = std::mem::take(&mut self.values);
         values.resize(self.cells.len() * self.points, nothing);
         parallel::fill(&mut values, self.points, |first, part| {
@@ -158,21 +231,6 @@ impl<P: Copy + Send + Sync> BandCells<P> {
             }
         });
         self.values = values;
-    }
-    fn find_cells(&mut self, count: usize, is_near: impl Fn(usize) -> bool + Sync) {
-        let mut near = std::mem::take(&mut self.near);
-        near.resize(count, false);
-        parallel::fill(&mut near, 1, |first, part| {
-            part.iter_mut().enumerate().for_each(|(i, near)| *near = is_near(first + i));
-        });
-        self.cells.iter().for_each(|&c| self.slot[c as usize] = NONE);
-        self.slot.resize(near.len(), NONE);
-        self.cells.clear();
-        for c in (0..near.len()).filter(|&c| near[c]) {
-            self.slot[c] = self.cells.len() as u32;
-            self.cells.push(c as u32);
-        }
-        self.near = near;
     }
     /// The cells, in ascending order.
     pub fn cells(&self) -> &[u32] {

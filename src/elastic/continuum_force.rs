@@ -8,7 +8,9 @@ use crate::fem::{At, Basis, Cells, Recovery, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Curvature, Kernel, Norm};
 use crate::mesh::Mesh;
-use crate::structure::{ImmersedInterface, InterfaceForce, Medium, Place};
+use crate::structure::{
+    Declaration, Host, ImmersedInterface, InterfaceForce, Medium, Place,
+};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 
@@ -57,14 +59,15 @@ impl<const D: usize> ContinuumForce<D> {
     /// Precomputes the force on the band of `phi`, a function of the space of `basis`, which must
     /// have the rule of the flow.
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64]) {
-        let (space, tension, width) = (basis.space(), self.tension, self.width);
+        let (space, tension, width) = (basis.space(), self.tension, self.width.clone());
         let mesh = space.mesh();
         let recovery = match self.recovery.take() {
             Some((of, recovery)) if Arc::ptr_eq(&of, mesh) => recovery,
             _ => Recovery::new(mesh),
         };
-        let near = (0..mesh.cell_count()).filter(|&c| width.is_near(basis, phi, c));
-        let mut vertices: Vec<u32> = near.flat_map(|c| mesh.cell(c)).copied().collect();
+        let near = width.cells(basis, phi);
+        let of_cell = |&c: &u32| mesh.cell(c as usize);
+        let mut vertices: Vec<u32> = near.iter().flat_map(of_cell).copied().collect();
         vertices.sort_unstable();
         vertices.dedup();
         let curvature = Curvature::new(&recovery, space, phi, &vertices);
@@ -89,6 +92,15 @@ impl<const D: usize> MomentumTerm<D> for ContinuumForce<D> {
 }
 
 impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
+    fn begin(
+        &mut self,
+        _: &ImmersedInterface<D>,
+        host: &Host<'_, D>,
+        _: &mut Declaration<'_, D>,
+    ) -> Result<()> {
+        self.width.begin(host);
+        Ok(())
+    }
     fn term(&self) -> &dyn MomentumTerm<D> {
         self
     }

@@ -1,9 +1,13 @@
-//! The cut interface of a sharp force, and its way over a step.
+//! The cut interface of a force, its way over a step, and the stretch that it carries.
 
 use crate::base::Result;
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{CarriedSurface, surface};
-use crate::structure::{Fields, ImmersedInterface, Moved, Velocity};
+use crate::structure::{
+    Carry, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, Moved, Rule, Velocity,
+};
+use nalgebra::SVector;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Number of cached interfaces: at the start of a step, predicted for its end, and at its end.
@@ -33,7 +37,8 @@ impl<const D: usize> CutSurface<D> {
         Ok(points)
     }
     /// Carries the interface over a step along the paths of its points, and moves the level set,
-    /// unless it is predicted or composed of maps, onto them. Returns also the points on the new
+    /// unless it is predicted or composed of maps, onto them. `slip`, nodal, is the velocity of the
+    /// interface along itself beside that of the fluid. Returns also the points on the new
     /// interface; `None` in a prescribed velocity, in which no force acts.
     ///
     /// # Errors
@@ -42,18 +47,79 @@ impl<const D: usize> CutSurface<D> {
         &mut self,
         of: &ImmersedInterface<D>,
         by: &'a Moved<'_, D>,
+        slip: Option<&[SVector<f64, D>]>,
         fields: &mut Fields<D>,
     ) -> Result<Option<(CarriedSurface<'a, D>, Points<D>)>> {
         let Velocity::Computed { mean, .. } = by.velocity else { return Ok(None) };
         let tracer = &by.carrier.tracer;
         let (space, before) = (tracer.space(), by.before.scalar(of.level_set()));
         let from = self.of(space, before)?;
-        let carried = CarriedSurface::new(tracer, (mean, by.dt), (from, before));
+        let u = match slip {
+            None => Cow::Borrowed(mean),
+            Some(slip) => mean.iter().zip(slip).map(|(u, w)| u + w).collect(),
+        };
+        let carried = CarriedSurface::new(tracer, (u, by.dt), (from, before));
         if !by.ahead && fields.map.is_none() {
             let to = surface(space, fields.scalar(of.level_set()))?;
             carried.fit(&to, fields.scalar_mut(of.level_set()))?;
         }
         let to = self.of(space, fields.scalar(of.level_set()))?;
         Ok(Some((carried, to)))
+    }
+}
+
+/// Least length at rest per length that is not taken for an error of the transport.
+const THINNEST: f64 = 1e-3;
+
+/// The stretch of an interface with this length (area) at rest per length.
+pub(super) fn stretch(rest_density: f64) -> f64 {
+    1.0 / rest_density.max(THINNEST)
+}
+
+/// The inverse of the stretch, length (in space: area) at rest per length, as a density that the
+/// interface carries: `Dm/Dt + m P : grad u = 0`, see
+/// [`Onto::density`](crate::levelset::Onto::density).
+#[derive(Clone, Debug, Default)]
+pub(super) struct RestDensity<const D: usize> {
+    /// The interface that carries it.
+    pub cuts: CutSurface<D>,
+    /// Its field: values count at the nodes of cut cells.
+    pub field: FieldId,
+}
+
+impl<const D: usize> RestDensity<D> {
+    /// Declares the field.
+    pub fn begin(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        host: &Host<'_, D>,
+        fields: &mut Declaration<'_, D>,
+    ) {
+        let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
+        let initial = || Data::Scalar(vec![1.0 / of.stretch; host.space.len()]);
+        self.field = fields.add(&of.field_name("rest_density"), rule, initial);
+    }
+    /// Moves the level set onto the points of the interface that were carried by the fluid, and
+    /// carries the density with this diffusivity, a function of it, times the step. The values
+    /// continue along the normals as far as `reach`.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    pub fn advance(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        (by, fields): (&mut Moved<'_, D>, &mut Fields<D>),
+        reach: f64,
+        diffusivity: impl Fn(&SurfacePoint<D>, f64) -> f64,
+    ) -> Result<()> {
+        let Some((carried, to)) = self.cuts.follow(of, by, None, fields)? else { return Ok(()) };
+        let (density, phi) = (by.before.scalar(self.field), fields.scalar(of.level_set()));
+        let mut onto = carried.onto(&to, phi)?;
+        let mut after = onto.density(density, !by.ahead, diffusivity)?;
+        if reach > 0.0 {
+            onto.continue_to(reach, &mut after);
+        }
+        fields.scalar_mut(self.field).copy_from_slice(&after);
+        Ok(())
     }
 }

@@ -3,6 +3,7 @@
 
 use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
+use super::cut_surface::{RestDensity, stretch};
 use super::predictor::Predictor;
 use super::waves::explicit_step_limit;
 use crate::base::Result;
@@ -10,7 +11,8 @@ use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
 use crate::structure::{
-    Coupling, Declaration, Host, ImmersedInterface, InterfaceForce, Medium, Place,
+    Coupling, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium, Moved,
+    Place,
 };
 use nalgebra::{SMatrix, SVector};
 
@@ -21,6 +23,10 @@ use nalgebra::{SMatrix, SVector};
 /// the velocity, the form `C(u, v) = dt int [E'' r^2 (P : grad u)(P : grad v) + max(E', 0) r (n
 /// grad u P) . (n grad v P)] w` is added to the matrix; for constant tension and in 3-D the last
 /// product is `(grad u P) : (grad v P)`.
+///
+/// The stretch `r` is the slope `|grad phi|`, or [that which the interface
+/// carries](Self::with_carried_stretch): a flow that shears the fluid beside the interface changes
+/// the slope there and in the end everywhere, and it is a stretch no more.
 pub struct Membrane<const D: usize> {
     law: AreaLaw,
     width: BandWidth,
@@ -28,12 +34,21 @@ pub struct Membrane<const D: usize> {
     implicit_step: Option<f64>,
     /// Predicts the level set in the semi-implicit scheme.
     predictor: Option<Predictor<D>>,
+    /// The carried stretch; `None` where it is the slope of the level set.
+    rest: Option<RestDensity<D>>,
 }
 
 impl<const D: usize> Clone for Membrane<D> {
     /// Without the predictor, which depends on the mesh.
     fn clone(&self) -> Self {
-        Membrane { band: self.band.clone(), predictor: None, ..*self }
+        Membrane {
+            law: self.law,
+            width: self.width.clone(),
+            band: self.band.clone(),
+            implicit_step: self.implicit_step,
+            predictor: None,
+            rest: self.rest.clone(),
+        }
     }
 }
 
@@ -41,7 +56,12 @@ impl<const D: usize> Membrane<D> {
     /// A membrane whose band, renormalised, has the half-width `thickness` (`eps`, a length).
     pub fn new(law: AreaLaw, thickness: f64) -> Membrane<D> {
         let (width, band) = (BandWidth::new(thickness), BandCells::default());
-        Membrane { law, width, band, implicit_step: None, predictor: None }
+        Membrane { law, width, band, implicit_step: None, predictor: None, rest: None }
+    }
+    /// The same membrane with the stretch that its interface carries, in place of the slope of the
+    /// level set.
+    pub fn with_carried_stretch(self) -> Membrane<D> {
+        Membrane { rest: Some(RestDensity::default()), ..self }
     }
     /// The same membrane over another band; `slope` is that of the level set at time 0.
     pub fn with_band(self, band: Band, slope: f64) -> Membrane<D> {
@@ -64,8 +84,21 @@ impl<const D: usize> Membrane<D> {
     /// have the rule of the flow. With `implicit_step`, a time step, the stiffness enters the
     /// matrix.
     pub fn prepare(&mut self, basis: &Basis<D>, phi: &[f64], implicit_step: Option<f64>) {
+        self.prepare_with(basis, (phi, None), implicit_step);
+    }
+    /// The same for a carried length (area) at rest per length, if there is one.
+    fn prepare_with(
+        &mut self,
+        basis: &Basis<D>,
+        (phi, rest_density): (&[f64], Option<&[f64]>),
+        implicit_step: Option<f64>,
+    ) {
         self.implicit_step = implicit_step;
-        self.band.prepare(&self.width, basis, phi, BandPoint::outside(), |_, _, b| *b);
+        self.band.prepare(&self.width, basis, phi, BandPoint::outside(), |c, q, b| {
+            let r = stretch_at(basis, (c, q), b, rest_density);
+            // The length at rest in `w` is that of the stretch.
+            if r == b.r { *b } else { BandPoint { r, w: b.w * b.r / r, ..*b } }
+        });
     }
     /// Band data at a quadrature point; `None` outside the band.
     fn point(&self, at: &At<D>) -> Option<&BandPoint<D>> {
@@ -74,7 +107,13 @@ impl<const D: usize> Membrane<D> {
     /// Elastic energy (3.12) of the membrane on `phi`. `basis` may have a finer rule than the
     /// flow's.
     pub fn energy(&self, basis: &Basis<D>, phi: &[f64]) -> f64 {
-        self.width.integrate(basis, phi, |_, _, b| self.law.energy(b.r))
+        self.energy_with(basis, (phi, None))
+    }
+    fn energy_with(&self, basis: &Basis<D>, (phi, rest): (&[f64], Option<&[f64]>)) -> f64 {
+        self.width.integrate(basis, phi, |c, q, b| {
+            let r = stretch_at(basis, (c, q), b, rest);
+            self.law.energy(r) * if r == b.r { 1.0 } else { b.r / r }
+        })
     }
     /// Largest tension `E'(r)` in the prepared band; 0 without tension.
     pub fn largest_tension(&self) -> f64 {
@@ -84,6 +123,21 @@ impl<const D: usize> Membrane<D> {
             .filter(|b| b.w > 0.0)
             .map(|b| self.law.tension(b.r))
             .fold(0.0, f64::max)
+    }
+}
+
+/// The carried stretch at a point of the band; without one the slope of the level set.
+fn stretch_at<const D: usize>(
+    basis: &Basis<D>,
+    (c, q): (usize, usize),
+    b: &BandPoint<D>,
+    rest_density: Option<&[f64]>,
+) -> f64 {
+    match rest_density {
+        Some(m) if b.w > 0.0 => {
+            stretch(basis.space().on_cell(m, c).combined(basis.values(q)))
+        }
+        _ => b.r,
     }
 }
 
@@ -118,8 +172,12 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
         &mut self,
         of: &ImmersedInterface<D>,
         host: &Host<'_, D>,
-        _: &mut Declaration<'_, D>,
+        fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
+        self.width.begin(host);
+        if let Some(rest) = &mut self.rest {
+            rest.begin(of, host, fields);
+        }
         let basis = host.basis.filter(|_| of.coupling == Coupling::SemiImplicit);
         self.predictor = basis.map(|b| Predictor::new(b.clone(), host.translations)).transpose()?;
         Ok(())
@@ -140,8 +198,19 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
             _ => None,
         };
         let phi = predicted.as_deref().unwrap_or(at.fields.scalar(of.level_set()));
-        Membrane::prepare(self, at.basis, phi, implicit);
+        let rest_density = self.rest.as_ref().map(|rest| at.fields.scalar(rest.field));
+        self.prepare_with(at.basis, (phi, rest_density), implicit);
         Ok(())
+    }
+    fn advance(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        by: &mut Moved<'_, D>,
+        fields: &mut Fields<D>,
+    ) -> Result<()> {
+        let reach = self.width.thickness;
+        let Some(rest) = &mut self.rest else { return Ok(()) };
+        rest.advance(of, (by, fields), reach, |_, _| 0.0)
     }
     fn energy(
         &mut self,
@@ -149,13 +218,20 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
         at: &Place<'_, D>,
         rule: &Basis<D>,
     ) -> Result<f64> {
-        Ok(Membrane::energy(self, rule, at.fields.scalar(of.level_set())))
+        let rest_density = self.rest.as_ref().map(|rest| at.fields.scalar(rest.field));
+        Ok(self.energy_with(rule, (at.fields.scalar(of.level_set()), rest_density)))
     }
     fn tension(&self) -> f64 {
         self.largest_tension()
     }
     fn step_limit(&self, medium: &Medium) -> f64 {
         explicit_step_limit(medium, self.width.thickness, self.largest_tension())
+    }
+    fn keeps_distance(&self) -> bool {
+        self.rest.is_some()
+    }
+    fn rest_density(&self) -> Option<FieldId> {
+        Some(self.rest.as_ref()?.field)
     }
     fn bytes(&self) -> usize {
         self.predictor.as_ref().map_or(0, Predictor::bytes)

@@ -8,6 +8,7 @@ mod membrane;
 mod predictor;
 mod sharp;
 mod sharp_shear;
+mod slip;
 mod shear;
 mod surface_law;
 mod waves;

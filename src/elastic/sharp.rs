@@ -1,16 +1,18 @@
 //! The membrane with an area law whose force acts on the interface itself (sharp interface).
 
 use super::area_law::AreaLaw;
-use super::cut_surface::{CutSurface, Points};
+use super::cut_surface::{Points, RestDensity, stretch};
+use super::slip::slip;
 use super::waves::explicit_step_limit;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::structure::{
-    Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
-    Medium, Moved, Place, Rule,
+    Coupling, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium, Moved,
+    Place,
 };
 use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
 
 /// Support of the force of a membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,13 +42,9 @@ pub enum Force {
 /// The level set is moved in every step onto the points of the interface as the fluid carries them
 /// ([`CarriedSurface::fit`](crate::levelset::CarriedSurface::fit)), and its slope has no meaning.
 ///
-/// A tangential force gives the velocity a kink, which P2 smooths over a cell of extent `l` across
-/// the interface: the interface moves too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its
-/// positions in the cell (in one dimension, the Galerkin error at a point force at `x` of a P2
-/// element is `[x(1-x) - 3 x^2 (1-x)^2] l/mu`). This *slip* is added, a diffusion of `m` with
-/// `l/(15 mu) E''(r) r`, solved implicitly. It dissipates
-/// `int_S l/(15 mu) |grad_S E'|^2 ds` per time, the dissipation in the unresolved part of the kink.
-/// It does not move the interface along its normal.
+/// The interface moves along itself a little faster than the fluid on the mesh, by a [`slip`] of
+/// `l/(15 mu) grad_S E'(r)`: a diffusion of `m` with `l/(15 mu) E''(r) r`, solved implicitly. It
+/// dissipates `int_S l/(15 mu) |grad_S E'|^2 ds` per time.
 ///
 /// Limits: an interface that reaches a wall with a prescribed velocity, because the stiffness is
 /// omitted in the lift of boundary values.
@@ -57,7 +55,7 @@ pub enum Force {
 #[derive(Clone, Debug)]
 pub struct SharpMembrane<const D: usize> {
     law: AreaLaw,
-    cuts: CutSurface<D>,
+    rest: RestDensity<D>,
     /// Viscosity of the surrounding fluid.
     viscosity: f64,
     points: Points<D>,
@@ -68,29 +66,23 @@ pub struct SharpMembrane<const D: usize> {
     /// Dissipation rate of the slip.
     dissipation: f64,
     implicit_step: Option<f64>,
-    /// Field of the logarithm of the stretch.
-    rest_density: FieldId,
 }
 
-/// The slip is `extent / (SLIP mu)` times the tangential force.
-const SLIP: f64 = 15.0;
 /// Tension over modulus that is an error of rounding.
 const ROUNDING: f64 = 1e-9;
-/// Least length at rest per length that is not taken for an error of the transport.
-const THINNEST: f64 = 1e-3;
+
 impl<const D: usize> SharpMembrane<D> {
     /// A membrane in a fluid of this viscosity (between two fluids, their mean).
     pub fn new(law: AreaLaw, viscosity: f64) -> SharpMembrane<D> {
         SharpMembrane {
             law,
-            cuts: CutSurface::default(),
+            rest: RestDensity::default(),
             viscosity,
             points: Points::default(),
             places: Vec::new(),
             stretch: Vec::new(),
             dissipation: 0.0,
             implicit_step: None,
-            rest_density: FieldId::default(),
         }
     }
     /// Precomputes the force on the interface of `phi`; `rest_density` is the length (area) at rest
@@ -106,7 +98,7 @@ impl<const D: usize> SharpMembrane<D> {
         implicit_step: Option<f64>,
     ) -> Result<()> {
         self.implicit_step = implicit_step;
-        self.points = self.cuts.of(space, phi)?;
+        self.points = self.rest.cuts.of(space, phi)?;
         self.places = self.points.iter().map(|p| p.at).collect();
         let at_point =
             |p: &SurfacePoint<D>| stretch(space.value(rest_density, p.at.cell, &p.at.barycentric));
@@ -115,7 +107,7 @@ impl<const D: usize> SharpMembrane<D> {
             .points
             .iter()
             .map(|p| {
-                let (slip, pull) = (self.slip(space, p), self.pull(space, p, rest_density));
+                let (slip, pull) = (slip(space, p, self.viscosity), self.pull(space, p, rest_density));
                 p.at.weight * slip * pull.norm_squared()
             })
             .sum();
@@ -138,26 +130,12 @@ impl<const D: usize> SharpMembrane<D> {
         let largest = self.stretch.iter().map(|&r| self.law.tension(r)).fold(0.0, f64::max);
         if largest > ROUNDING * self.law.modulus() { largest } else { 0.0 }
     }
-    /// Slip velocity over tangential force.
-    fn slip(&self, space: &Space<D>, p: &SurfacePoint<D>) -> f64 {
-        let mesh = space.mesh();
-        let heights =
-            mesh.cell(p.at.cell).iter().map(|&v| mesh.points()[v as usize].dot(&p.normal));
-        let (low, high) =
-            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        (high - low) / (SLIP * self.viscosity)
-    }
     /// `grad_S E'(r)`, the tangential force.
     fn pull(&self, space: &Space<D>, p: &SurfacePoint<D>, rest_density: &[f64]) -> SVector<f64, D> {
         let (cell, l) = (p.at.cell, &p.at.barycentric);
         let r = stretch(space.value(rest_density, cell, l));
         p.tangential(&space.gradient(rest_density, cell, l)) * (-self.law.stiffness(r) * r * r)
     }
-}
-
-/// The stretch of an interface with this length (area) at rest per length.
-pub(super) fn stretch(rest_density: f64) -> f64 {
-    1.0 / rest_density.max(THINNEST)
 }
 
 impl<const D: usize> MomentumTerm<D> for SharpMembrane<D> {
@@ -192,9 +170,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         host: &Host<'_, D>,
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
-        let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
-        let initial = || Data::Scalar(vec![1.0 / of.stretch; host.space.len()]);
-        self.rest_density = fields.add(&of.field_name("rest_density"), rule, initial);
+        self.rest.begin(of, host, fields);
         Ok(())
     }
     fn term(&self) -> &dyn MomentumTerm<D> {
@@ -203,7 +179,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
         let (phi, density) =
-            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest_density));
+            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
         SharpMembrane::prepare(self, at.space, phi, density, implicit)
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
@@ -214,23 +190,17 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         by: &mut Moved<'_, D>,
         fields: &mut Fields<D>,
     ) -> Result<()> {
-        let constant = matches!(self.law, AreaLaw::Tension { .. });
-        if constant && by.ahead {
-            return Ok(());
+        if matches!(self.law, AreaLaw::Tension { .. }) {
+            return if by.ahead { Ok(()) } else { self.rest.cuts.follow(of, by, None, fields).map(drop) };
         }
-        let Some((carried, to)) = self.cuts.follow(of, by, fields)? else { return Ok(()) };
-        if constant {
-            return Ok(());
-        }
-        let space = by.carrier.tracer.space();
-        let slip = |p: &SurfacePoint<D>, m: f64| {
+        let space = Arc::clone(by.carrier.tracer.space());
+        let (mut rest, dt) = (std::mem::take(&mut self.rest), by.dt);
+        let advanced = rest.advance(of, (by, fields), 0.0, |p, m| {
             let r = stretch(m);
-            by.dt * self.slip(space, p) * self.law.stiffness(r) * r
-        };
-        let (density, phi) = (by.before.scalar(self.rest_density), fields.scalar(of.level_set()));
-        let after = carried.onto(&to, phi)?.density(density, !by.ahead, slip)?;
-        fields.scalar_mut(self.rest_density).copy_from_slice(&after);
-        Ok(())
+            dt * slip(&space, p, self.viscosity) * self.law.stiffness(r) * r
+        });
+        self.rest = rest;
+        advanced
     }
     fn energy(
         &mut self,
@@ -239,7 +209,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         _: &Basis<D>,
     ) -> Result<f64> {
         let (phi, density) =
-            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest_density));
+            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
         SharpMembrane::prepare(self, at.space, phi, density, None)?;
         Ok(SharpMembrane::energy(self))
     }
@@ -265,5 +235,8 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     }
     fn keeps_distance(&self) -> bool {
         true
+    }
+    fn rest_density(&self) -> Option<FieldId> {
+        (!matches!(self.law, AreaLaw::Tension { .. })).then_some(self.rest.field)
     }
 }

@@ -62,6 +62,10 @@ impl<const D: usize> Strained<D> {
     pub fn force(&self) -> SMatrix<f64, D, D> {
         self.strain.in_space(&self.tension) * -self.w
     }
+    /// Largest stiffness of waves along the membrane, per area.
+    pub fn stiffest(&self, law: SurfaceLaw) -> f64 {
+        Tangent::new(law, &self.strain).wave_stiffnesses()[1] * self.w
+    }
     /// `K[grad u, .] w`, tested with `grad v`.
     pub fn stiffness(&self, grad_u: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
         let (n, [s, t]) = (&self.strain.normal, &self.strain.tangents);
@@ -292,9 +296,10 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
     fn begin(
         &mut self,
         _: &ImmersedInterface<D>,
-        _: &Host<'_, D>,
+        host: &Host<'_, D>,
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
+        self.width.begin(host);
         self.displacement = fields.backward_map(true);
         Ok(())
     }

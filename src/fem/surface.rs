@@ -147,6 +147,23 @@ impl SurfaceMass {
             load[self.number[n as usize] as usize] += amount * v;
         }
     }
+    /// Adds `- weight T : grad (v e_i)` to the right-hand side `i`, for all functions `v` of the space,
+    /// at a point of a cut cell.
+    pub fn deposit_divergence<const D: usize>(
+        &self,
+        space: &Space<D>,
+        p: &SurfacePoint<D>,
+        tensor: &SMatrix<f64, D, D>,
+        loads: &mut [Vec<f64>; D],
+    ) {
+        let g = gradients(space, space.element(), &p.at);
+        for (&n, g) in space.cell_nodes(p.at.cell).iter().zip(g) {
+            let amount = tensor * g * -p.at.weight;
+            for (load, amount) in loads.iter_mut().zip(amount.iter()) {
+                load[self.number[n as usize] as usize] += amount;
+            }
+        }
+    }
     /// Solves for the function with this right-hand side and writes its values to the nodes of cut
     /// cells; other nodes are not changed.
     ///

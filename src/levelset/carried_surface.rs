@@ -5,6 +5,7 @@ use crate::fem::{Space, SurfaceMass, SurfacePoint};
 use crate::mesh::{Location, NONE};
 use crate::transport::{AdvectingVelocity, Tracer};
 use nalgebra::{SMatrix, SVector};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Largest number of cells in the search for a cut cell.
@@ -20,7 +21,7 @@ const BALANCED: f64 = 4.0;
 pub struct CarriedSurface<'a, const D: usize> {
     tracer: &'a Tracer<D>,
     /// Velocity at the nodes.
-    u: &'a [SVector<f64, D>],
+    u: Cow<'a, [SVector<f64, D>]>,
     dt: f64,
     from: Arc<[SurfacePoint<D>]>,
     /// The level set whose zero is `from`.
@@ -34,11 +35,12 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     /// constant over the step `dt`. What leaves the domain is lost.
     pub fn new(
         tracer: &'a Tracer<D>,
-        (u, dt): (&'a [SVector<f64, D>], f64),
+        (u, dt): (impl Into<Cow<'a, [SVector<f64, D>]>>, f64),
         (from, phi): (Arc<[SurfacePoint<D>]>, &'a [f64]),
     ) -> CarriedSurface<'a, D> {
+        let u = u.into();
         let starts: Vec<Location> = from.iter().map(location).collect();
-        let ends = tracer.ahead(&AdvectingVelocity::Nodal(u), dt, &starts);
+        let ends = tracer.ahead(&AdvectingVelocity::Nodal(&u), dt, &starts);
         CarriedSurface { tracer, u, dt, from, phi, ends }
     }
 
@@ -81,9 +83,9 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     ) -> Result<Onto<'b, 'a, D>> {
         let (space, dt) = (self.tracer.space(), self.dt);
         let places: Vec<Location> = to.iter().map(location).collect();
-        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -dt, &places);
+        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(&self.u), -dt, &places);
         let cut = CutCells::new(space, &self.from);
-        let gradient = |at: &Location| space.jacobian(self.u, at.cell as usize, &at.barycentric);
+        let gradient = |at: &Location| space.jacobian(&self.u, at.cell as usize, &at.barycentric);
         let path = |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
             let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
             let normals = [slope.try_normalize(0.0).unwrap_or(p.normal), p.normal];
@@ -206,6 +208,31 @@ impl<const D: usize> Onto<'_, '_, D> {
         Ok(after)
     }
 
+    /// Continues nodal values that count in cut cells to all nodes within `reach` of the interface:
+    /// the value there is that of the nearest point, along the normal.
+    pub fn continue_to(&self, reach: f64, values: &mut [f64]) {
+        let (tracer, cut) = (self.carried.tracer, &self.cut);
+        let space = tracer.space();
+        let slopes = space.means(|c, l| space.gradient(self.phi, c, l));
+        let mut counts = vec![true; values.len()];
+        for n in cut.list.iter().flat_map(|&c| space.cell_nodes(c as usize)) {
+            counts[*n as usize] = false;
+        }
+        let on_interface = values.to_vec();
+        for n in (0..values.len()).filter(|&n| counts[n]) {
+            let (phi, slope) = (self.phi[n], slopes[n]);
+            let distance = phi / slope.norm();
+            if distance.is_nan() || distance.abs() > reach {
+                continue;
+            }
+            let step = slope * (-phi / slope.norm_squared());
+            let near = tracer.displaced(tracer.node_location(n), step);
+            if let Some(at) = cut.near(tracer, &near) {
+                values[n] = space.value(&on_interface, at.cell as usize, &at.barycentric);
+            }
+        }
+    }
+
     /// Values at the points of the new interface from those at the starts of their paths.
     fn arriving<const N: usize>(
         &self,
@@ -258,6 +285,61 @@ impl<const D: usize> Path<D> {
     pub fn deformation(&self) -> SMatrix<f64, D, D> {
         let g = (self.gradients[0] + self.gradients[1]) * (0.5 * self.dt);
         SMatrix::identity() + g + g * g * 0.5
+    }
+}
+
+/// The tangential divergence `P div_S T` of a tensor on the interface of `points`, the zero of `phi`,
+/// at the nodes of cut cells; NaN elsewhere. `tensor` is tangential, and `diffusivity` smooths the
+/// result along the interface (an area). `unknowns` has one number per node, equal for nodes that
+/// periodic sides identify.
+///
+/// # Errors
+/// A matrix that cannot be factored.
+pub fn surface_divergence<const D: usize>(
+    (space, unknowns): (&Space<D>, &[u32]),
+    (points, phi): (&[SurfacePoint<D>], &[f64]),
+    tensor: impl Fn(&SurfacePoint<D>) -> SMatrix<f64, D, D>,
+    diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
+) -> Result<Vec<SVector<f64, D>>> {
+    let mut divergence = vec![SVector::repeat(f64::NAN); space.len()];
+    let Some(mut mass) = SurfaceMass::new(space, unknowns, points)? else { return Ok(divergence) };
+    mass.diffuse(space, (points, phi), diffusivity)?;
+    let mut loads: [Vec<f64>; D] = std::array::from_fn(|_| mass.load());
+    points.iter().for_each(|p| mass.deposit_divergence(space, p, &tensor(p), &mut loads));
+    let mut component = vec![f64::NAN; space.len()];
+    for (i, load) in loads.iter().enumerate() {
+        mass.solve(load, &mut component)?;
+        divergence.iter_mut().zip(&component).for_each(|(d, c)| d[i] = *c);
+    }
+    let mut slopes = vec![SVector::<f64, D>::zeros(); space.len()];
+    for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
+        let c = group[0].at.cell;
+        for (k, &n) in space.cell_nodes(c).iter().enumerate() {
+            let slope = space.gradient(phi, c, &space.element().node(k, D));
+            slopes[n as usize] += slope * space.mesh().map(c).volume;
+        }
+    }
+    for (d, slope) in divergence.iter_mut().zip(&slopes) {
+        if let Some(n) = slope.try_normalize(0.0) {
+            *d -= n * n.dot(d);
+        }
+    }
+    Ok(divergence)
+}
+
+/// Continues vectors at the nodes of the cells that the interface of `points` cuts over two layers
+/// of cells, with zero beyond.
+pub fn continue_vectors<const D: usize>(
+    tracer: &Tracer<D>,
+    points: &[SurfacePoint<D>],
+    vectors: &mut [SVector<f64, D>],
+) {
+    let cut = CutCells::new(tracer.space(), points);
+    for i in 0..D {
+        let mut component: Vec<f64> = vectors.iter().map(|v| v[i]).collect();
+        continue_outward(tracer, &cut.list, &mut component);
+        let value = |c: f64| if c.is_nan() { 0.0 } else { c };
+        vectors.iter_mut().zip(component).for_each(|(v, c)| v[i] = value(c));
     }
 }
 

@@ -42,7 +42,9 @@ pub use band::{
     zeta,
 };
 pub use bounds::Bounds;
-pub use carried_surface::{CarriedSurface, Onto, Path};
+pub use carried_surface::{
+    CarriedSurface, Onto, Path, continue_vectors, surface_divergence,
+};
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};
 pub use delta::{Delta, Smeared, Width};

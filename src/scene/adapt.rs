@@ -182,7 +182,9 @@ fn level_sets<'a>(view: &View<'a, 2>) -> Vec<&'a [f64]> {
 /// True if some edge at an interface is too long.
 fn is_outgrown(view: &View<'_, 2>, lengths: &Lengths, at_first: Option<[f64; 2]>) -> bool {
     let edges = view.carried.structures().iter().filter_map(|s| {
-        let reach = if s.acts() { s.reach() } else { lengths.width - lengths.edge };
+        // A sharp force has no reach, but the flow beside it is as fine as the metric makes it.
+        let reach = Some(s.reach()).filter(|r| s.acts() && *r > 0.0);
+        let reach = reach.unwrap_or(lengths.width - lengths.edge);
         band_edges(view.space(), view.state.fields.scalar(s.level_set()?), reach)
     });
     let at_first = at_first.map_or(0.0, |[_, largest]| largest);

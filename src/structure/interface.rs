@@ -179,6 +179,11 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     fn keeps_distance(&self) -> bool {
         false
     }
+    /// Field of the length (in space: area) at rest per length, the inverse of the stretch, if the
+    /// interface carries it.
+    fn rest_density(&self) -> Option<FieldId> {
+        None
+    }
     /// True if the force needs the backward characteristics.
     fn resists_shear(&self) -> bool {
         false
@@ -272,6 +277,9 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
     }
     fn carries_strain(&self) -> bool {
         self.force.carries_strain()
+    }
+    fn rest_density(&self) -> Option<FieldId> {
+        self.force.rest_density()
     }
     fn strain_at(
         &self,

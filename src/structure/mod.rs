@@ -188,6 +188,11 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn carries_strain(&self) -> bool {
         false
     }
+    /// Field of the length (in space: area) at rest per length on its interface, the inverse of the
+    /// stretch, if the interface carries it.
+    fn rest_density(&self) -> Option<FieldId> {
+        None
+    }
     /// Strain at a point of its interface, if the interface carries it; otherwise it follows from
     /// the backward characteristics by [`strain`](Self::strain).
     fn strain_at(

@@ -54,25 +54,41 @@ impl<const D: usize> SurfaceStrain<D> {
         // inverse.
         SurfaceStrain { normal: *n, tangents, a, z1, z2: 0.5 * metric.trace() * z1 }
     }
-    /// The strain for the unit normal `n`, the area change `z1` and the shape `A / Z1` of the
-    /// surface tensor: its tangential part, scaled to the determinant 1.
+    /// The strain for the unit normal `n`, the area change `z1` and a surface tensor `A` up to a
+    /// factor: its tangential part, scaled to the determinant `z1^2`. `shape` must be positive
+    /// definite there.
     pub fn from_shape(
         n: &SVector<f64, D>,
         z1: f64,
         shape: &SMatrix<f64, D, D>,
     ) -> SurfaceStrain<D> {
         let tangents = tangent_basis(n);
-        let [s, t] = &tangents;
-        let along = [shape * s, shape * t];
-        let mixed = 0.5 * (s.dot(&along[1]) + t.dot(&along[0]));
-        let mut a = Matrix2::new(s.dot(&along[0]), mixed, mixed, t.dot(&along[1]));
-        let determinant = a.determinant();
-        a = if determinant > 0.0 && a.m11 > 0.0 {
-            a / determinant.sqrt()
-        } else {
-            Matrix2::identity()
-        };
-        SurfaceStrain { normal: *n, tangents, a: a * z1, z1, z2: 0.5 * a.trace() }
+        let a = tangential(&tangents, shape);
+        let a = a * (z1 / a.determinant().sqrt());
+        SurfaceStrain { normal: *n, tangents, a, z1, z2: 0.5 * a.trace() / z1 }
+    }
+    /// The strain for the unit normal `n`, the area change `z1` and the logarithm of the shape
+    /// `A / Z1`: of `log_shape` the tangential part without its trace counts, so that any symmetric
+    /// tensor gives a positive definite shape of determinant 1.
+    pub fn from_log_shape(
+        n: &SVector<f64, D>,
+        z1: f64,
+        log_shape: &SMatrix<f64, D, D>,
+    ) -> SurfaceStrain<D> {
+        let tangents = tangent_basis(n);
+        let log = deviator(&tangential(&tangents, log_shape));
+        let size = log.m11.hypot(log.m12);
+        let sinh_by_size = if size > 0.0 { size.sinh() / size } else { 1.0 };
+        let shape = Matrix2::identity() * size.cosh() + log * sinh_by_size;
+        SurfaceStrain { normal: *n, tangents, a: shape * z1, z1, z2: size.cosh() }
+    }
+    /// The logarithm of the shape `A / Z1`, a tensor of the tangent plane without trace; zero
+    /// without shear.
+    pub fn log_shape(&self) -> SMatrix<f64, D, D> {
+        let shape = deviator(&(self.a / self.z1));
+        let sinh = shape.m11.hypot(shape.m12);
+        let size_by_sinh = if sinh > 0.0 { sinh.asinh() / sinh } else { 1.0 };
+        self.in_space(&(shape * size_by_sinh))
     }
     /// The surface tensor `A`, (3.38).
     pub fn tensor(&self) -> SMatrix<f64, D, D> {
@@ -95,6 +111,21 @@ impl<const D: usize> SurfaceStrain<D> {
         let [s, t] = &self.tangents;
         (s * m.m11 + t * m.m21) * s.transpose() + (s * m.m12 + t * m.m22) * t.transpose()
     }
+}
+
+/// The symmetric part of a tensor in the basis of a tangent plane.
+fn tangential<const D: usize>(
+    [s, t]: &[SVector<f64, D>; 2],
+    tensor: &SMatrix<f64, D, D>,
+) -> Matrix2<f64> {
+    let along = [tensor * s, tensor * t];
+    let mixed = 0.5 * (s.dot(&along[1]) + t.dot(&along[0]));
+    Matrix2::new(s.dot(&along[0]), mixed, mixed, t.dot(&along[1]))
+}
+
+/// A matrix without its trace.
+fn deviator(m: &Matrix2<f64>) -> Matrix2<f64> {
+    m - Matrix2::identity() * (0.5 * m.trace())
 }
 
 /// Two unit vectors that form an orthonormal frame with `n`; continuous except at `n = -e_z` (Duff
@@ -213,6 +244,22 @@ mod tests {
             let said = [s.z1 * s.c1().dot(&grad_u), s.z2 * s.c2().dot(&grad_u)];
             prop_assert!((rate[0] - said[0]).abs() < 1e-6 * (1.0 + s.z1) * (1.0 + s.z2));
             prop_assert!((rate[1] - said[1]).abs() < 1e-6 * (1.0 + s.z2) * (1.0 + s.z2));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_shape_is_that_of_its_logarithm(
+            n in prop::array::uniform3(-1.0..1.0f64), f in prop::array::uniform9(-1.0..1.0f64)
+        ) {
+            let Some((n, _, s)) = strain(n, f) else { return Ok(()) };
+            let log = s.log_shape();
+            prop_assert!(log.trace().abs() < 1e-12 && (log * n).norm() < 1e-12);
+            let again = SurfaceStrain::from_log_shape(&n, s.z1, &log);
+            prop_assert!((again.tensor() - s.tensor()).norm() < 1e-9 * s.tensor().norm());
+            prop_assert!((again.z2 - s.z2).abs() < 1e-9 * s.z2);
+            let scaled = SurfaceStrain::from_shape(&n, s.z1, &(s.tensor() * 3.0));
+            prop_assert!((scaled.tensor() - s.tensor()).norm() < 1e-9 * s.tensor().norm());
         }
     }
 

@@ -48,10 +48,14 @@ fn follow(case: &mut Case, interval: usize) -> usize {
 
 #[test]
 fn a_mesh_that_follows_gives_what_a_uniform_one_gives_with_a_third_of_the_unknowns() {
-    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[57, 57]"]);
+    ["membrane.0.force=sharp", "membrane.0.force=smeared"].into_iter().for_each(follows);
+}
+
+fn follows(force: &str) {
+    let uniform = Case::with(MEMBRANE, &["mesh.rectangle.cells=[57, 57]", force]);
     let many = unknowns(&uniform);
     let uniform = uniform.run();
-    let mut case = adapted(&[]);
+    let mut case = adapted(&[force]);
     let eps = case.model.thickness.unwrap();
     let edges = |case: &Case| {
         let sim = &case.model.simulation;
@@ -101,9 +105,10 @@ fn transfer_changes_the_energy_by_less_than_a_ten_thousandth_whichever_way_field
 
 #[test]
 fn what_cannot_be_adapted_is_refused_with_its_place() {
+    let smeared = MEMBRANE.replace("[time]", "force = \"smeared\"\n[time]");
     let refused = |set: &[&str]| {
         let set: Vec<String> = set.iter().map(ToString::to_string).collect();
-        let scene = Scene::parse_with(MEMBRANE, Path::new("scene.toml"), &set);
+        let scene = Scene::parse_with(&smeared, Path::new("scene.toml"), &set);
         match scene.and_then(|scene| ImmersedFlow::<2>::new(&scene).map(drop)) {
             Ok(()) => panic!("{set:?} was not refused"),
             Err(e) => {

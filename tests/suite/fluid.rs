@@ -375,7 +375,8 @@ fn a_band_that_reaches_a_wall_is_refused_and_one_that_reaches_a_periodic_side_is
             time = {{ end = 1, step = 0.1 }}
             [[membrane]]
             shape.circle = {{ centre = [0.26, 0.5], radius = 0.25 }}
-            area.tension = {{ tension = 1 }}"
+            area.tension = {{ tension = 1 }}
+            force = \"smeared\""
         )
     };
     let parse = |text: &str| {

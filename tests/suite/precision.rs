@@ -30,6 +30,7 @@ fn errors_fall_with_the_order_of_the_method_and_failures_are_points() {
     let folder = folder();
     let arguments = [
         ["--set", "time.end=0.16"],
+        ["--set", "membrane.0.force=smeared"],
         ["--steps", "0.02,0.01"],
         ["--method", "BDF1: time.order=1"],
         ["--method", "BDF2: time.order=2"],

@@ -27,6 +27,7 @@ shape.sphere = { centre = [0, 0, 0], radius = 0.45 }
 area.linear = { modulus = 1.0 }
 shear.linear = { modulus = 0.1 }
 map = ["x*cos(pi*z) + y*sin(pi*z)", "-x*sin(pi*z) + y*cos(pi*z)", "z"]
+force = "smeared"
 rings.equator = { centre = [0, 0, 0], normal = [0, 0, 1], modes = [4, 8] }
 [time]
 end = 0.06

@@ -97,6 +97,7 @@ fn stability_takes_ends_of_its_range_and_refused_bands_as_results() {
         at,
         &[
             &few[..],
+            &["--set", "membrane.0.force=smeared"],
             &["--min-step", "0.1", "--max-step", "0.2", "--vary", "numerics.thickness=0.1,0.2"],
         ]
         .concat(),
@@ -130,6 +131,8 @@ fn a_scan_tells_stable_unstable_and_refused_values_apart() {
         "time.end=2.4",
         "--set",
         "time.order=1",
+        "--set",
+        "membrane.0.force=smeared",
         "--steps",
         "30",
     ];

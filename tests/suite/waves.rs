@@ -16,6 +16,7 @@ viscosity = 1e-4
 shape.ellipse = { centre = [1, 1], semi_axes = [0.6, 0.4] }
 stretch = 1.2
 area.linear = { modulus = 1.0 }
+force = "smeared"
 [time]
 end = 0.2
 step = 0.002

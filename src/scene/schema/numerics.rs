@@ -128,6 +128,18 @@ impl Numerics {
         self.surface_tension.is_some_and(|s| s.by_curvature)
     }
 
+    /// The key that only forces over a band have a use for, if one is given.
+    pub fn key_of_band(&self) -> Option<&'static str> {
+        let keys = [
+            ("surface_tension", self.surface_tension.is_some()),
+            ("coupling", self.coupling == Coupling::SemiImplicit),
+            ("band", self.band.is_some()),
+            ("kernel", self.kernel != Kernel::default()),
+            ("width", self.width != Norm::default()),
+        ];
+        keys.into_iter().find_map(|(key, given)| given.then_some(key))
+    }
+
     /// The solver for the linear systems of the flow, and its memory limit.
     pub fn solver(&self) -> SolverOptions {
         let memory = self.memory.map(|gigabytes| (gigabytes * GIGABYTE) as usize);

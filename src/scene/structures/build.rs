@@ -118,7 +118,7 @@ impl<const D: usize> Build<'_, '_, D> {
 pub(super) fn smeared<const D: usize>(
     interface: ImmersedInterface<D>,
     law: AreaLaw,
-    (numerics, band): (&Numerics, Band),
+    (numerics, band, carries_stretch): (&Numerics, Band, bool),
 ) -> Box<dyn Structure<D>> {
     let (eps, slope) = (interface.thickness, interface.stretch);
     let (kernel, norm) = (numerics.kernel, numerics.width);
@@ -126,8 +126,9 @@ pub(super) fn smeared<const D: usize>(
         let force = ContinuumForce::new(law.modulus(), eps).with_band(band, slope);
         return Immersed::boxed(interface, force.with_kernel(kernel, norm));
     }
-    let force = Membrane::new(law, eps).with_band(band, slope);
-    Immersed::boxed(interface, force.with_kernel(kernel, norm))
+    let force = Membrane::new(law, eps).with_band(band, slope).with_kernel(kernel, norm);
+    let force = if carries_stretch { force.with_carried_stretch() } else { force };
+    Immersed::boxed(interface, force)
 }
 
 /// The type of band of a structure. Default: renormalised, but carried for constant tension, where

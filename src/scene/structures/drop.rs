@@ -15,7 +15,7 @@ use crate::scene::keys::{
 use crate::scene::row::Row;
 use crate::scene::schema::{Numerics, Shape, Tables};
 use crate::scene::view::View;
-use crate::structure::{Coupling, Immersed, ImmersedInterface, Structure};
+use crate::structure::{Immersed, ImmersedInterface, Structure};
 use std::sync::Arc;
 
 /// The kind `[[drop]]`.
@@ -46,8 +46,8 @@ table! {
         /// Where surface tension acts: on the interface itself, cut out of the cells, or over a
         /// band of half-width `numerics.thickness`.
         force: Force [Forces,
-            Derived("\"sharp\"; \"smeared\" where `numerics.surface_tension` or the semi-implicit \
-                coupling is given", Force::Sharp)],
+            Derived("\"sharp\"; \"smeared\" where `numerics` has `surface_tension`, `band`, `kernel`, \
+                `width` or the semi-implicit coupling", Force::Sharp)],
         /// Lines along which the contour is measured.
         chords: Vec<Named<Chord>> [Named<Chord>],
         /// Planes through the surface in which its form is measured; in space alone.
@@ -56,13 +56,10 @@ table! {
 }
 
 impl Drop {
-    /// Reads a drop. The default force is smeared for schemes that spread surface tension over a
-    /// band.
+    /// Reads a drop. The default force is smeared where a key is given that only a band has.
     fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
         let mut drop = Drop::read(item, context)?;
-        let banded =
-            numerics.surface_tension.is_some() || numerics.coupling == Coupling::SemiImplicit;
-        if banded && item.open_table()?.get("force").is_none() {
+        if numerics.key_of_band().is_some() && item.open_table()?.get("force").is_none() {
             drop.force = Force::Smeared;
         }
         Ok(drop)
@@ -95,7 +92,7 @@ impl<const D: usize> KindIn<D> for Drop {
             Force::Sharp => {
                 Immersed::boxed(interface, SharpMembrane::new(law, of.mean_viscosity()))
             }
-            Force::Smeared => build::smeared(interface, law, (numerics, band)),
+            Force::Smeared => build::smeared(interface, law, (numerics, band, false)),
         })
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {

@@ -33,7 +33,7 @@ pub(super) const KIND: Registered = Registered {
     doc: "Elastic interfaces.",
     #[cfg(test)]
     example: |_| "area.linear = { modulus = 1 }",
-    read: |item, _, context| Ok(Box::new(Membrane::read(item, context)?)),
+    read: |item, numerics, context| Ok(Box::new(Membrane::read_for(item, numerics, context)?)),
 };
 
 table! {
@@ -56,15 +56,20 @@ table! {
         /// Where the material that is at x, y, z at time 0 is at rest, beside the stretch: Y at
         /// time 0.
         map: Vec<Expression> [Many<Map>, "m", Derived("[\"x\", \"y\", \"z\"]")],
-        /// What Z1 is taken from where there is shear: the slope of the level set, or the map Y.
-        area_change: AreaFrom [AreaWords, Default("slope")],
+        /// What a smeared force takes the stretch (in space: the area change Z1) from: the slope of
+        /// the level set; where there is shear the map Y; where there is none a density that the
+        /// interface carries, continued along its normals over the band.
+        area_change: AreaChange [AreaWords, Default("slope")],
         /// Whether the level set is carried, or taken as that of time 0 at the place where the map
         /// Y comes from.
         level_set: bool [LevelSetWords, Default("carried")],
-        /// Where its force acts: over a band, whose half-width `numerics.thickness` makes an error
-        /// of first order, or on the interface itself, cut out of the cells, with the stretch
-        /// carried along it.
-        force: Force [Forces, Default("smeared")],
+        /// Where its force acts: on the interface itself, cut out of the cells, with the stretch
+        /// carried along it; or over a band, whose half-width `numerics.thickness` makes an error
+        /// of first order and whose stretch the flow beside the interface winds up.
+        force: Force [Forces,
+            Derived("\"sharp\"; \"smeared\" with `mass`, `area_change` or `level_set`, and where \
+                `numerics` has `surface_tension`, `band`, `kernel`, `width` or the semi-implicit \
+                coupling", Force::Sharp)],
         /// Mass per area (in the plane: per length and unit depth).
         mass: f64 [NonNegative, "kg/m2", Default(0.0)],
         /// Lines along which the contour is measured.
@@ -75,22 +80,49 @@ table! {
 }
 
 words! { Forces: Force { "smeared" = Force::Smeared, "sharp" = Force::Sharp } }
-words! { AreaWords: AreaFrom { "slope" = AreaFrom::Slope, "map" = AreaFrom::Map } }
+words! {
+    AreaWords: AreaChange {
+        "slope" = AreaChange::Slope, "map" = AreaChange::Map, "carried" = AreaChange::Carried,
+    }
+}
 words! { LevelSetWords: bool { "carried" = false, "mapped" = true } }
 kinds! {
     /// A place at rest.
     Map: Vec<Expression> = Kind::Value("three expressions"), read_map;
 }
 
-/// Keys of a smeared membrane with shear alone.
-const OF_SHEAR_BAND: [&str; 2] = ["area_change", "level_set"];
+/// Keys of a smeared membrane alone.
+const OF_BAND: [&str; 2] = ["area_change", "level_set"];
+
+/// Source of the stretch of a smeared membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AreaChange {
+    /// The slope of the level set.
+    Slope,
+    /// The backward map.
+    Map,
+    /// What the interface carries.
+    Carried,
+}
 
 impl Membrane {
+    /// Reads a membrane. The default force is smeared where a key is given that only a band has.
+    fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Membrane> {
+        let mut membrane = Membrane::read(item, context)?;
+        let table = item.open_table()?;
+        let of_band = OF_BAND.into_iter().any(|key| table.get(key).is_some());
+        let banded = of_band || membrane.mass > 0.0 || numerics.key_of_band().is_some();
+        if banded && table.get("force").is_none() {
+            membrane.force = Force::Smeared;
+        }
+        Ok(membrane)
+    }
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
-        let force = optional::<Forces>(table, "force", context)?.unwrap_or(Force::Smeared);
+        let force = optional::<Forces>(table, "force", context)?;
         laws::check(table, context)?;
-        let of_shear =
-            ["map", "area_change", "level_set"].into_iter().find_map(|key| table.get(key));
+        let area_change = optional::<AreaWords>(table, "area_change", context)?;
+        let mapped = table.get("area_change").filter(|_| area_change == Some(AreaChange::Map));
+        let of_shear = ["map", "level_set"].into_iter().find_map(|key| table.get(key)).or(mapped);
         let resists_shear = ["shear", "law"].into_iter().any(|key| table.get(key).is_some());
         if let (false, Some(item)) = (resists_shear, of_shear) {
             return Err(item
@@ -99,8 +131,15 @@ impl Membrane {
                     "give shear.linear = { modulus = 1 } beside the law of area, or leave it out",
                 ));
         }
-        let of_band = OF_SHEAR_BAND.into_iter().find_map(|key| table.get(key));
-        if let (Force::Sharp, Some(item)) = (force, of_band) {
+        if let (true, Some(AreaChange::Carried), Some(item)) =
+            (resists_shear, area_change, table.get("area_change"))
+        {
+            return Err(item
+                .error("a band with shear has no area change that the interface carries")
+                .remedy("take force = \"sharp\", which carries area change and shear"));
+        }
+        let of_band = OF_BAND.into_iter().find_map(|key| table.get(key));
+        if let (Some(Force::Sharp), Some(item)) = (force, of_band) {
             return Err(item
                 .key_error(format!(
                     "`{}` is for a smeared force: a sharp one carries its strain along the interface",
@@ -112,9 +151,8 @@ impl Membrane {
     }
 
     fn hides(&self, key: &str) -> bool {
-        let of_band = OF_SHEAR_BAND.contains(&key);
-        of_band && self.force == Force::Sharp
-            || self.surface().is_none() && (of_band || key == "map")
+        OF_BAND.contains(&key) && self.force == Force::Sharp
+            || self.surface().is_none() && ["map", "level_set"].contains(&key)
     }
 
     /// Its area law; for a law of area and shear together, the small-strain limit.
@@ -128,6 +166,11 @@ impl Membrane {
     /// The surface law of a membrane that resists shear.
     pub fn surface(&self) -> Option<SurfaceLaw> {
         self.law.or(self.shear.map(|shear| SurfaceLaw::Split { area: self.area(), shear }))
+    }
+
+    /// True if its stretch is carried along the interface and not read off a level set or a map.
+    fn carries_stretch(&self) -> bool {
+        self.force == Force::Sharp || self.area_change == AreaChange::Carried
     }
 
     fn cuts(&self) -> Cuts<'_> {
@@ -199,7 +242,10 @@ impl Membrane {
         let membrane = ShearMembrane::new(law, of.thickness, self.stretch)
             .with_band(self.band(numerics), self.stretch)
             .with_kernel(numerics.kernel, numerics.width)
-            .with_area_from(self.area_change);
+            .with_area_from(match self.area_change {
+                AreaChange::Map => AreaFrom::Map,
+                _ => AreaFrom::Slope,
+            });
         if self.map.is_empty() { membrane } else { membrane.with_map(rest_map(&self.map)) }
     }
 
@@ -254,7 +300,7 @@ impl<const D: usize> KindIn<D> for Membrane {
         Ok(match (self.surface(), self.force) {
             (Some(law), Force::Smeared) => Immersed::boxed(interface, self.sheared(law, of)),
             (Some(law), Force::Sharp) => {
-                let membrane = SharpShearMembrane::new(law);
+                let membrane = SharpShearMembrane::new(law, of.mean_viscosity());
                 let unmapped = self.map.is_empty();
                 Immersed::boxed(
                     interface,
@@ -265,7 +311,9 @@ impl<const D: usize> KindIn<D> for Membrane {
                 Immersed::boxed(interface, SharpMembrane::new(self.area(), of.mean_viscosity()))
             }
             (None, Force::Smeared) => {
-                build::smeared(interface, self.area(), (numerics, self.band(numerics)))
+                let carried = self.area_change == AreaChange::Carried;
+                let how = (numerics, self.band(numerics), carried);
+                build::smeared(interface, self.area(), how)
             }
         })
     }
@@ -299,6 +347,7 @@ impl StructureKind for Membrane {
             modulus: self.surface().map_or(self.area().modulus(), SurfaceLaw::modulus),
             pulls: self.area().modulus() > 0.0,
             on_interface: self.force == Force::Sharp,
+            carries_stretch: self.carries_stretch(),
             mass: self.mass,
             resists_shear: self.surface().is_some() && self.force == Force::Smeared,
             carries_strain: self.surface().is_some() && self.force == Force::Sharp,
@@ -325,8 +374,8 @@ impl StructureKind for Membrane {
         )];
         let level_set = if self.level_set { "phi0(Y) (3.32)" } else { "carried by (3.31)" };
         let from = match self.area_change {
-            AreaFrom::Slope => "|grad phi| (3.42)",
-            AreaFrom::Map => "the map (3.40)",
+            AreaChange::Map => "the map (3.40)",
+            _ => "|grad phi| (3.42)",
         };
         lines.push(match self.force {
             Force::Smeared => format!(

@@ -70,6 +70,8 @@ pub struct Traits {
     pub pulls: bool,
     /// True if its force acts on the interface itself and not over a band.
     pub on_interface: bool,
+    /// True if its stretch is carried along the interface.
+    pub carries_stretch: bool,
     /// Mass per area at rest.
     pub mass: f64,
     /// Density and viscosity of its inside fluid, if specified by the structure.
@@ -91,11 +93,11 @@ pub struct Traits {
 impl Traits {
     /// True if the slope of its level set is its stretch, which redistancing would destroy.
     pub fn slope_is_stretch(&self) -> bool {
-        self.stretches && !self.on_interface && !self.constant_tension
+        self.stretches && !self.carries_stretch && !self.constant_tension
     }
     /// True if its level set is kept near a distance by default.
     pub fn keeps_distance(&self) -> bool {
-        self.on_interface && self.mass == 0.0
+        (self.on_interface || self.carries_stretch) && self.mass == 0.0
     }
 }
 
@@ -108,6 +110,7 @@ impl Default for Traits {
             modulus: 0.0,
             pulls: false,
             on_interface: false,
+            carries_stretch: false,
             mass: 0.0,
             own_fluid: [None; 2],
             resists_shear: false,

@@ -80,8 +80,20 @@ impl<'a> Case<'a> {
     /// # Errors
     /// A scene that cannot be run, or lacks a value that the twin takes.
     pub fn new(twin: &'a Twin, scene: &'a Scene) -> Result<Case<'a>> {
+        if scene.dimension() != 2 {
+            return Err(Error::scene("a twin is compared in the plane only")
+                .at(twin.path().display().to_string())
+                .value(format!("{} dimensions", scene.dimension()))
+                .remedy(
+                    "take a scene whose mesh is plane: rectangle, disc or a gmsh file of triangles",
+                ));
+        }
         let refused = [
-            (scene.acting().any(|s| s.traits().on_interface), "force = \"sharp\"", "smeared"),
+            (
+                scene.acting().any(|s| s.traits().on_interface),
+                "force = \"sharp\"",
+                "force = \"smeared\"",
+            ),
             (
                 scene.adapt.as_ref().is_some_and(|a| a.every.is_some()),
                 "mesh.adapt.every",
@@ -97,14 +109,6 @@ impl<'a> Case<'a> {
             .at(twin.path().display().to_string())
             .value(value)
             .remedy(format!("compare with {remedy}")));
-        }
-        if scene.dimension() != 2 {
-            return Err(Error::scene("a twin is compared in the plane only")
-                .at(twin.path().display().to_string())
-                .value(format!("{} dimensions", scene.dimension()))
-                .remedy(
-                    "take a scene whose mesh is plane: rectangle, disc or a gmsh file of triangles",
-                ));
         }
         let problem = problem(scene)?;
         let Some(mesh) = problem.plane_mesh() else {
