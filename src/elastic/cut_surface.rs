@@ -6,8 +6,6 @@ use crate::levelset::{CarriedSurface, surface};
 use crate::structure::{
     Carry, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, Moved, Rule, Velocity,
 };
-use nalgebra::SVector;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Number of cached interfaces: at the start of a step, predicted for its end, and at its end.
@@ -37,8 +35,7 @@ impl<const D: usize> CutSurface<D> {
         Ok(points)
     }
     /// Carries the interface over a step along the paths of its points, and moves the level set,
-    /// unless it is predicted or composed of maps, onto them. `slip`, nodal, is the velocity of the
-    /// interface along itself beside that of the fluid. Returns also the points on the new
+    /// unless it is predicted or composed of maps, onto them. Returns also the points on the new
     /// interface; `None` in a prescribed velocity, in which no force acts.
     ///
     /// # Errors
@@ -47,18 +44,13 @@ impl<const D: usize> CutSurface<D> {
         &mut self,
         of: &ImmersedInterface<D>,
         by: &'a Moved<'_, D>,
-        slip: Option<&[SVector<f64, D>]>,
         fields: &mut Fields<D>,
     ) -> Result<Option<(CarriedSurface<'a, D>, Points<D>)>> {
         let Velocity::Computed { mean, .. } = by.velocity else { return Ok(None) };
         let tracer = &by.carrier.tracer;
         let (space, before) = (tracer.space(), by.before.scalar(of.level_set()));
         let from = self.of(space, before)?;
-        let u = match slip {
-            None => Cow::Borrowed(mean),
-            Some(slip) => mean.iter().zip(slip).map(|(u, w)| u + w).collect(),
-        };
-        let carried = CarriedSurface::new(tracer, (u, by.dt), (from, before));
+        let carried = CarriedSurface::new(tracer, (mean, by.dt), (from, before));
         if !by.ahead && fields.map.is_none() {
             let to = surface(space, fields.scalar(of.level_set()))?;
             carried.fit(&to, fields.scalar_mut(of.level_set()))?;
@@ -112,7 +104,7 @@ impl<const D: usize> RestDensity<D> {
         reach: f64,
         diffusivity: impl Fn(&SurfacePoint<D>, f64) -> f64,
     ) -> Result<()> {
-        let Some((carried, to)) = self.cuts.follow(of, by, None, fields)? else { return Ok(()) };
+        let Some((carried, to)) = self.cuts.follow(of, by, fields)? else { return Ok(()) };
         let (density, phi) = (by.before.scalar(self.field), fields.scalar(of.level_set()));
         let mut onto = carried.onto(&to, phi)?;
         let mut after = onto.density(density, !by.ahead, diffusivity)?;

@@ -191,7 +191,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         fields: &mut Fields<D>,
     ) -> Result<()> {
         if matches!(self.law, AreaLaw::Tension { .. }) {
-            return if by.ahead { Ok(()) } else { self.rest.cuts.follow(of, by, None, fields).map(drop) };
+            return if by.ahead { Ok(()) } else { self.rest.cuts.follow(of, by, fields).map(drop) };
         }
         let space = Arc::clone(by.carrier.tracer.space());
         let (mut rest, dt) = (std::mem::take(&mut self.rest), by.dt);

@@ -7,8 +7,8 @@ use super::surface_law::SurfaceLaw;
 use crate::base::{Cause, Result};
 use crate::fem::{At, Basis, Numbering, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
-use crate::levelset::{Path, continue_vectors, surface_divergence};
-use crate::mesh::Point;
+use crate::levelset::{CarriedPoints, End, continue_vectors, surface, surface_divergence};
+use crate::mesh::{Location, Point};
 use crate::structure::{
     Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
     Medium, Moved, Place, RestMap, Rule, SurfaceStrain, Velocity,
@@ -34,14 +34,14 @@ const STEP: f64 = 1e-6;
 /// width, `F(v) = - int_S T : grad v / Z1 ds`, and the energy `int_S W(Z1, Z2) / Z1 ds`: both are
 /// integrals over the area at rest.
 ///
-/// The strain is carried by the interface. With `F` the deformation gradient of the material and
-/// `P0` the projection on its tangent plane at rest, the surface tensor is `A = F P0 (F P0)^T`, so
-/// that `DA/Dt = grad u A + A grad u^T` exactly; it maps normals to zero. `1/Z1` is a conserved
-/// density as in [`SharpMembrane`](super::SharpMembrane); the shape `A/Z1`, of determinant 1 in the
-/// tangent plane, is that where a point comes from, `Phi A Phi^T` with `Phi` the gradient of the
-/// flow over the step, made tangential and scaled. Of it the logarithm is carried, which stays that
-/// of a shape whatever a projection makes of its components. Nothing is read off the interface,
-/// where backward characteristics wind up.
+/// The strain is carried by points of matter on the interface. With `F` the deformation gradient of
+/// the material and `P0` the projection on its tangent plane at rest, the surface tensor is
+/// `A = F P0 (F P0)^T`, so that `DA/Dt = grad u A + A grad u^T` exactly; it maps normals to zero.
+/// Each point takes `A` along, `Phi A Phi^T` after a step with `Phi` the gradient of the flow over
+/// it, and an area at rest; nothing is interpolated from step to step. To the points two functions
+/// on the interface are fitted ([`CarriedPoints`]): `1/Z1`, and the logarithm of the shape `A/Z1`, of
+/// determinant 1 in the tangent plane, which gives a shape whatever the fit makes of its components.
+/// The level set is moved onto the points as well.
 ///
 /// The interface moves along itself with the fluid and a [`slip`] of `l/(15 mu)` times the
 /// tangential force `P div_S T`, which is projected and smoothed along the interface, implicit Euler
@@ -63,6 +63,9 @@ pub struct SharpShearMembrane<const D: usize> {
     unknowns: Arc<[u32]>,
     /// Dissipation rate of the slip.
     dissipation: f64,
+    /// Points of matter on the interface, and their [`NUMBERS`].
+    points_of_matter: FieldId,
+    matter: FieldId,
     rest_density: FieldId,
     log_shape: [FieldId; 6],
 }
@@ -82,6 +85,8 @@ impl<const D: usize> SharpShearMembrane<D> {
             viscosity,
             unknowns: Arc::new([]),
             dissipation: 0.0,
+            points_of_matter: FieldId::default(),
+            matter: FieldId::default(),
             rest_density: FieldId::default(),
             log_shape: [FieldId::default(); 6],
         }
@@ -97,11 +102,15 @@ impl<const D: usize> SharpShearMembrane<D> {
         };
         self.points.iter().zip(&self.strained).map(energy).sum()
     }
-    /// Strains of the nodes at time 0: by the map at rest and the stretch of the interface.
-    fn initial(&self, of: &ImmersedInterface<D>, space: &Space<D>) -> Vec<SurfaceStrain<D>> {
-        let (low, high) = space.mesh().bounding_box();
-        let h = STEP * (high - low).norm();
-        let gradient = |x: &Point<D>| match &self.map {
+    /// The strain at a point of the interface at time 0, where its unit normal is `normal`: by the
+    /// map at rest and the stretch of the interface. `h` is the step of a difference quotient.
+    fn initial(
+        &self,
+        (x, normal): (&Point<D>, &SVector<f64, D>),
+        stretch: f64,
+        h: f64,
+    ) -> SurfaceStrain<D> {
+        let gradient = match &self.map {
             None => SMatrix::identity(),
             Some(map) => {
                 SMatrix::from_columns(&std::array::from_fn::<SVector<f64, D>, D, _>(|k| {
@@ -111,17 +120,7 @@ impl<const D: usize> SharpShearMembrane<D> {
                 }))
             }
         };
-        let axis = SVector::<f64, D>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
-        // Constant along the normal: that of the nearest point of the interface.
-        let strain = |((x, g), phi): ((&Point<D>, &SVector<f64, D>), &f64)| {
-            let (normal, near) = match g.try_normalize(0.0) {
-                Some(normal) => (normal, x - normal * (phi / g.norm())),
-                None => (axis, *x),
-            };
-            SurfaceStrain::new(&normal, &gradient(&near), of.stretch)
-        };
-        let slopes = space.means(|c, l| space.gradient(&of.phi, c, l));
-        space.nodes().iter().zip(&slopes).zip(&of.phi).map(strain).collect()
+        SurfaceStrain::new(normal, &gradient, stretch)
     }
     fn prepare_at(
         &mut self,
@@ -217,12 +216,36 @@ fn components<const D: usize>(m: &SMatrix<f64, D, D>) -> [f64; 6] {
     COMPONENTS.map(|(i, j, _)| if j < D { m[(i, j)] } else { 0.0 })
 }
 
-/// The logarithm of the shape at the end of a path from that at its start.
-fn carried_shape<const D: usize>(before: [f64; 6], path: &Path<D>) -> [f64; 6] {
-    let start = SurfaceStrain::from_log_shape(&path.normals[0], 1.0, &matrix(before)).tensor();
-    let phi = path.deformation();
-    let end = phi * start * phi.transpose();
-    components(&SurfaceStrain::from_shape(&path.normals[1], 1.0, &end).log_shape())
+/// `Z1` of a surface tensor `A`, (3.40).
+fn area_change<const D: usize>(a: &SMatrix<f64, D, D>) -> f64 {
+    if D == 2 {
+        return a.trace().sqrt();
+    }
+    (0.5 * (a.trace().powi(2) - (a * a).trace())).sqrt()
+}
+
+/// Numbers of a point of matter: its area at rest, and the components of `A`.
+const NUMBERS: usize = 7;
+
+/// A point of matter.
+struct Matter<const D: usize> {
+    /// Area at rest; 0 for a point that has left the domain.
+    rest: f64,
+    a: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Matter<D> {
+    fn read(numbers: &[f64]) -> Matter<D> {
+        Matter { rest: numbers[0], a: matrix(std::array::from_fn(|i| numbers[i + 1])) }
+    }
+    fn write(&self, out: &mut [f64]) {
+        out[0] = self.rest;
+        out[1..NUMBERS].copy_from_slice(&components(&self.a));
+    }
+    /// Its area.
+    fn area(&self) -> f64 {
+        if self.rest > 0.0 { self.rest * area_change(&self.a) } else { 0.0 }
+    }
 }
 
 impl<const D: usize> MomentumTerm<D> for SharpShearMembrane<D> {
@@ -255,14 +278,34 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
     ) -> Result<()> {
         let rule = || Rule { carry: Carry::ByOwner, acts: true, written: false };
         self.unknowns = Numbering::scalar_unknowns(host.space, host.translations).0.into();
-        let start = self.initial(of, host.space);
-        self.rest_density = fields.add(&of.field_name("rest_density"), rule(), || {
-            Data::Scalar(start.iter().map(|s| 1.0 / s.z1).collect())
-        });
-        let shapes: Vec<[f64; 6]> =
-            start.iter().map(|s| components(&s.log_shape())).collect();
+        let (low, high) = host.space.mesh().bounding_box();
+        let h = STEP * (high - low).norm();
+        let points = surface(host.space, &of.phi)?;
+        let mut matter = vec![0.0; NUMBERS * points.len()];
+        for (p, numbers) in points.iter().zip(matter.chunks_exact_mut(NUMBERS)) {
+            let strain = self.initial((&p.at.x, &p.normal), of.stretch, h);
+            Matter { rest: p.at.weight / strain.z1, a: strain.tensor() }.write(numbers);
+        }
+        let places = || Data::Points(points.iter().map(|p| p.at.x).collect());
+        self.points_of_matter = fields.add(&of.field_name("points_of_matter"), rule(), places);
+        self.matter = fields.add(&of.field_name("matter"), rule(), || Data::Numbers(matter));
+        // Constant along the normal: that of the nearest point of the interface.
+        let axis = SVector::<f64, D>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
+        let nearest = |((x, g), phi): ((&Point<D>, &SVector<f64, D>), &f64)| {
+            let (normal, near) = match g.try_normalize(0.0) {
+                Some(normal) => (normal, x - normal * (phi / g.norm())),
+                None => (axis, *x),
+            };
+            self.initial((&near, &normal), of.stretch, h)
+        };
+        let slopes = host.space.means(|c, l| host.space.gradient(&of.phi, c, l));
+        let nodes = host.space.nodes().iter().zip(&slopes).zip(&of.phi);
+        let start: Vec<SurfaceStrain<D>> = nodes.map(nearest).collect();
+        let density = || Data::Scalar(start.iter().map(|s| 1.0 / s.z1).collect());
+        self.rest_density = fields.add(&of.field_name("rest_density"), rule(), density);
         for (k, (_, _, name)) in COMPONENTS.into_iter().enumerate() {
-            let values = || Data::Scalar(shapes.iter().map(|s| s[k]).collect());
+            let component = |s: &SurfaceStrain<D>| components(&s.log_shape())[k];
+            let values = || Data::Scalar(start.iter().map(component).collect());
             self.log_shape[k] = fields.add(&of.field_name(name), rule(), values);
         }
         Ok(())
@@ -279,20 +322,56 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         by: &mut Moved<'_, D>,
         fields: &mut Fields<D>,
     ) -> Result<()> {
-        if !matches!(by.velocity, Velocity::Computed { .. }) {
-            return Ok(());
-        }
+        let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
         let slip = self.slip(of, by)?;
-        let Some((carried, to)) = self.cuts.follow(of, by, Some(&slip), fields)? else {
-            return Ok(());
+        let u: Vec<SVector<f64, D>> = mean.iter().zip(slip).map(|(u, w)| u + w).collect();
+        let (tracer, before) = (&by.carrier.tracer, by.before);
+        let (space, level_set) = (tracer.space(), of.level_set());
+        let starts = before.vector(self.points_of_matter);
+        let carried = CarriedPoints::new(tracer, (&u, by.dt), starts);
+        let numbers = before.scalar(self.matter).chunks_exact(NUMBERS);
+        let matter = numbers.zip(carried.ends()).map(|(numbers, end)| {
+            let Matter { rest, a } = Matter::<D>::read(numbers);
+            match end {
+                Some(End { deformation: phi, .. }) => {
+                    Matter { rest, a: phi * a * phi.transpose() }
+                }
+                None => Matter { rest: 0.0, a },
+            }
+        });
+        let matter: Vec<Matter<D>> = matter.collect();
+        let weights: Vec<f64> = matter.iter().map(Matter::area).collect();
+        if !by.ahead && fields.map.is_none() {
+            let to = surface(space, fields.scalar(level_set))?;
+            carried.fit(&weights, &to, fields.scalar_mut(level_set))?;
+        }
+        let phi = fields.scalar(level_set);
+        let to = self.cuts.of(space, phi)?;
+        let value = |k: usize, at: &Location| {
+            let a = &matter[k].a;
+            let slope = space.gradient(phi, at.cell as usize, &at.barycentric);
+            let log = match slope.try_normalize(0.0) {
+                Some(n) => components(&SurfaceStrain::from_shape(&n, 1.0, a).log_shape()),
+                None => [0.0; 6],
+            };
+            let [xx, xy, xz, yy, yz, zz] = log;
+            [1.0 / area_change(a), xx, xy, xz, yy, yz, zz]
         };
-        let mut onto = carried.onto(&to, fields.scalar(of.level_set()))?;
-        let before = |id: FieldId| by.before.scalar(id);
-        let density = onto.density(before(self.rest_density), !by.ahead, |_, _| 0.0)?;
-        let shape = onto.fields(self.log_shape.map(before), carried_shape)?;
-        fields.scalar_mut(self.rest_density).copy_from_slice(&density);
-        for (id, values) in self.log_shape.iter().zip(shape) {
-            fields.scalar_mut(*id).copy_from_slice(&values);
+        let fitted = carried.fields(&weights, (&to, phi), value)?;
+        // The value of nodes that no force reads is any.
+        let ids = std::iter::once(self.rest_density).chain(self.log_shape);
+        for (k, (id, values)) in ids.zip(fitted).enumerate() {
+            let anything = if k == 0 { 1.0 } else { 0.0 };
+            let known = values.into_iter().map(|v| if v.is_nan() { anything } else { v });
+            fields.scalar_mut(id).iter_mut().zip(known).for_each(|(f, v)| *f = v);
+        }
+        if !by.ahead {
+            let places = fields.vector_mut(self.points_of_matter).iter_mut();
+            for (x, end) in places.zip(carried.ends()) {
+                *x = end.as_ref().map_or(*x, |end| space.mesh().point_at(&end.at));
+            }
+            let numbers = fields.scalar_mut(self.matter).chunks_exact_mut(NUMBERS);
+            numbers.zip(&matter).for_each(|(numbers, matter)| matter.write(numbers));
         }
         Ok(())
     }

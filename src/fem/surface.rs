@@ -7,7 +7,7 @@ use super::quadrature::Rule;
 use super::space::Space;
 use crate::base::Result;
 use crate::linalg::{Factor, Ordering, SymmetricMatrix};
-use crate::mesh::NONE;
+use crate::mesh::{Location, NONE};
 use nalgebra::{SMatrix, SVector};
 
 /// A quadrature point on a surface: its location in the mesh, its weight (a length; in 3-D an
@@ -99,8 +99,8 @@ impl SurfaceMass {
         diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
     ) -> Result<()> {
         self.matrix.zero();
-        let (m, rule) = (space.local_count(), Rule::simplex(D, 2));
-        let (mut local, mut unknowns) = (vec![0.0; m * m], Vec::with_capacity(m));
+        let m = space.local_count();
+        let mut local = vec![0.0; m * m];
         for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
             local.fill(0.0);
             for p in group {
@@ -111,23 +111,47 @@ impl SurfaceMass {
                     local[a * m + b] += at.weight * (v[a] * v[b] + k * g[a].dot(&g[b]));
                 }
             }
-            let cell = group[0].at.cell;
-            let map = space.mesh().map(cell);
-            let (height, volume) = (space.mesh().diameter(cell), map.volume);
-            for (l, w) in rule.points.iter().zip(&rule.weights) {
-                let g = space.element().reference_gradients::<D>(l).map(|g| map.inverse.tr_mul(&g));
-                let normal = space.gradient(phi, cell, l).try_normalize(0.0);
-                let across = normal.map_or([0.0; MAX_LOCAL], |n| g.map(|g| n.dot(&g)));
-                for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
-                    let along = ALONG * g[a].dot(&g[b]);
-                    local[a * m + b] += height * volume * w * (across[a] * across[b] + along);
-                }
-            }
-            unknowns.clear();
-            unknowns.extend(space.cell_nodes(cell).iter().map(|&n| self.number[n as usize]));
-            self.matrix.add_group(&unknowns, &local)?;
+            stabilise(space, group[0].at.cell, phi, &mut local);
+            self.add(space, group[0].at.cell, &local)?;
         }
         self.factor.refactor(&self.matrix)
+    }
+    /// Makes the matrix `sum w a(x) b(x)` over samples with a place in a cut cell or close to it and
+    /// a weight, with the same stabilisation; otherwise as [`diffuse`](Self::diffuse). Its solutions
+    /// are fitted to values at the samples by weighted least squares.
+    ///
+    /// # Errors
+    /// A matrix that cannot be factored.
+    pub fn weigh<const D: usize>(
+        &mut self,
+        space: &Space<D>,
+        (points, phi): (&[SurfacePoint<D>], &[f64]),
+        samples: impl Iterator<Item = (Location, f64)>,
+    ) -> Result<()> {
+        self.matrix.zero();
+        let m = space.local_count();
+        let mut local = vec![0.0; m * m];
+        for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
+            local.fill(0.0);
+            stabilise(space, group[0].at.cell, phi, &mut local);
+            self.add(space, group[0].at.cell, &local)?;
+        }
+        for (at, weight) in samples {
+            let v = space.element().values::<D>(&at.barycentric);
+            for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
+                local[a * m + b] = weight * v[a] * v[b];
+            }
+            self.add(space, at.cell as usize, &local)?;
+        }
+        self.factor.refactor(&self.matrix)
+    }
+    fn add<const D: usize>(&mut self, space: &Space<D>, cell: usize, local: &[f64]) -> Result<()> {
+        let mut unknowns = [0; MAX_LOCAL];
+        let nodes = space.cell_nodes(cell);
+        for (unknown, &n) in unknowns.iter_mut().zip(nodes) {
+            *unknown = self.number[n as usize];
+        }
+        self.matrix.add_group(&unknowns[..nodes.len()], local)
     }
     /// An empty right-hand side of [`solve`](Self::solve).
     pub fn load(&self) -> Vec<f64> {
@@ -176,6 +200,21 @@ impl SurfaceMass {
             *out = x[k as usize];
         }
         Ok(())
+    }
+}
+
+/// Adds the stabilisation of a cut cell to its matrix; `phi` is the level set.
+fn stabilise<const D: usize>(space: &Space<D>, cell: usize, phi: &[f64], local: &mut [f64]) {
+    let (m, rule, map) = (space.local_count(), Rule::simplex(D, 2), space.mesh().map(cell));
+    let (height, volume) = (space.mesh().diameter(cell), map.volume);
+    for (l, w) in rule.points.iter().zip(&rule.weights) {
+        let g = space.element().reference_gradients::<D>(l).map(|g| map.inverse.tr_mul(&g));
+        let normal = space.gradient(phi, cell, l).try_normalize(0.0);
+        let across = normal.map_or([0.0; MAX_LOCAL], |n| g.map(|g| n.dot(&g)));
+        for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
+            let along = ALONG * g[a].dot(&g[b]);
+            local[a * m + b] += height * volume * w * (across[a] * across[b] + along);
+        }
     }
 }
 

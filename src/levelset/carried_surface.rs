@@ -1,11 +1,10 @@
 //! An interface that moves with the fluid by its own points, and densities on it.
 
 use crate::base::Result;
-use crate::fem::{Space, SurfaceMass, SurfacePoint};
+use crate::fem::{At, Space, SurfaceMass, SurfacePoint};
 use crate::mesh::{Location, NONE};
 use crate::transport::{AdvectingVelocity, Tracer};
 use nalgebra::{SMatrix, SVector};
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Largest number of cells in the search for a cut cell.
@@ -21,7 +20,7 @@ const BALANCED: f64 = 4.0;
 pub struct CarriedSurface<'a, const D: usize> {
     tracer: &'a Tracer<D>,
     /// Velocity at the nodes.
-    u: Cow<'a, [SVector<f64, D>]>,
+    u: &'a [SVector<f64, D>],
     dt: f64,
     from: Arc<[SurfacePoint<D>]>,
     /// The level set whose zero is `from`.
@@ -35,22 +34,23 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     /// constant over the step `dt`. What leaves the domain is lost.
     pub fn new(
         tracer: &'a Tracer<D>,
-        (u, dt): (impl Into<Cow<'a, [SVector<f64, D>]>>, f64),
+        (u, dt): (&'a [SVector<f64, D>], f64),
         (from, phi): (Arc<[SurfacePoint<D>]>, &'a [f64]),
     ) -> CarriedSurface<'a, D> {
-        let u = u.into();
         let starts: Vec<Location> = from.iter().map(location).collect();
-        let ends = tracer.ahead(&AdvectingVelocity::Nodal(&u), dt, &starts);
+        let ends = tracer.ahead(&AdvectingVelocity::Nodal(u), dt, &starts);
         CarriedSurface { tracer, u, dt, from, phi, ends }
     }
 
     /// Moves the zero set of the level set `phi` after the step, `to`, onto the points: subtracts
-    /// the P2 function `c` with `int_S c v = sum w phi(X) v(X)` for all `v`, where the point of
-    /// weight `w` is at `X` after the step.
+    /// the P2 function `c` with `int_S c/|grad phi| v = sum w phi(X)/|grad phi(X)| v(X)` for all
+    /// `v`, where the point of weight `w` is at `X` after the step.
     ///
     /// The points are exact up to their path, while a level set carried from node to node has been
-    /// interpolated. As `v` may be constant, the points lie inside as much as outside, so that what
-    /// the interface encloses is kept to second order in the correction.
+    /// interpolated. As `v` may be constant, the distances of the points from the interface add up
+    /// to zero, and what the interface encloses is kept to second order in the correction. Without
+    /// the slopes it is not: those of a redistanced level set differ from cell to cell, as its
+    /// errors do.
     ///
     /// # Errors
     /// A matrix that cannot be factored.
@@ -58,9 +58,17 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
         let space = self.tracer.space();
         let unknowns = self.tracer.unknowns();
         let Some(mut mass) = SurfaceMass::new(space, unknowns, to)? else { return Ok(()) };
-        mass.diffuse(space, (to, phi), |_| 0.0)?;
+        let by_slope = |p: &SurfacePoint<D>| {
+            let weight = p.at.weight / steepness(space, phi, &location(p));
+            SurfacePoint { at: At { weight, ..p.at }, ..*p }
+        };
+        let weighted: Vec<SurfacePoint<D>> = to.iter().map(by_slope).collect();
+        mass.diffuse(space, (&weighted, phi), |_| 0.0)?;
         let cut = CutCells::new(space, to);
-        let value = |_: &_, at: &Location| space.value(phi, at.cell as usize, &at.barycentric);
+        let value = |_: &_, at: &Location| {
+            let phi_there = space.value(phi, at.cell as usize, &at.barycentric);
+            phi_there / steepness(space, phi, at)
+        };
         let load = self.arrived(&mass, &cut, value);
         let mut correction = vec![f64::NAN; phi.len()];
         mass.solve(&load, &mut correction)?;
@@ -83,18 +91,21 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     ) -> Result<Onto<'b, 'a, D>> {
         let (space, dt) = (self.tracer.space(), self.dt);
         let places: Vec<Location> = to.iter().map(location).collect();
-        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(&self.u), -dt, &places);
+        let feet = self.tracer.ahead(&AdvectingVelocity::Nodal(self.u), -dt, &places);
         let cut = CutCells::new(space, &self.from);
-        let gradient = |at: &Location| space.jacobian(&self.u, at.cell as usize, &at.barycentric);
-        let path = |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
-            let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
-            let normals = [slope.try_normalize(0.0).unwrap_or(p.normal), p.normal];
-            let path = Path { dt, normals, gradients: [gradient(foot), gradient(place)] };
-            (cut.near(self.tracer, foot).unwrap_or(*foot), path)
+        let rate = |at: &Location, n: &SVector<f64, D>| {
+            let g = space.jacobian(self.u, at.cell as usize, &at.barycentric);
+            g.trace() - n.dot(&(g * n))
         };
-        let paths = to.iter().zip(&places).zip(&feet).map(path).collect();
+        let start = |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
+            let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
+            let normal = slope.try_normalize(0.0).unwrap_or(p.normal);
+            let growth = 0.5 * dt * (rate(foot, &normal) + rate(place, &p.normal));
+            (cut.near(self.tracer, foot).unwrap_or(*foot), growth)
+        };
+        let starts = to.iter().zip(&places).zip(&feet).map(start).collect();
         let mass = SurfaceMass::new(space, self.tracer.unknowns(), to)?;
-        Ok(Onto { carried: self, to, phi, paths, mass, cut: CutCells::new(space, to) })
+        Ok(Onto { carried: self, to, phi, starts, mass, cut: CutCells::new(space, to) })
     }
 
     /// `sum w value(p, X) v(X)` over the points `p` of `from`, for all functions `v` on the new
@@ -127,8 +138,8 @@ pub struct Onto<'b, 'a, const D: usize> {
     /// The level set whose zero is `to`.
     phi: &'b [f64],
     /// For every point of `to` where it comes from, by the coordinates of a cell that `from` cuts,
-    /// and its way.
-    paths: Vec<(Location, Path<D>)>,
+    /// and the logarithm of the area at its end over that at its start, `int P : grad u dt`.
+    starts: Vec<(Location, f64)>,
     /// `None` if there is no interface any more.
     mass: Option<SurfaceMass>,
     cut: CutCells,
@@ -161,10 +172,17 @@ impl<const D: usize> Onto<'_, '_, D> {
         let (carried, to, end) = (self.carried, self.to, (self.to, self.phi));
         let space = carried.tracer.space();
         let at = |p: &SurfacePoint<D>| space.value(before, p.at.cell, &p.at.barycentric);
-        let values = self.arriving([before], |[m], path| [m * (-path.growth()).exp()]);
+        let value = |(start, growth): &(Location, f64)| {
+            space.value(before, start.cell as usize, &start.barycentric) * (-growth).exp()
+        };
+        let values: Vec<f64> = self.starts.iter().map(value).collect();
         let Some(mass) = &mut self.mass else { return Ok(vec![0.0; space.len()]) };
-        mass.diffuse(space, end, |p| diffusivity(p, values[p.at.q][0]))?;
-        let [load] = loads(space, mass, to, &values);
+        mass.diffuse(space, end, |p| diffusivity(p, values[p.at.q]))?;
+        let mut load = mass.load();
+        for (p, value) in to.iter().zip(&values) {
+            let at = (p.at.cell, &p.at.barycentric);
+            mass.deposit(space, at, p.at.weight * value, &mut load);
+        }
         let mut after = vec![f64::NAN; space.len()];
         mass.solve(&load, &mut after)?;
         if balance {
@@ -180,31 +198,6 @@ impl<const D: usize> Onto<'_, '_, D> {
         let amount: f64 = carried.inside().map(|(p, _)| p.at.weight * at(p)).sum();
         let mean = amount / to.iter().map(|p| p.at.weight).sum::<f64>();
         after.iter_mut().filter(|m| m.is_nan()).for_each(|m| *m = mean);
-        Ok(after)
-    }
-
-    /// Carries several fields on the interface: `value` gives their values at the end of a path
-    /// from those at its start. Otherwise as [`density`](Self::density), without the balance.
-    ///
-    /// # Errors
-    /// A matrix that cannot be factored.
-    pub fn fields<const N: usize>(
-        &mut self,
-        before: [&[f64]; N],
-        value: impl Fn([f64; N], &Path<D>) -> [f64; N],
-    ) -> Result<[Vec<f64>; N]> {
-        let (tracer, end) = (self.carried.tracer, (self.to, self.phi));
-        let space = tracer.space();
-        let values = self.arriving(before, value);
-        let Some(mass) = &mut self.mass else { return Ok(before.map(<[f64]>::to_vec)) };
-        mass.diffuse(space, end, |_| 0.0)?;
-        let mut after = std::array::from_fn(|_| vec![f64::NAN; space.len()]);
-        let loads = loads(space, mass, self.to, &values);
-        for ((after, load), before) in after.iter_mut().zip(&loads).zip(before) {
-            mass.solve(load, after)?;
-            continue_outward(tracer, &self.cut.list, after);
-            after.iter_mut().zip(before).filter(|(v, _)| v.is_nan()).for_each(|(v, b)| *v = *b);
-        }
         Ok(after)
     }
 
@@ -231,60 +224,6 @@ impl<const D: usize> Onto<'_, '_, D> {
                 values[n] = space.value(&on_interface, at.cell as usize, &at.barycentric);
             }
         }
-    }
-
-    /// Values at the points of the new interface from those at the starts of their paths.
-    fn arriving<const N: usize>(
-        &self,
-        before: [&[f64]; N],
-        value: impl Fn([f64; N], &Path<D>) -> [f64; N],
-    ) -> Vec<[f64; N]> {
-        let space = self.carried.tracer.space();
-        let at_start =
-            |from: &Location| before.map(|f| space.value(f, from.cell as usize, &from.barycentric));
-        self.paths.iter().map(|(from, path)| value(at_start(from), path)).collect()
-    }
-}
-
-/// `int value v` over an interface, for all functions `v` on it; `values` are those at its points.
-fn loads<const D: usize, const N: usize>(
-    space: &Space<D>,
-    mass: &SurfaceMass,
-    to: &[SurfacePoint<D>],
-    values: &[[f64; N]],
-) -> [Vec<f64>; N] {
-    let mut loads = std::array::from_fn(|_| mass.load());
-    for (p, values) in to.iter().zip(values) {
-        for (load, value) in loads.iter_mut().zip(values) {
-            let amount = p.at.weight * value;
-            mass.deposit(space, (p.at.cell, &p.at.barycentric), amount, load);
-        }
-    }
-    loads
-}
-
-/// The way of a particle on an interface over a step.
-pub struct Path<const D: usize> {
-    dt: f64,
-    /// Unit normals at its start and at its end.
-    pub normals: [SVector<f64, D>; 2],
-    /// `grad u` there.
-    gradients: [SMatrix<f64, D, D>; 2],
-}
-
-impl<const D: usize> Path<D> {
-    /// Logarithm of the area at the end over that at the start, `int P : grad u dt`.
-    pub fn growth(&self) -> f64 {
-        let rate = |k: usize| {
-            let (g, n) = (&self.gradients[k], &self.normals[k]);
-            g.trace() - n.dot(&(g * n))
-        };
-        0.5 * self.dt * (rate(0) + rate(1))
-    }
-    /// Gradient of the position at the end by that at the start.
-    pub fn deformation(&self) -> SMatrix<f64, D, D> {
-        let g = (self.gradients[0] + self.gradients[1]) * (0.5 * self.dt);
-        SMatrix::identity() + g + g * g * 0.5
     }
 }
 
@@ -343,19 +282,24 @@ pub fn continue_vectors<const D: usize>(
     }
 }
 
+/// Slope `|grad phi|` at a place, never zero.
+pub(super) fn steepness<const D: usize>(space: &Space<D>, phi: &[f64], at: &Location) -> f64 {
+    space.gradient(phi, at.cell as usize, &at.barycentric).norm().max(f64::MIN_POSITIVE)
+}
+
 /// The place of a point.
 fn location<const D: usize>(p: &SurfacePoint<D>) -> Location {
     Location { cell: p.at.cell as u32, barycentric: p.at.barycentric }
 }
 
 /// Cells that an interface cuts.
-struct CutCells {
-    list: Vec<u32>,
+pub(super) struct CutCells {
+    pub list: Vec<u32>,
     cuts: Vec<bool>,
 }
 
 impl CutCells {
-    fn new<const D: usize>(space: &Space<D>, points: &[SurfacePoint<D>]) -> CutCells {
+    pub fn new<const D: usize>(space: &Space<D>, points: &[SurfacePoint<D>]) -> CutCells {
         let groups = points.chunk_by(|a, b| a.at.cell == b.at.cell);
         let list: Vec<u32> = groups.map(|g| g[0].at.cell as u32).collect();
         let mut cuts = vec![false; space.mesh().cell_count()];
@@ -363,7 +307,7 @@ impl CutCells {
         CutCells { list, cuts }
     }
     /// The same point by the coordinates of a cut cell close to it, its own if that is cut.
-    fn near<const D: usize>(&self, tracer: &Tracer<D>, at: &Location) -> Option<Location> {
+    pub fn near<const D: usize>(&self, tracer: &Tracer<D>, at: &Location) -> Option<Location> {
         if self.cuts[at.cell as usize] {
             return Some(*at);
         }
@@ -388,7 +332,7 @@ impl CutCells {
 
 /// Sets nodes without a value (NaN) in some layers of cells around `cells` to the mean of those with
 /// one in their cells, layer by layer.
-fn continue_outward<const D: usize>(tracer: &Tracer<D>, cells: &[u32], values: &mut [f64]) {
+pub(super) fn continue_outward<const D: usize>(tracer: &Tracer<D>, cells: &[u32], values: &mut [f64]) {
     let (space, unknowns) = (tracer.space(), tracer.unknowns());
     let mut layer = cells.to_vec();
     let mut new: Vec<f64> = vec![f64::NAN; values.len()];

@@ -6,6 +6,7 @@
 
 mod band;
 mod bounds;
+mod carried_points;
 mod carried_surface;
 mod chord;
 mod contour;
@@ -42,8 +43,9 @@ pub use band::{
     zeta,
 };
 pub use bounds::Bounds;
+pub use carried_points::{CarriedPoints, End};
 pub use carried_surface::{
-    CarriedSurface, Onto, Path, continue_vectors, surface_divergence,
+    CarriedSurface, Onto, continue_vectors, surface_divergence,
 };
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};

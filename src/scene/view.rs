@@ -9,7 +9,7 @@ use crate::fem::{Space, SurfacePoint};
 use crate::flow::FlowSolver;
 use crate::levelset::{Interface, InterfaceMeasures, surface};
 use crate::sim::{Carried, State};
-use crate::structure::{polygon_area, polygon_length};
+use crate::structure::{FieldId, polygon_area, polygon_length};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -81,7 +81,12 @@ impl<'a, const D: usize> View<'a, D> {
             let values = interface.waves(&point(&ring.centre), &point(&ring.normal), &ring.modes);
             row.put_all(&format!("{name}{}_", ring.name), columns.zip(values));
         }
-        if D == 3 && (self.has_backward_map() || self.carried.structures()[k].carries_strain()) {
+        let structure = &self.carried.structures()[k];
+        if let Some(density) = structure.rest_density().filter(|_| !structure.carries_strain()) {
+            let values = self.stretch(density, &interface.points());
+            row.put_all(&name, STRETCH.into_iter().zip(values));
+        }
+        if D == 3 && (self.has_backward_map() || structure.carries_strain()) {
             row.put_all(&name, STRAIN.into_iter().zip(self.strain(k, &interface.points())));
         }
         Ok(sizes)
@@ -114,6 +119,19 @@ impl<'a, const D: usize> View<'a, D> {
         [m.enclosed, m.own]
     }
 
+    /// Values of [`STRETCH`] on an interface with this length (area) at rest per length.
+    fn stretch(&self, density: FieldId, points: &[SurfacePoint<D>]) -> [f64; 3] {
+        let density = self.state.fields.scalar(density);
+        let (mut least, mut most, mut rest, mut now) = (f64::NAN, f64::NAN, 0.0, 0.0);
+        for p in points {
+            let m = self.space().value(density, p.at.cell, &p.at.barycentric);
+            // `min` and `max` ignore the initial NaN.
+            (least, most) = ((1.0 / m).min(least), (1.0 / m).max(most));
+            (rest, now) = (rest + p.at.weight * m, now + p.at.weight);
+        }
+        [least, now / rest, most]
+    }
+
     /// Values of [`STRAIN`] on an interface; NaN without strain.
     fn strain(&self, k: usize, points: &[SurfacePoint<D>]) -> [f64; 5] {
         let fields = &self.state.fields;
@@ -131,6 +149,10 @@ impl<'a, const D: usize> View<'a, D> {
         [error, least, most, sum / area, shear]
     }
 }
+
+/// Columns of the stretch that an interface carries; the mean is that over its length (area) at
+/// rest.
+const STRETCH: [&str; 3] = ["stretch_min", "stretch_mean", "stretch_max"];
 
 /// Columns of the strain of an interface in space, if it or backward characteristics carry it.
 const STRAIN: [&str; 5] =

@@ -166,8 +166,8 @@ fn what_cannot_be_sheared_is_refused_where_it_is_written() {
         immersa(folder.path(), &["explain", "scene.toml"]).expect(2, words);
     };
     refused(
-        "shear.linear = { modulus = 0.1 }",
-        "force = \"sharp\"\narea_change = \"map\"\nshear.linear = { modulus = 1 }",
+        "force = \"smeared\"",
+        "force = \"sharp\"\narea_change = \"map\"",
         &["for a smeared force", "membrane.0.area_change"],
     );
     refused(
@@ -179,6 +179,11 @@ fn what_cannot_be_sheared_is_refused_where_it_is_written() {
         "area.linear",
         "law.neo_hookean = { modulus = 1 }\narea.linear",
         &["on top of it", "`law` alone"],
+    );
+    refused(
+        "force = \"smeared\"",
+        "area_change = \"carried\"",
+        &["no area change that the interface carries", "force = \"sharp\""],
     );
     refused("modes = [4, 8]", "modes = [3]", &["even"]);
     refused("\"z\"]", "\"z + t\"]", &["depends on time"]);

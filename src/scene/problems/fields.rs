@@ -44,12 +44,24 @@ pub(super) fn write<const D: usize>(
     fields.extend(pressure.iter().map(|p| ("pressure", FieldData::Scalar(p))));
     let scalars: Vec<_> = carried.written_scalars(&state.fields).collect();
     fields.extend(scalars.iter().map(|(name, values)| (*name, FieldData::Scalar(values))));
-    let (strained, curved) = (strained(view), curved(view));
+    let (stretched, strained, curved) = (stretched(view), strained(view), curved(view));
+    fields.extend(stretched.iter().map(|(name, made)| (&**name, made.as_field())));
     fields.extend(strained.iter().map(|(name, made)| (&**name, made.as_field())));
     let vectors = carried.written_vectors(&state.fields);
     fields.extend(vectors.map(|(name, values)| (name, FieldData::Vector(values))));
     fields.extend(curved.iter().map(|(name, made)| (&**name, made.as_field())));
     write_vtu(path, view.space(), state.time, &fields)
+}
+
+/// Stretches that interfaces carry; they count near the interface.
+fn stretched<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
+    let structures = view.carried.structures().iter().filter(|s| !s.carries_strain());
+    let of = |s: &Box<dyn Structure<D>>| {
+        let density = view.state.fields.scalar(s.rest_density()?);
+        let stretch = density.iter().map(|m| 1.0 / m).collect();
+        Some((format!("{}.stretch", s.name()), Made::Scalar(stretch)))
+    };
+    structures.filter_map(of).collect()
 }
 
 /// Curvatures of the level sets, if they are to be written.

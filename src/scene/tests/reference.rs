@@ -150,7 +150,10 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
         "shape.rounded_box = { centre = [1, 1, 1], half_size = [1, 2, 1], radius = 0.1 }",
     );
     let redistanced = format!("{BARE}[numerics.redistance]\nmethod = \"exact\"\n");
-    let bare = [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &torus, &block, IMAGE];
+    // A key of the band gives a band.
+    let banded = SOLID.replace("rings", "area_change = \"slope\"\nrings");
+    let bare =
+        [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &banded, &torus, &block, IMAGE];
     let others = KINDS.iter().filter(|kind| {
         kind.keys.get("shape").is_some() && !["membrane", "level_set"].contains(&kind.list)
     });
