@@ -118,6 +118,9 @@ impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
         let law = AreaLaw::Tension { tension: self.tension };
         Ok(self.width.integrate(rule, at.fields.scalar(of.level_set()), |_, _, b| law.energy(b.r)))
     }
+    fn conserves_energy(&self) -> bool {
+        false
+    }
     fn tension(&self) -> f64 {
         self.tension
     }

@@ -289,9 +289,9 @@ impl<'a> Run<'a> {
         let (mut alarms, advice) = (Vec::new(), self.problem.advice());
         let lost = -self.record.last_balance;
         for (share, what, remedy) in [
-            (self.record.worst_balance, "is spurious", advice.energy),
+            (self.record.worst_balance, "is spurious", &advice.energy),
             // While a motion sets in, the energy in play is small: a loss is judged at the end.
-            (lost, "vanished without viscosity taking it", advice.loss),
+            (lost, "vanished without viscosity taking it", &advice.loss),
         ] {
             if share > ENERGY_ALARM {
                 alarms.push(format!(
@@ -300,6 +300,18 @@ impl<'a> Run<'a> {
                     100.0 * share
                 ));
             }
+        }
+        let elastic = self.record.last_elastic;
+        if alarms.is_empty() && elastic.abs() > ENERGY_ALARM {
+            let (what, remedy) = match elastic > 0.0 {
+                true => ("is spurious", &advice.energy),
+                false => ("has vanished", &advice.loss),
+            };
+            alarms.push(format!(
+                "Elastic energy: {:.1} % of what flow and structures have exchanged {what}, so \
+                 that their forces are not to be trusted. Take {remedy}.",
+                100.0 * elastic.abs()
+            ));
         }
         let [lost, won] = [self.record.least_balance, self.record.worst_balance];
         let residual = if won > -lost { won } else { lost };

@@ -10,7 +10,7 @@ use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x06";
+const MAGIC: &[u8; 8] = b"immersa\x07";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
@@ -37,7 +37,9 @@ impl<const D: usize> State<D> {
         }
         let (e, b) = (self.energies, self.balance);
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
+        out.numbers(&[e.elastic_power, e.elastic_traffic]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred, b.least]);
+        out.numbers(&[b.elastic_initial, b.elastic_work, b.elastic_traffic]);
         let check = fnv1a(&out.0);
         out.integer(check);
         out.0
@@ -109,10 +111,31 @@ impl<const D: usize> State<D> {
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] =
             from.numbers()?.try_into().ok()?;
+        let [elastic_power, elastic_traffic] = from.numbers()?.try_into().ok()?;
+        let energies = Energies {
+            kinetic,
+            elastic,
+            dissipation,
+            grad_div,
+            power,
+            divergence,
+            elastic_power,
+            elastic_traffic,
+        };
         let [initial, dissipated, work, exchanged, transferred, least] =
             from.numbers()?.try_into().ok()?;
-        let energies = Energies { kinetic, elastic, dissipation, grad_div, power, divergence };
-        let balance = EnergyBalance { initial, dissipated, work, exchanged, transferred, least };
+        let [elastic_initial, elastic_work, elastic_traffic] = from.numbers()?.try_into().ok()?;
+        let balance = EnergyBalance {
+            initial,
+            dissipated,
+            work,
+            exchanged,
+            transferred,
+            least,
+            elastic_initial,
+            elastic_work,
+            elastic_traffic,
+        };
         let flow = FlowState { u, p };
         Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
     }
@@ -154,8 +177,13 @@ mod tests {
                 dt: 0.1,
                 solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },
             }),
-            energies: Energies { kinetic: 1.5, ..Energies::default() },
-            balance: EnergyBalance { work: 0.25, least: 1e-9, ..EnergyBalance::default() },
+            energies: Energies { kinetic: 1.5, elastic_traffic: 2.5, ..Energies::default() },
+            balance: EnergyBalance {
+                work: 0.25,
+                least: 1e-9,
+                elastic_work: 0.5,
+                ..EnergyBalance::default()
+            },
         }
     }
 

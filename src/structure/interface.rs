@@ -162,6 +162,10 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     ) -> Option<SurfaceStrain<D>> {
         None
     }
+    /// True if the force is the derivative of the energy, up to [`dissipation`](Self::dissipation).
+    fn conserves_energy(&self) -> bool {
+        true
+    }
     /// True if the interface carries its strain, [`strain_at`](Self::strain_at).
     fn carries_strain(&self) -> bool {
         false
@@ -274,6 +278,9 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
         self.force.strain(slope, gradient).unwrap_or_else(|| {
             SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
         })
+    }
+    fn conserves_energy(&self) -> bool {
+        self.force.conserves_energy()
     }
     fn carries_strain(&self) -> bool {
         self.force.carries_strain()

@@ -184,6 +184,10 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn strain(&self, slope: &SVector<f64, D>, gradient: &SMatrix<f64, D, D>) -> SurfaceStrain<D> {
         SurfaceStrain::new(&slope.normalize(), &(SMatrix::identity() + gradient), self.slope())
     }
+    /// True if its force is the derivative of its energy, up to a dissipation that it tells.
+    fn conserves_energy(&self) -> bool {
+        false
+    }
     /// True if its interface carries its strain, [`strain_at`](Self::strain_at).
     fn carries_strain(&self) -> bool {
         false

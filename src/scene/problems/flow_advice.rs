@@ -4,7 +4,7 @@ use crate::elastic::Band;
 use crate::scene::Scene;
 use crate::scene::problem::Advice;
 use crate::scene::schema::Condition;
-use crate::scene::structures::{StructureKind, band_of};
+use crate::scene::structures::{StructureKind, Traits, band_of};
 use crate::sim::Coupling;
 use crate::transport::Method;
 
@@ -30,6 +30,11 @@ pub(super) fn advice(scene: &Scene) -> Advice {
     }
     energy.push("a smaller time.step".into());
     let mut loss = vec!["a smaller time.step".to_string(), "a finer mesh".into()];
+    let elastic = |t: &Traits| t.stretches && !t.on_interface && !t.constant_tension;
+    for s in scene.acting().filter(|s| elastic(&s.traits())) {
+        let sharp = format!("force = \"sharp\" for `{}`", s.name());
+        [&mut energy, &mut loss].into_iter().for_each(|list| list.insert(0, sharp.clone()));
+    }
     if time.order == 1 {
         loss.insert(0, "time.order = 2".into());
     }

@@ -194,6 +194,9 @@ impl<const D: usize> ImmersedFlow<D> {
         row.put("energy_elastic", e.elastic);
         row.put("dissipation", e.dissipation);
         row.put("energy_balance", state.balance.residual(&e));
+        if self.scene.acting().next().is_some() {
+            row.put("elastic_balance", state.balance.elastic_residual(&e));
+        }
         row.put("work", state.balance.work);
         row.put("velocity_max", sim.largest_speed());
         row.put("divergence", e.divergence);

@@ -38,6 +38,9 @@ pub(super) struct Record {
     /// The residual after the last step, without the start.
     #[serde(default)]
     pub last_balance: f64,
+    /// The residual of the elastic energy after the last step.
+    #[serde(default)]
+    pub last_elastic: f64,
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
@@ -154,6 +157,7 @@ impl Record {
             self.start = spurious.min(0.0);
         }
         self.last_balance = budget.share(spurious - self.start);
+        self.last_elastic = budget.elastic_residual(&e);
         self.worst_balance = self.worst_balance.max(self.last_balance);
         self.least_balance = self.least_balance.min(budget.share(spurious));
     }

@@ -2,18 +2,30 @@
 
 use super::{Energies, Simulation};
 use crate::base::Result;
-use crate::fem::{Cells, integrate};
+use crate::fem::{At, Cells, integrate};
+use crate::flow::term::MomentumTerm;
 use crate::flow::{Load, kinetic_outflow};
 use crate::mesh::Point;
 use crate::structure::Place;
 use nalgebra::SVector;
 
+/// Powers in a step.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Powers {
+    /// Of the walls on the flow.
+    pub walls: f64,
+    /// Of the flow on elastic structures.
+    pub structures: f64,
+    /// The same with each point counted positive.
+    pub traffic: f64,
+}
+
 impl<const D: usize> Simulation<D> {
-    /// Energies and rates of the current state.
+    /// Energies and rates of the current state, with the powers of a step.
     ///
     /// # Errors
     /// A level set that is not finite.
-    pub(super) fn measure(&mut self, wall_power: f64) -> Result<Energies> {
+    pub(super) fn measure(&mut self, powers: Powers) -> Result<Energies> {
         let [kinetic, dissipation, grad_div, div2] = self.flow.energies(&self.state.flow);
         let leaving = self.leaving_at(&self.state.fields);
         let elastic = self.elastic_energy(|k| !leaving[k])?;
@@ -24,9 +36,51 @@ impl<const D: usize> Simulation<D> {
             elastic,
             dissipation: dissipation + slip,
             grad_div,
-            power: wall_power + self.body_power() - self.carried_out(),
+            power: powers.walls + self.body_power() - self.carried_out(),
             divergence: div2.sqrt(),
+            elastic_power: powers.structures - slip,
+            elastic_traffic: powers.traffic,
         })
+    }
+
+    /// Power of the flow on structures whose forces are derivatives of their energies: the sum over
+    /// the points of their forces, and that of the absolute values. `u` is the new velocity and
+    /// `change` what it differs by from that of the explicit part of the forces. Zero if there are
+    /// other structures too.
+    pub(super) fn structure_power(
+        &self,
+        leaving: &[bool],
+        u: &[SVector<f64, D>],
+        change: &[SVector<f64, D>],
+    ) -> [f64; 2] {
+        let acting = || self.carried.structures.iter().zip(leaving).filter(|(s, _)| s.acts());
+        if acting().any(|(s, _)| !s.conserves_energy()) {
+            return [0.0; 2];
+        }
+        let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();
+        acting().filter(|(_, leaves)| !**leaves).for_each(|(s, _)| s.terms(&mut terms));
+        let (space, basis) = (self.space(), self.flow.velocity());
+        let powers = |term: &&dyn MomentumTerm<D>| {
+            let at_point = |at: &At<D>| {
+                let (c, l) = (at.cell, &at.barycentric);
+                let (v, g) = (space.value(u, c, l), space.jacobian(u, c, l));
+                let (f0, f1) = term.force(at);
+                let mut power = -(f0.dot(&v) + f1.dot(&g));
+                if term.is_implicit() {
+                    let (dv, dg) = (space.value(change, c, l), space.jacobian(change, c, l));
+                    let (f0, f1) = term.stiffness(at, &dv, &dg);
+                    power += f0.dot(&v) + f1.dot(&g);
+                }
+                [power, power.abs()]
+            };
+            let cells = integrate(basis, term.support().cells(), at_point);
+            let of_points = term.support().points().iter().map(|at| {
+                let [power, traffic] = at_point(at);
+                [power * at.weight, traffic * at.weight]
+            });
+            of_points.fold(cells, |a, b| [a[0] + b[0], a[1] + b[1]])
+        };
+        terms.iter().map(powers).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 
     /// Elastic energy brought by structures that have left or come back to an open side since they

@@ -22,6 +22,7 @@ use crate::flow::{FlowSolver, FlowState, Fluid};
 use crate::mesh::{Mesh, Point};
 use crate::structure::{Coupling, Fields, Place, Structure};
 use crate::transport::Feet;
+use measure::Powers;
 use nalgebra::SVector;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -109,7 +110,7 @@ impl<const D: usize> Simulation<D> {
         sim.state.earlier_u = sim.state.flow.u.clone();
         sim.set_materials_now();
         sim.prepare_now()?;
-        sim.state.energies = sim.measure(0.0)?;
+        sim.state.energies = sim.measure(Powers::default())?;
         sim.state.balance = EnergyBalance::new(&sim.state.energies, sim.settings.least_energy);
         Ok(sim)
     }
@@ -185,7 +186,7 @@ impl<const D: usize> Simulation<D> {
         self.state = state;
         self.restore_factor()?;
         self.set_materials_now();
-        self.measure(0.0).map(drop)
+        self.measure(Powers::default()).map(drop)
     }
     /// Current time.
     pub fn time(&self) -> f64 {

@@ -1,6 +1,7 @@
 //! Continuation of a simulation on another mesh of the same domain.
 
-use super::Simulation;
+use super::measure::Powers;
+use super::{Energies, Simulation};
 use crate::base::Result;
 use crate::fem::{Element, Space, periodic_pairs};
 use crate::flow::FlowState;
@@ -67,7 +68,9 @@ impl Simulation<2> {
         self.set_materials_now();
         self.prepare_now()?;
         let before = self.state.energies;
-        let now = super::Energies { power: before.power, ..self.measure(0.0)? };
+        let Energies { power, elastic_power, elastic_traffic, .. } = before;
+        let now =
+            Energies { power, elastic_power, elastic_traffic, ..self.measure(Powers::default())? };
         self.state.balance.transferred += now.total() - before.total();
         self.state.energies = now;
         Ok(())

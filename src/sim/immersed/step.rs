@@ -1,6 +1,7 @@
 //! The time step.
 
 use super::scheme::{Scheme, combine};
+use super::measure::Powers;
 use super::{Simulation, Work};
 use crate::base::{Phase, Result};
 use crate::fem::Cells;
@@ -55,7 +56,7 @@ impl<const D: usize> Simulation<D> {
         self.prepare(&scheme, work)?;
         self.phases.end(Phase::Force);
         // Velocity and pressure.
-        let (report, wall_power) = self.solve(&scheme, work)?;
+        let (report, powers) = self.solve(&scheme, work)?;
         self.carried.check_speed(&work.next.u, scheme.dt, scheme.time)?;
         self.note_factor(&report, scheme.weight(), &work.ahead);
         self.phases.end(Phase::Diagnostics);
@@ -71,9 +72,12 @@ impl<const D: usize> Simulation<D> {
         }
         self.phases.end(Phase::Assembly);
         // Energies and their balance (3.23).
-        let now = self.measure(wall_power)?;
-        self.state.balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
-        self.state.balance.work += self.energy_at_outlets(&leaving)?;
+        let now = self.measure(powers)?;
+        let brought = self.energy_at_outlets(&leaving)?;
+        let balance = &mut self.state.balance;
+        balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
+        balance.work += brought;
+        balance.elastic_work += brought;
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
@@ -128,9 +132,9 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 
-    /// Solves for velocity and pressure. Also returns the power of the walls.
-    fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, f64)> {
-        let Work { current, next, ahead, .. } = work;
+    /// Solves for velocity and pressure. Also returns the powers of the step.
+    fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, Powers)> {
+        let Work { current, mean, next, ahead, .. } = work;
         let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
         let [now, earlier] = scheme.history();
         let history = [
@@ -139,8 +143,9 @@ impl<const D: usize> Simulation<D> {
         ];
         let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) =
             <_>::default();
-        for (s, leaves) in self.carried.structures.iter().zip(self.leaving_at(ahead)) {
-            if !leaves {
+        let leaving = self.leaving_at(ahead);
+        for (s, leaves) in self.carried.structures.iter().zip(&leaving) {
+            if !*leaves {
                 s.terms(&mut terms);
             }
             s.blocks(&mut blocks);
@@ -162,9 +167,11 @@ impl<const D: usize> Simulation<D> {
         super::factor::extrapolate(&self.state, flow, scheme.ratio, next);
         let report = flow.step(&step, next)?;
         self.phases.begin();
-        let wall_power = flow.wall_power(&step, next);
+        let walls = flow.wall_power(&step, next);
         self.reactions = self.keeps_reactions.then(|| flow.reaction(&step, next, Cells::All));
-        Ok((report, wall_power))
+        combine(1.0, &next.u, if scheme.second { -1.0 } else { 0.0 }, current, mean);
+        let [structures, traffic] = self.structure_power(&leaving, &next.u, mean);
+        Ok((report, Powers { walls, structures, traffic }))
     }
 
     /// Transports all fields over the step.
