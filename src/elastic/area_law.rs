@@ -21,6 +21,15 @@ pub enum AreaLaw {
         /// `lambda`, force per length.
         tension: f64,
     },
+    /// `E = lambda r - beta ln r`, so `E' = lambda - beta c` with `c = 1/r`: the tension of a surface
+    /// that carries a surfactant of the concentration `c`, by the linear equation of state. The
+    /// energy per area is `lambda + beta c ln c`, the free energy with that tension.
+    Surfactant {
+        /// `lambda`, the tension without surfactant, force per length.
+        tension: f64,
+        /// `beta`, the loss of tension at `c = 1`, force per length.
+        elasticity: f64,
+    },
 }
 
 impl AreaLaw {
@@ -35,7 +44,8 @@ impl AreaLaw {
     ) -> SMatrix<f64, D, D> {
         let projection = SMatrix::<f64, D, D>::identity() - n * n.transpose();
         let tangential = grad_u * projection;
-        let bent = if D == 2 && !matches!(self, AreaLaw::Tension { .. }) {
+        let is_fluid = matches!(self, AreaLaw::Tension { .. } | AreaLaw::Surfactant { .. });
+        let bent = if D == 2 && !is_fluid {
             n * (n.transpose() * tangential)
         } else {
             tangential
@@ -48,6 +58,7 @@ impl AreaLaw {
             AreaLaw::Linear { modulus } => 0.5 * modulus * (r - 1.0).powi(2),
             AreaLaw::OneSided { modulus } => 0.5 * modulus * (r - 1.0).max(0.0).powi(2),
             AreaLaw::Tension { tension } => tension * r,
+            AreaLaw::Surfactant { tension, elasticity } => tension * r - elasticity * r.ln(),
         }
     }
     /// `E'(r)`, the tension.
@@ -56,6 +67,7 @@ impl AreaLaw {
             AreaLaw::Linear { modulus } => modulus * (r - 1.0),
             AreaLaw::OneSided { modulus } => modulus * (r - 1.0).max(0.0),
             AreaLaw::Tension { tension } => tension,
+            AreaLaw::Surfactant { tension, elasticity } => tension - elasticity / r,
         }
     }
     /// `E''(r)`.
@@ -70,13 +82,14 @@ impl AreaLaw {
                 }
             }
             AreaLaw::Tension { .. } => 0.0,
+            AreaLaw::Surfactant { elasticity, .. } => elasticity / (r * r),
         }
     }
     /// `lambda`: the modulus of the law, force per length.
     pub fn modulus(self) -> f64 {
         match self {
             AreaLaw::Linear { modulus } | AreaLaw::OneSided { modulus } => modulus,
-            AreaLaw::Tension { tension } => tension,
+            AreaLaw::Tension { tension } | AreaLaw::Surfactant { tension, .. } => tension,
         }
     }
 }
@@ -91,6 +104,7 @@ mod tests {
             AreaLaw::Linear { modulus: 3.0 },
             AreaLaw::OneSided { modulus: 2.0 },
             AreaLaw::Tension { tension: 0.5 },
+            AreaLaw::Surfactant { tension: 0.5, elasticity: 0.2 },
         ] {
             for r in [0.7, 0.95, 1.2, 1.9] {
                 let h = 1e-5;

@@ -4,7 +4,8 @@ use crate::base::Result;
 use crate::fem::{Space, SurfacePoint};
 use crate::levelset::{CarriedSurface, surface};
 use crate::structure::{
-    Carry, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, Moved, Rule, Velocity,
+    Carry, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InitialFunction, Moved,
+    Rule, Velocity,
 };
 use std::sync::Arc;
 
@@ -80,16 +81,23 @@ pub(super) struct RestDensity<const D: usize> {
 }
 
 impl<const D: usize> RestDensity<D> {
-    /// Declares the field.
+    /// Declares the field; its values at time 0 are those of `initial`, else the inverse of the
+    /// stretch.
     pub fn begin(
         &mut self,
         of: &ImmersedInterface<D>,
         host: &Host<'_, D>,
+        initial: Option<&InitialFunction<D>>,
         fields: &mut Declaration<'_, D>,
     ) {
         let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
-        let initial = || Data::Scalar(vec![1.0 / of.stretch; host.space.len()]);
-        self.field = fields.add(&of.field_name("rest_density"), rule, initial);
+        let values = || {
+            Data::Scalar(match initial {
+                Some(density) => host.space.nodes().iter().map(density).collect(),
+                None => vec![1.0 / of.stretch; host.space.len()],
+            })
+        };
+        self.field = fields.add(&of.field_name("rest_density"), rule, values);
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
     /// carries the density with this diffusivity, a function of it, times the step. The values

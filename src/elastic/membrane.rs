@@ -11,7 +11,7 @@ use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
 use crate::structure::{
-    Coupling, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium, Moved,
+    Coupling, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium, Moved,
     Place,
 };
 use nalgebra::{SMatrix, SVector};
@@ -176,7 +176,7 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
     ) -> Result<()> {
         self.width.begin(host);
         if let Some(rest) = &mut self.rest {
-            rest.begin(of, host, fields);
+            rest.begin(of, host, None, fields);
         }
         let basis = host.basis.filter(|_| of.coupling == Coupling::SemiImplicit);
         self.predictor = basis.map(|b| Predictor::new(b.clone(), host.translations)).transpose()?;
@@ -230,8 +230,8 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
     fn keeps_distance(&self) -> bool {
         self.rest.is_some()
     }
-    fn rest_density(&self) -> Option<FieldId> {
-        Some(self.rest.as_ref()?.field)
+    fn surface_density(&self) -> Option<(FieldId, Density)> {
+        Some((self.rest.as_ref()?.field, Density::Rest))
     }
     fn bytes(&self) -> usize {
         self.predictor.as_ref().map_or(0, Predictor::bytes)

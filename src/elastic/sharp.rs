@@ -4,12 +4,12 @@ use super::area_law::AreaLaw;
 use super::cut_surface::{Points, RestDensity, stretch};
 use super::slip::slip;
 use super::waves::explicit_step_limit;
-use crate::base::{Cause, Result};
+use crate::base::{Cause, Error, Result};
 use crate::fem::{At, Basis, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::structure::{
-    Coupling, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium, Moved,
-    Place,
+    Coupling, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InitialFunction, InterfaceForce, Medium,
+    Moved, Place,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -52,12 +52,16 @@ pub enum Force {
 /// Implicit in the velocity, `C(u, v) = dt int_S [E'' r (P : grad u)(P : grad v) + max(E', 0) (n
 /// grad u P) . (n grad v P)] ds` is added to the matrix; for constant tension and in 3-D the last
 /// product is `(grad u P) : (grad v P)`.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct SharpMembrane<const D: usize> {
     law: AreaLaw,
     rest: RestDensity<D>,
     /// Viscosity of the surrounding fluid.
     viscosity: f64,
+    /// Diffusivity of the carried density along the interface.
+    diffusivity: f64,
+    /// The density at time 0; `None` for the inverse of the stretch everywhere.
+    initial: Option<Arc<InitialFunction<D>>>,
     points: Points<D>,
     /// The same points without normals.
     places: Vec<At<D>>,
@@ -78,12 +82,23 @@ impl<const D: usize> SharpMembrane<D> {
             law,
             rest: RestDensity::default(),
             viscosity,
+            diffusivity: 0.0,
+            initial: None,
             points: Points::default(),
             places: Vec::new(),
             stretch: Vec::new(),
             dissipation: 0.0,
             implicit_step: None,
         }
+    }
+    /// The same with a surfactant that has this concentration at time 0 and diffuses along the
+    /// interface with this diffusivity (area per time); its law is [`AreaLaw::Surfactant`].
+    pub fn with_surfactant(
+        self,
+        concentration: Arc<InitialFunction<D>>,
+        diffusivity: f64,
+    ) -> SharpMembrane<D> {
+        SharpMembrane { initial: Some(concentration), diffusivity, ..self }
     }
     /// Precomputes the force on the interface of `phi`; `rest_density` is the length (area) at rest
     /// per length, the inverse of the stretch, at the nodes of cut cells. With `implicit_step`, a time step, the stiffness enters the matrix.
@@ -103,15 +118,30 @@ impl<const D: usize> SharpMembrane<D> {
         let at_point =
             |p: &SurfacePoint<D>| stretch(space.value(rest_density, p.at.cell, &p.at.barycentric));
         self.stretch = self.points.iter().map(at_point).collect();
-        self.dissipation = self
-            .points
-            .iter()
-            .map(|p| {
-                let (slip, pull) = (slip(space, p, self.viscosity), self.pull(space, p, rest_density));
-                p.at.weight * slip * pull.norm_squared()
-            })
-            .sum();
+        self.check_tension()?;
+        // The diffusion of the density, by the slip and of its own, over the square of the force.
+        let lost = |(p, &r): (&SurfacePoint<D>, &f64)| {
+            let pull = self.pull(space, p, rest_density).norm_squared();
+            let stiffness = self.law.stiffness(r) * r;
+            let own = if pull > 0.0 { self.diffusivity / stiffness } else { 0.0 };
+            p.at.weight * (slip(space, p, self.viscosity) + own) * pull
+        };
+        self.dissipation = self.points.iter().zip(&self.stretch).map(lost).sum();
         Ok(())
+    }
+    /// Rejects a surfactant so dense that nothing is left of the tension.
+    fn check_tension(&self) -> Result<()> {
+        let AreaLaw::Surfactant { tension, elasticity } = self.law else { return Ok(()) };
+        let densest = self.stretch.iter().map(|r| 1.0 / r).fold(0.0, f64::max);
+        if tension > elasticity * densest {
+            return Ok(());
+        }
+        Err(Error::computation("a surfactant is so dense that no surface tension is left")
+            .value(format!(
+                "largest concentration {densest:.4}, none is left from {:.4}",
+                tension / elasticity
+            ))
+            .remedy("give the surfactant a smaller elasticity, or a larger diffusivity"))
     }
     /// Elastic energy of the prepared interface.
     pub fn energy(&self) -> f64 {
@@ -170,7 +200,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         host: &Host<'_, D>,
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
-        self.rest.begin(of, host, fields);
+        self.rest.begin(of, host, self.initial.as_deref(), fields);
         Ok(())
     }
     fn term(&self) -> &dyn MomentumTerm<D> {
@@ -197,7 +227,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         let (mut rest, dt) = (std::mem::take(&mut self.rest), by.dt);
         let advanced = rest.advance(of, (by, fields), 0.0, |p, m| {
             let r = stretch(m);
-            dt * slip(&space, p, self.viscosity) * self.law.stiffness(r) * r
+            dt * (slip(&space, p, self.viscosity) * self.law.stiffness(r) * r + self.diffusivity)
         });
         self.rest = rest;
         advanced
@@ -236,7 +266,12 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn keeps_distance(&self) -> bool {
         true
     }
-    fn rest_density(&self) -> Option<FieldId> {
-        (!matches!(self.law, AreaLaw::Tension { .. })).then_some(self.rest.field)
+    fn surface_density(&self) -> Option<(FieldId, Density)> {
+        let of = match self.law {
+            AreaLaw::Tension { .. } => return None,
+            AreaLaw::Surfactant { .. } => Density::Concentration,
+            _ => Density::Rest,
+        };
+        Some((self.rest.field, of))
     }
 }

@@ -10,7 +10,7 @@ use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{CarriedPoints, End, continue_vectors, surface, surface_divergence};
 use crate::mesh::{Location, Point};
 use crate::structure::{
-    Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
+    Carry, Coupling, Data, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
     Medium, Moved, Place, RestMap, Rule, SurfaceStrain, Velocity,
 };
 use nalgebra::{SMatrix, SVector};
@@ -414,8 +414,8 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
     fn carries_strain(&self) -> bool {
         true
     }
-    fn rest_density(&self) -> Option<FieldId> {
-        Some(self.rest_density)
+    fn surface_density(&self) -> Option<(FieldId, Density)> {
+        Some((self.rest_density, Density::Rest))
     }
     fn strain_at(
         &self,

@@ -453,6 +453,27 @@ mod tests {
         assert!(worst < 0.12, "{worst}");
     }
 
+    /// The tension `2 + x` on a circle of radius .6: its tangential divergence is that of `x`.
+    #[test]
+    fn the_divergence_of_a_tension_is_its_gradient_along_the_interface() {
+        let error = |n: usize| {
+            let space = plane(n);
+            let phi = space.interpolate(|x| x.norm() - 0.6);
+            let points = surface(&space, &phi).unwrap();
+            let own: Vec<u32> = (0..space.len() as u32).collect();
+            let tension = |p: &SurfacePoint<2>| p.projection() * (2.0 + p.at.x[0]);
+            let found =
+                surface_divergence((&space, &own), (&points, &phi), tension, |_| 0.0).unwrap();
+            let miss = |p: &SurfacePoint<2>| {
+                let found = space.value(&found, p.at.cell, &p.at.barycentric);
+                p.at.weight * (found - p.tangential(&Point::<2>::new(1.0, 0.0))).norm_squared()
+            };
+            points.iter().map(miss).sum::<f64>().sqrt()
+        };
+        let errors = [12, 24, 48].map(error);
+        assert!(errors[2] < 0.02 && errors[0] / errors[2] > 4.0, "{errors:?}");
+    }
+
     /// A level set that was moved off its interface is put back, and what it encloses with it.
     #[test]
     fn a_fit_puts_the_interface_back() {

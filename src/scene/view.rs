@@ -9,7 +9,7 @@ use crate::fem::{Space, SurfacePoint};
 use crate::flow::FlowSolver;
 use crate::levelset::{Interface, InterfaceMeasures, surface};
 use crate::sim::{Carried, State};
-use crate::structure::{FieldId, polygon_area, polygon_length};
+use crate::structure::{Density, FieldId, polygon_area, polygon_length};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -82,9 +82,18 @@ impl<'a, const D: usize> View<'a, D> {
             row.put_all(&format!("{name}{}_", ring.name), columns.zip(values));
         }
         let structure = &self.carried.structures()[k];
-        if let Some(density) = structure.rest_density().filter(|_| !structure.carries_strain()) {
-            let values = self.stretch(density, &interface.points());
-            row.put_all(&name, STRETCH.into_iter().zip(values));
+        if let Some((density, of)) =
+            structure.surface_density().filter(|_| !structure.carries_strain())
+        {
+            let [least, mean, most] = self.density(density, &interface.points());
+            match of {
+                Density::Rest => {
+                    row.put_all(&name, STRETCH.into_iter().zip([1.0 / most, 1.0 / mean, 1.0 / least]));
+                }
+                Density::Concentration => {
+                    row.put_all(&name, CONCENTRATION.into_iter().zip([least, mean, most]));
+                }
+            }
         }
         if D == 3 && (self.has_backward_map() || structure.carries_strain()) {
             row.put_all(&name, STRAIN.into_iter().zip(self.strain(k, &interface.points())));
@@ -119,17 +128,17 @@ impl<'a, const D: usize> View<'a, D> {
         [m.enclosed, m.own]
     }
 
-    /// Values of [`STRETCH`] on an interface with this length (area) at rest per length.
-    fn stretch(&self, density: FieldId, points: &[SurfacePoint<D>]) -> [f64; 3] {
+    /// Least, mean and largest value of a density on an interface; NaN without one.
+    fn density(&self, density: FieldId, points: &[SurfacePoint<D>]) -> [f64; 3] {
         let density = self.state.fields.scalar(density);
-        let (mut least, mut most, mut rest, mut now) = (f64::NAN, f64::NAN, 0.0, 0.0);
+        let (mut least, mut most, mut amount, mut own) = (f64::NAN, f64::NAN, 0.0, 0.0);
         for p in points {
             let m = self.space().value(density, p.at.cell, &p.at.barycentric);
             // `min` and `max` ignore the initial NaN.
-            (least, most) = ((1.0 / m).min(least), (1.0 / m).max(most));
-            (rest, now) = (rest + p.at.weight * m, now + p.at.weight);
+            (least, most) = (m.min(least), m.max(most));
+            (amount, own) = (amount + p.at.weight * m, own + p.at.weight);
         }
-        [least, now / rest, most]
+        [least, amount / own, most]
     }
 
     /// Values of [`STRAIN`] on an interface; NaN without strain.
@@ -153,6 +162,8 @@ impl<'a, const D: usize> View<'a, D> {
 /// Columns of the stretch that an interface carries; the mean is that over its length (area) at
 /// rest.
 const STRETCH: [&str; 3] = ["stretch_min", "stretch_mean", "stretch_max"];
+/// Columns of the concentration that an interface carries.
+const CONCENTRATION: [&str; 3] = ["concentration_min", "concentration_mean", "concentration_max"];
 
 /// Columns of the strain of an interface in space, if it or backward characteristics carry it.
 const STRAIN: [&str; 5] =

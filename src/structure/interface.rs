@@ -88,6 +88,15 @@ impl<const D: usize> ImmersedInterface<D> {
     }
 }
 
+/// What a density that an interface carries is of, per length (in space: area).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Density {
+    /// Of length (area) at rest: the inverse of the stretch.
+    Rest,
+    /// Of a dissolved substance: its concentration.
+    Concentration,
+}
+
 /// The force of an interface; implementations differ by constitutive law.
 pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     /// Declares fields in addition to the level set, and builds data that depend on the mesh.
@@ -183,9 +192,8 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     fn keeps_distance(&self) -> bool {
         false
     }
-    /// Field of the length (in space: area) at rest per length, the inverse of the stretch, if the
-    /// interface carries it.
-    fn rest_density(&self) -> Option<FieldId> {
+    /// The density that the interface carries, and what it is a density of.
+    fn surface_density(&self) -> Option<(FieldId, Density)> {
         None
     }
     /// True if the force needs the backward characteristics.
@@ -285,8 +293,8 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
     fn carries_strain(&self) -> bool {
         self.force.carries_strain()
     }
-    fn rest_density(&self) -> Option<FieldId> {
-        self.force.rest_density()
+    fn surface_density(&self) -> Option<(FieldId, Density)> {
+        self.force.surface_density()
     }
     fn strain_at(
         &self,

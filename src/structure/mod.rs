@@ -19,7 +19,7 @@ pub use coupling::Coupling;
 pub use fields::{
     Carry, DISPLACEMENT, Data, Declaration, Field, FieldId, Fields, InitialFunction, Rule,
 };
-pub use interface::{Immersed, ImmersedInterface, InterfaceForce};
+pub use interface::{Density, Immersed, ImmersedInterface, InterfaceForce};
 pub use level_set::LevelSet;
 pub use markers::{polygon_area, polygon_length};
 pub use medium::Medium;
@@ -192,9 +192,8 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn carries_strain(&self) -> bool {
         false
     }
-    /// Field of the length (in space: area) at rest per length on its interface, the inverse of the
-    /// stretch, if the interface carries it.
-    fn rest_density(&self) -> Option<FieldId> {
+    /// The density that its interface carries, and what it is a density of.
+    fn surface_density(&self) -> Option<(FieldId, Density)> {
         None
     }
     /// Strain at a point of its interface, if the interface carries it; otherwise it follows from

@@ -94,3 +94,22 @@ fn in_space_too() {
     let growth = counts[1] / counts[0];
     assert!(growth > 3.0 && growth < 5.0, "a surface has four times as many: {counts:?}");
 }
+
+/// A level set that is small over its slope far from its zero, as one that a flow has wound up, has
+/// no band there.
+#[test]
+fn what_is_far_from_the_interface_is_no_part_of_the_band() {
+    let mesh = Arc::new(rectangle([0.0; 2], [4.0, 1.0], [64, 16], Diagonals::UnionJack).unwrap());
+    let space = Arc::new(Space::new(&mesh, Element::P2));
+    let basis = Basis::new(&space, &Arc::new(Rule::simplex(2, 5)));
+    let plain = space.interpolate(|x| x[0] - 0.5);
+    let wound = space.interpolate(|x| {
+        x[0] - 0.5 + if x[0] > 2.5 { 0.8 * (40.0 * (x[0] - 2.5)).sin() } else { 0.0 }
+    });
+    let mut membrane = Membrane::new(AreaLaw::Linear { modulus: 1.0 }, 0.15);
+    membrane.prepare(&basis, &plain, None);
+    let cells = visited(&membrane);
+    membrane.prepare(&basis, &wound, None);
+    assert_eq!(visited(&membrane), cells);
+    assert_eq!(membrane.energy(&basis, &wound), membrane.energy(&basis, &plain));
+}

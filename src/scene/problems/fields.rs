@@ -6,7 +6,7 @@ use crate::output::{FieldData, write_vtu};
 use crate::scene::geometry;
 use crate::scene::view::View;
 use crate::sim::Carried;
-use crate::structure::Structure;
+use crate::structure::{Density, Structure};
 use nalgebra::SVector;
 use std::path::Path;
 
@@ -53,13 +53,17 @@ pub(super) fn write<const D: usize>(
     write_vtu(path, view.space(), state.time, &fields)
 }
 
-/// Stretches that interfaces carry; they count near the interface.
+/// Stretches and concentrations that interfaces carry; they count near the interface.
 fn stretched<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
     let structures = view.carried.structures().iter().filter(|s| !s.carries_strain());
     let of = |s: &Box<dyn Structure<D>>| {
-        let density = view.state.fields.scalar(s.rest_density()?);
-        let stretch = density.iter().map(|m| 1.0 / m).collect();
-        Some((format!("{}.stretch", s.name()), Made::Scalar(stretch)))
+        let (density, of) = s.surface_density()?;
+        let density = view.state.fields.scalar(density);
+        let (what, values) = match of {
+            Density::Rest => ("stretch", density.iter().map(|m| 1.0 / m).collect()),
+            Density::Concentration => ("concentration", density.to_vec()),
+        };
+        Some((format!("{}.{what}", s.name()), Made::Scalar(values)))
     };
     structures.filter_map(of).collect()
 }

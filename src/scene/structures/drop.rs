@@ -3,19 +3,23 @@
 use super::build::{self, Build, band_of};
 use super::membrane::Forces;
 use super::{KindIn, Registered, StructureKind, Traits, round};
-use crate::base::Result;
+use crate::base::{Error, Result};
 use crate::elastic::{AreaLaw, Band, Force, SharpMembrane};
+use crate::levelset::surface;
 use crate::mesh::Point;
 use crate::output::Figure;
 use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
+use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Identifier, Item, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer, table,
+    Context, Identifier, Item, Kind, Named, Nested, NonNegative, Opt, Positive, Table, Tabled,
+    Writer, kinds, optional, table,
 };
+use crate::scene::points::coordinates;
 use crate::scene::row::Row;
 use crate::scene::schema::{Numerics, Shape, Tables};
 use crate::scene::view::View;
-use crate::structure::{Immersed, ImmersedInterface, Structure};
+use crate::structure::{Immersed, ImmersedInterface, InitialFunction, Structure};
 use std::sync::Arc;
 
 /// The kind `[[drop]]`.
@@ -37,8 +41,10 @@ table! {
         /// Its form at time 0.
         shape: Shape [Nested<Shape>,
             Required("give one: shape.circle = { centre = [0.5, 0.5], radius = 0.25 }")],
-        /// Surface tension.
+        /// Surface tension; with a surfactant, where there is none of it.
         tension: f64 [NonNegative, "N/m", Default(0.0)],
+        /// A surfactant on the interface, insoluble in both fluids.
+        surfactant: Option<Surfactant> [Opt<Nested<Surfactant>>, Derived("none")],
         /// Mass per volume of what is inside.
         density: Option<f64> [Opt<NonNegative>, "kg/m3", Derived("that of the fluid")],
         /// Dynamic viscosity of what is inside.
@@ -52,23 +58,100 @@ table! {
         chords: Vec<Named<Chord>> [Named<Chord>],
         /// Planes through the surface in which its form is measured; in space alone.
         rings: Vec<Named<Ring>> [Named<Ring>],
-    } before cuts::check;
+    } before Drop::before;
+}
+
+table! {
+    /// A substance that the interface carries and that lowers its tension, to `tension - elasticity
+    /// c` where its concentration is c.
+    Surfactant {
+        /// Loss of tension at the concentration 1.
+        elasticity: f64 [Positive, "N/m", Required("write surfactant = { elasticity = 0.1 }")],
+        /// Its concentration at time 0, over one of the scene's choice: a number, or an expression of
+        /// x, y, z.
+        concentration: Expression [Concentration, Default(Expression::constant(1.0))],
+        /// Its diffusivity along the interface.
+        diffusivity: f64 [NonNegative, "m2/s", Default(0.0)],
+    }
+}
+
+kinds! {
+    /// A concentration at time 0.
+    Concentration: Expression = Kind::Value("number or expression"), read_concentration;
+}
+
+fn read_concentration(item: &Item, context: &Context) -> Result<Expression> {
+    let concentration = item.expression(&context.constants)?;
+    if concentration.depends_on_time() {
+        return Err(item
+            .error("the concentration at time 0 depends on time")
+            .remedy("write it in x, y and z alone"));
+    }
+    Ok(concentration)
 }
 
 impl Drop {
     /// Reads a drop. The default force is smeared where a key is given that only a band has.
     fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
         let mut drop = Drop::read(item, context)?;
-        if numerics.key_of_band().is_some() && item.open_table()?.get("force").is_none() {
-            drop.force = Force::Smeared;
+        let table = item.open_table()?;
+        let Some(key) = numerics.key_of_band().filter(|_| table.get("force").is_none()) else {
+            return Ok(drop);
+        };
+        if let Some(item) = table.get("surfactant") {
+            return Err(item
+                .key_error("a surfactant is carried by the interface of a sharp force")
+                .value(format!("numerics.{key}, a key of forces over a band"))
+                .remedy(format!("leave out numerics.{key}, or the surfactant")));
         }
+        drop.force = Force::Smeared;
         Ok(drop)
+    }
+    fn before(table: &Table<'_>, context: &Context) -> Result<()> {
+        let force = optional::<Forces>(table, "force", context)?;
+        if let (Some(Force::Smeared), Some(item)) = (force, table.get("surfactant")) {
+            return Err(item
+                .key_error("a surfactant is carried by the interface of a sharp force")
+                .remedy("leave out force = \"smeared\", or the surfactant"));
+        }
+        cuts::check(table, context)
+    }
+    fn law(&self) -> AreaLaw {
+        let tension = self.tension;
+        match &self.surfactant {
+            Some(Surfactant { elasticity, .. }) => {
+                AreaLaw::Surfactant { tension, elasticity: *elasticity }
+            }
+            None => AreaLaw::Tension { tension },
+        }
     }
     fn cuts(&self) -> Cuts<'_> {
         Cuts { chords: &self.chords, rings: &self.rings }
     }
     fn band(&self, numerics: &Numerics) -> Band {
         band_of(numerics, true)
+    }
+}
+
+impl Surfactant {
+    /// The concentration as a function; it must be positive on the interface of the drop and leave
+    /// some tension.
+    fn concentration<const D: usize>(
+        &self,
+        of: &Build<'_, '_, D>,
+    ) -> Result<Arc<InitialFunction<D>>> {
+        let expression = self.concentration.clone();
+        let value = move |x: &Point<D>| expression.eval(coordinates(x), 0.0);
+        for p in surface(&of.site.space, &of.placed()?.nodal)? {
+            let c = value(&p.at.x);
+            if !(c > 0.0 && c.is_finite()) {
+                let e = Error::scene("the concentration of the surfactant must be above 0")
+                    .value(format!("{c} at {:.4?}", p.at.x.as_slice()))
+                    .remedy("write one that is positive on the whole interface");
+                return Err(of.blame("surfactant", e));
+            }
+        }
+        Ok(Arc::new(value))
     }
 }
 
@@ -87,10 +170,15 @@ impl<const D: usize> KindIn<D> for Drop {
             coupling: numerics.coupling,
             ..ImmersedInterface::new(&*self.name, of.placed()?.nodal.clone(), of.thickness)
         };
-        let law = AreaLaw::Tension { tension: self.tension };
+        let law = self.law();
         Ok(match self.force {
             Force::Sharp => {
-                Immersed::boxed(interface, SharpMembrane::new(law, of.mean_viscosity()))
+                let mut force = SharpMembrane::new(law, of.mean_viscosity());
+                if let Some(surfactant) = &self.surfactant {
+                    let (c, diffusivity) = (surfactant.concentration(of)?, surfactant.diffusivity);
+                    force = force.with_surfactant(c, diffusivity);
+                }
+                Immersed::boxed(interface, force)
             }
             Force::Smeared => build::smeared(interface, law, (numerics, band, false)),
         })
@@ -113,7 +201,8 @@ impl StructureKind for Drop {
     }
     fn traits(&self) -> Traits {
         Traits {
-            constant_tension: true,
+            constant_tension: self.surfactant.is_none(),
+            carries_stretch: self.surfactant.is_some(),
             modulus: self.tension,
             pulls: self.tension > 0.0,
             on_interface: self.force == Force::Sharp,
@@ -128,7 +217,14 @@ impl StructureKind for Drop {
             own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
         let own: String = own.collect();
         let (name, tension) = (&self.name, self.tension);
-        vec![format!("drop `{name}`: surface tension {tension}{own}; its level set by (1.34)")]
+        let tension = match &self.surfactant {
+            None => format!("surface tension {tension}"),
+            Some(Surfactant { elasticity, diffusivity, .. }) => format!(
+                "surface tension {tension} - {elasticity} c, c the concentration of a surfactant \
+                 of diffusivity {diffusivity}"
+            ),
+        };
+        vec![format!("drop `{name}`: {tension}{own}; its level set by (1.34)")]
     }
     fn numerics(&self, tables: &Tables) -> Option<String> {
         if self.force == Force::Sharp {

@@ -97,6 +97,9 @@ fn area_words(law: AreaLaw) -> String {
         AreaLaw::Linear { modulus } => format!("E'(r) = {modulus} (r - 1)"),
         AreaLaw::OneSided { modulus } => format!("E'(r) = {modulus} max(r - 1, 0)"),
         AreaLaw::Tension { tension } => format!("constant tension {tension}"),
+        AreaLaw::Surfactant { tension, elasticity } => {
+            format!("the tension {tension} - {elasticity} c, c the concentration of a surfactant")
+        }
     }
 }
 
