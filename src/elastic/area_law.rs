@@ -45,11 +45,7 @@ impl AreaLaw {
         let projection = SMatrix::<f64, D, D>::identity() - n * n.transpose();
         let tangential = grad_u * projection;
         let is_fluid = matches!(self, AreaLaw::Tension { .. } | AreaLaw::Surfactant { .. });
-        let bent = if D == 2 && !is_fluid {
-            n * (n.transpose() * tangential)
-        } else {
-            tangential
-        };
+        let bent = if D == 2 && !is_fluid { n * (n.transpose() * tangential) } else { tangential };
         projection * (a * tangential.trace()) + bent * b
     }
     /// `E(r)`.

@@ -8,9 +8,7 @@ use crate::fem::{At, Basis, Cells, Recovery, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Curvature, Kernel, Norm};
 use crate::mesh::Mesh;
-use crate::structure::{
-    Declaration, Host, ImmersedInterface, InterfaceForce, Medium, Place,
-};
+use crate::structure::{Declaration, Host, ImmersedInterface, InterfaceForce, Medium, Place};
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
 

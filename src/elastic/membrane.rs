@@ -11,8 +11,8 @@ use crate::fem::{At, Basis, Cells, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{Kernel, Norm};
 use crate::structure::{
-    Coupling, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium, Moved,
-    Place,
+    Coupling, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
+    Medium, Moved, Place,
 };
 use nalgebra::{SMatrix, SVector};
 
@@ -134,9 +134,7 @@ fn stretch_at<const D: usize>(
     rest_density: Option<&[f64]>,
 ) -> f64 {
     match rest_density {
-        Some(m) if b.w > 0.0 => {
-            stretch(basis.space().on_cell(m, c).combined(basis.values(q)))
-        }
+        Some(m) if b.w > 0.0 => stretch(basis.space().on_cell(m, c).combined(basis.values(q))),
         _ => b.r,
     }
 }

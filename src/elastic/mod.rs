@@ -8,8 +8,8 @@ mod membrane;
 mod predictor;
 mod sharp;
 mod sharp_shear;
-mod slip;
 mod shear;
+mod slip;
 mod surface_law;
 mod waves;
 

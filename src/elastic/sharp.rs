@@ -8,8 +8,8 @@ use crate::base::{Cause, Error, Result};
 use crate::fem::{At, Basis, Space, SurfacePoint, VectorForm};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::structure::{
-    Coupling, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InitialFunction, InterfaceForce, Medium,
-    Moved, Place,
+    Coupling, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InitialFunction,
+    InterfaceForce, Medium, Moved, Place,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -208,8 +208,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
-        let (phi, density) =
-            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
+        let (phi, density) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
         SharpMembrane::prepare(self, at.space, phi, density, implicit)
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
@@ -238,8 +237,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         at: &Place<'_, D>,
         _: &Basis<D>,
     ) -> Result<f64> {
-        let (phi, density) =
-            (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
+        let (phi, density) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
         SharpMembrane::prepare(self, at.space, phi, density, None)?;
         Ok(SharpMembrane::energy(self))
     }

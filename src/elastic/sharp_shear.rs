@@ -10,8 +10,8 @@ use crate::flow::term::{MomentumTerm, Support};
 use crate::levelset::{CarriedPoints, End, continue_vectors, surface, surface_divergence};
 use crate::mesh::{Location, Point};
 use crate::structure::{
-    Carry, Coupling, Data, Declaration, Density, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
-    Medium, Moved, Place, RestMap, Rule, SurfaceStrain, Velocity,
+    Carry, Coupling, Data, Declaration, Density, FieldId, Fields, Host, ImmersedInterface,
+    InterfaceForce, Medium, Moved, Place, RestMap, Rule, SurfaceStrain, Velocity,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -333,9 +333,7 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         let matter = numbers.zip(carried.ends()).map(|(numbers, end)| {
             let Matter { rest, a } = Matter::<D>::read(numbers);
             match end {
-                Some(End { deformation: phi, .. }) => {
-                    Matter { rest, a: phi * a * phi.transpose() }
-                }
+                Some(End { deformation: phi, .. }) => Matter { rest, a: phi * a * phi.transpose() },
                 None => Matter { rest: 0.0, a },
             }
         });

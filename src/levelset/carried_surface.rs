@@ -97,12 +97,13 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
             let g = space.jacobian(self.u, at.cell as usize, &at.barycentric);
             g.trace() - n.dot(&(g * n))
         };
-        let start = |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
-            let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
-            let normal = slope.try_normalize(0.0).unwrap_or(p.normal);
-            let growth = 0.5 * dt * (rate(foot, &normal) + rate(place, &p.normal));
-            (cut.near(self.tracer, foot).unwrap_or(*foot), growth)
-        };
+        let start =
+            |((p, place), (foot, _)): ((&SurfacePoint<D>, &Location), &(Location, bool))| {
+                let slope = space.gradient(self.phi, foot.cell as usize, &foot.barycentric);
+                let normal = slope.try_normalize(0.0).unwrap_or(p.normal);
+                let growth = 0.5 * dt * (rate(foot, &normal) + rate(place, &p.normal));
+                (cut.near(self.tracer, foot).unwrap_or(*foot), growth)
+            };
         let starts = to.iter().zip(&places).zip(&feet).map(start).collect();
         let mass = SurfaceMass::new(space, self.tracer.unknowns(), to)?;
         Ok(Onto { carried: self, to, phi, starts, mass, cut: CutCells::new(space, to) })
@@ -332,7 +333,11 @@ impl CutCells {
 
 /// Sets nodes without a value (NaN) in some layers of cells around `cells` to the mean of those with
 /// one in their cells, layer by layer.
-pub(super) fn continue_outward<const D: usize>(tracer: &Tracer<D>, cells: &[u32], values: &mut [f64]) {
+pub(super) fn continue_outward<const D: usize>(
+    tracer: &Tracer<D>,
+    cells: &[u32],
+    values: &mut [f64],
+) {
     let (space, unknowns) = (tracer.space(), tracer.unknowns());
     let mut layer = cells.to_vec();
     let mut new: Vec<f64> = vec![f64::NAN; values.len()];

@@ -44,9 +44,7 @@ pub use band::{
 };
 pub use bounds::Bounds;
 pub use carried_points::{CarriedPoints, End};
-pub use carried_surface::{
-    CarriedSurface, Onto, continue_vectors, surface_divergence,
-};
+pub use carried_surface::{CarriedSurface, Onto, continue_vectors, surface_divergence};
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};
 pub use delta::{Delta, Smeared, Width};

@@ -88,7 +88,10 @@ impl<'a, const D: usize> View<'a, D> {
             let [least, mean, most] = self.density(density, &interface.points());
             match of {
                 Density::Rest => {
-                    row.put_all(&name, STRETCH.into_iter().zip([1.0 / most, 1.0 / mean, 1.0 / least]));
+                    row.put_all(
+                        &name,
+                        STRETCH.into_iter().zip([1.0 / most, 1.0 / mean, 1.0 / least]),
+                    );
                 }
                 Density::Concentration => {
                     row.put_all(&name, CONCENTRATION.into_iter().zip([least, mean, most]));

@@ -137,7 +137,10 @@ fn a_membrane_in_a_channel_has_the_energy_and_the_way_of_finer_meshes() {
     let finer = ["mesh.rectangle.cells=[128, 32]"];
     let [coarse, fine] = [end(&[]), end(&finer)];
     let within = |a: f64, b: f64, bound: f64| (a / b - 1.0).abs() < bound;
-    assert!(within(coarse[0], fine[0], 0.03) && within(fine[0], 0.0046, 0.02), "{coarse:?} {fine:?}");
+    assert!(
+        within(coarse[0], fine[0], 0.03) && within(fine[0], 0.0046, 0.02),
+        "{coarse:?} {fine:?}"
+    );
     assert!(within(coarse[1] - 0.65, fine[1] - 0.65, 0.03), "{coarse:?} {fine:?}");
     assert!(within(coarse[2], PI * 0.04, 5e-4) && within(fine[2], PI * 0.04, 3e-4), "{coarse:?}");
     assert!(coarse[3].abs() < 0.01 && fine[3].abs() < 0.01, "{coarse:?} {fine:?}");

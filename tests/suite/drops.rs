@@ -279,3 +279,78 @@ fn the_continuum_force_bears_the_middle_of_a_drop() {
     case.steps(5);
     assert!(case.get("velocity_max") < 0.1, "{}", case.get("velocity_max"));
 }
+
+/// A surfactant on a circle of radius 1, in a fluid too thick to move: a wave decays by
+/// `exp(-k t/R^2)`, and the amount stays.
+#[test]
+fn a_surfactant_spreads_by_its_diffusivity() {
+    let mut case = Case::new(
+        "
+        mesh.rectangle = { min = [-2, -2], max = [2, 2], cells = [24, 24] }
+        fluid = { density = 0, viscosity = 1e6 }
+        boundary.walls.no_slip = true
+        time = { end = 2, step = 0.02 }
+        [[drop]]
+        shape.circle = { centre = [0, 0], radius = 1 }
+        tension = 1.0
+        [drop.surfactant]
+        elasticity = 0.01
+        diffusivity = 0.5
+        concentration = \"1 + 0.1*x/hypot(x, y)\"",
+    );
+    case.steps(100);
+    let wave = 0.5 * (case.get("drop.concentration_max") - case.get("drop.concentration_min"));
+    assert!((wave / (0.1 * (-1f64).exp()) - 1.0).abs() < 0.01, "{wave}");
+    assert!((case.get("drop.concentration_mean") - 1.0).abs() < 1e-4);
+}
+
+/// In shear a surfactant is swept to the tips, where the tension falls: the drop is longer than a
+/// clean one of the mean tension, the amount stays, and the energy balances.
+#[test]
+fn a_surfactant_is_swept_to_the_tips_of_a_drop_in_shear() {
+    let text = "
+        mesh.rectangle = { min = [-3, -3], max = [3, 3], cells = [24, 24] }
+        fluid = { density = 0, viscosity = 1 }
+        boundary.walls.velocity = [\"y\", 0]
+        time = { end = 3, step = 0.05 }
+        [[drop]]
+        shape.circle = { centre = [0, 0], radius = 1 }
+        tension = 5.0
+        surfactant = { elasticity = 2.0, diffusivity = 0.05 }";
+    let amount = |case: &Case| case.get("drop.concentration_mean") * case.get("drop.perimeter");
+    let long = |case: &Case| case.get("drop.axis_1") / case.get("drop.axis_2");
+    let mut case = Case::new(text);
+    let before = amount(&case);
+    case = case.run();
+    assert!((amount(&case) / before - 1.0).abs() < 1e-10, "{before} {}", amount(&case));
+    let [least, most] = ["min", "max"].map(|m| case.get(&format!("drop.concentration_{m}")));
+    assert!(least < 0.9 && most > 1.1, "{least} {most}");
+    assert!(case.get("elastic_balance").abs() < 0.02, "{}", case.get("elastic_balance"));
+    let clean = text.replace("tension = 5.0", "tension = 3.0").replace("        surfactant", "#");
+    let clean = Case::new(&clean).run();
+    assert!(long(&case) > 1.02 * long(&clean), "{} {}", long(&case), long(&clean));
+}
+
+#[test]
+fn a_surfactant_needs_an_interface_that_carries_it_and_leaves_some_tension() {
+    let text = "
+        mesh.rectangle = { min = [-2, -2], max = [2, 2], cells = [16, 16] }
+        fluid.viscosity = 1
+        boundary.walls.no_slip = true
+        time = { end = 1, step = 0.1 }
+        [[drop]]
+        shape.circle = { centre = [0, 0], radius = 1 }
+        tension = 1.0
+        surfactant = { elasticity = 0.5 }";
+    for (set, words) in [
+        ("drop.0.force=smeared", "sharp force"),
+        ("numerics.band=carried", "numerics.band"),
+        ("drop.0.surfactant.concentration=x", "positive on the whole interface"),
+        ("drop.0.surfactant.concentration=1+t", "depends on time"),
+        ("drop.0.surfactant.elasticity=-1", "elasticity"),
+        ("drop.0.surfactant.elasticity=1.5", "leaves no surface tension"),
+    ] {
+        let error = refused(text, &[set]);
+        assert!(error.contains(words), "{set}: {error}");
+    }
+}

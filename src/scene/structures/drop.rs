@@ -69,7 +69,7 @@ table! {
         elasticity: f64 [Positive, "N/m", Required("write surfactant = { elasticity = 0.1 }")],
         /// Its concentration at time 0, over one of the scene's choice: a number, or an expression of
         /// x, y, z.
-        concentration: Expression [Concentration, Default(Expression::constant(1.0))],
+        concentration: Expression [Concentration, Default(1.0)],
         /// Its diffusivity along the interface.
         diffusivity: f64 [NonNegative, "m2/s", Default(0.0)],
     }
@@ -135,21 +135,31 @@ impl Drop {
 
 impl Surfactant {
     /// The concentration as a function; it must be positive on the interface of the drop and leave
-    /// some tension.
+    /// some of its `tension`.
     fn concentration<const D: usize>(
         &self,
         of: &Build<'_, '_, D>,
+        tension: f64,
     ) -> Result<Arc<InitialFunction<D>>> {
         let expression = self.concentration.clone();
         let value = move |x: &Point<D>| expression.eval(coordinates(x), 0.0);
         for p in surface(&of.site.space, &of.placed()?.nodal)? {
             let c = value(&p.at.x);
-            if !(c > 0.0 && c.is_finite()) {
-                let e = Error::scene("the concentration of the surfactant must be above 0")
-                    .value(format!("{c} at {:.4?}", p.at.x.as_slice()))
-                    .remedy("write one that is positive on the whole interface");
-                return Err(of.blame("surfactant", e));
-            }
+            let (what, remedy) = if !(c > 0.0 && c.is_finite()) {
+                (
+                    "the concentration of the surfactant must be above 0",
+                    "write one that is positive on the whole interface",
+                )
+            } else if c * self.elasticity >= tension {
+                (
+                    "the surfactant leaves no surface tension",
+                    "give a smaller elasticity or concentration, or a larger tension",
+                )
+            } else {
+                continue;
+            };
+            let place = format!("concentration {c} at {:.4?}", p.at.x.as_slice());
+            return Err(of.blame("surfactant", Error::scene(what).value(place).remedy(remedy)));
         }
         Ok(Arc::new(value))
     }
@@ -175,8 +185,8 @@ impl<const D: usize> KindIn<D> for Drop {
             Force::Sharp => {
                 let mut force = SharpMembrane::new(law, of.mean_viscosity());
                 if let Some(surfactant) = &self.surfactant {
-                    let (c, diffusivity) = (surfactant.concentration(of)?, surfactant.diffusivity);
-                    force = force.with_surfactant(c, diffusivity);
+                    let concentration = surfactant.concentration(of, self.tension)?;
+                    force = force.with_surfactant(concentration, surfactant.diffusivity);
                 }
                 Immersed::boxed(interface, force)
             }

@@ -1,7 +1,7 @@
 //! The time step.
 
-use super::scheme::{Scheme, combine};
 use super::measure::Powers;
+use super::scheme::{Scheme, combine};
 use super::{Simulation, Work};
 use crate::base::{Phase, Result};
 use crate::fem::Cells;
