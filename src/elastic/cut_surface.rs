@@ -61,13 +61,8 @@ impl<const D: usize> CutSurface<D> {
     }
 }
 
-/// Least length at rest per length that is not taken for an error of the transport.
-const THINNEST: f64 = 1e-3;
-
-/// The stretch of an interface with this length (area) at rest per length.
-pub(super) fn stretch(rest_density: f64) -> f64 {
-    1.0 / rest_density.max(THINNEST)
-}
+/// Least density, over the mean one at time 0, that is not taken for an error of the transport.
+pub(super) const THINNEST: f64 = 1e-3;
 
 /// The inverse of the stretch, length (in space: area) at rest per length, as a density that the
 /// interface carries: `Dm/Dt + m P : grad u = 0`, see
@@ -78,6 +73,8 @@ pub(super) struct RestDensity<const D: usize> {
     pub cuts: CutSurface<D>,
     /// Its field: values count at the nodes of cut cells.
     pub field: FieldId,
+    /// The least density that is not taken for an error of the transport.
+    least: f64,
 }
 
 impl<const D: usize> RestDensity<D> {
@@ -91,13 +88,18 @@ impl<const D: usize> RestDensity<D> {
         fields: &mut Declaration<'_, D>,
     ) {
         let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
-        let values = || {
-            Data::Scalar(match initial {
-                Some(density) => host.space.nodes().iter().map(density).collect(),
-                None => vec![1.0 / of.stretch; host.space.len()],
-            })
+        let values: Vec<f64> = match initial {
+            Some(density) => host.space.nodes().iter().map(density).collect(),
+            None => vec![1.0 / of.stretch; host.space.len()],
         };
-        self.field = fields.add(&of.field_name("rest_density"), rule, values);
+        // Far from the interface a function may have any values.
+        let near = values.iter().zip(&of.phi).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        self.least = THINNEST * near.map_or(0.0, |(density, _)| density.abs());
+        self.field = fields.add(&of.field_name("rest_density"), rule, || Data::Scalar(values));
+    }
+    /// The stretch where the density has this value: its inverse.
+    pub fn stretch(&self, density: f64) -> f64 {
+        1.0 / density.max(self.least)
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
     /// carries the density with this diffusivity, a function of it, times the step. The values

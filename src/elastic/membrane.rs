@@ -3,7 +3,7 @@
 
 use super::area_law::AreaLaw;
 use super::band_cells::{Band, BandCells, BandPoint, BandWidth};
-use super::cut_surface::{RestDensity, stretch};
+use super::cut_surface::RestDensity;
 use super::predictor::Predictor;
 use super::waves::explicit_step_limit;
 use crate::base::Result;
@@ -94,8 +94,9 @@ impl<const D: usize> Membrane<D> {
         implicit_step: Option<f64>,
     ) {
         self.implicit_step = implicit_step;
+        let carried = self.rest.as_ref().zip(rest_density);
         self.band.prepare(&self.width, basis, phi, BandPoint::outside(), |c, q, b| {
-            let r = stretch_at(basis, (c, q), b, rest_density);
+            let r = stretch_at(basis, (c, q), b, carried);
             // The length at rest in `w` is that of the stretch.
             if r == b.r { *b } else { BandPoint { r, w: b.w * b.r / r, ..*b } }
         });
@@ -110,8 +111,9 @@ impl<const D: usize> Membrane<D> {
         self.energy_with(basis, (phi, None))
     }
     fn energy_with(&self, basis: &Basis<D>, (phi, rest): (&[f64], Option<&[f64]>)) -> f64 {
+        let carried = self.rest.as_ref().zip(rest);
         self.width.integrate(basis, phi, |c, q, b| {
-            let r = stretch_at(basis, (c, q), b, rest);
+            let r = stretch_at(basis, (c, q), b, carried);
             self.law.energy(r) * if r == b.r { 1.0 } else { b.r / r }
         })
     }
@@ -131,10 +133,12 @@ fn stretch_at<const D: usize>(
     basis: &Basis<D>,
     (c, q): (usize, usize),
     b: &BandPoint<D>,
-    rest_density: Option<&[f64]>,
+    carried: Option<(&RestDensity<D>, &[f64])>,
 ) -> f64 {
-    match rest_density {
-        Some(m) if b.w > 0.0 => stretch(basis.space().on_cell(m, c).combined(basis.values(q))),
+    match carried {
+        Some((rest, m)) if b.w > 0.0 => {
+            rest.stretch(basis.space().on_cell(m, c).combined(basis.values(q)))
+        }
         _ => b.r,
     }
 }

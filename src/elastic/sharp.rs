@@ -1,7 +1,7 @@
 //! The membrane with an area law whose force acts on the interface itself (sharp interface).
 
 use super::area_law::AreaLaw;
-use super::cut_surface::{Points, RestDensity, stretch};
+use super::cut_surface::{Points, RestDensity};
 use super::slip::slip;
 use super::waves::explicit_step_limit;
 use crate::base::{Cause, Error, Result};
@@ -115,8 +115,9 @@ impl<const D: usize> SharpMembrane<D> {
         self.implicit_step = implicit_step;
         self.points = self.rest.cuts.of(space, phi)?;
         self.places = self.points.iter().map(|p| p.at).collect();
-        let at_point =
-            |p: &SurfacePoint<D>| stretch(space.value(rest_density, p.at.cell, &p.at.barycentric));
+        let at_point = |p: &SurfacePoint<D>| {
+            self.rest.stretch(space.value(rest_density, p.at.cell, &p.at.barycentric))
+        };
         self.stretch = self.points.iter().map(at_point).collect();
         self.check_tension()?;
         // The diffusion of the density, by the slip and of its own, over the square of the force.
@@ -163,7 +164,7 @@ impl<const D: usize> SharpMembrane<D> {
     /// `grad_S E'(r)`, the tangential force.
     fn pull(&self, space: &Space<D>, p: &SurfacePoint<D>, rest_density: &[f64]) -> SVector<f64, D> {
         let (cell, l) = (p.at.cell, &p.at.barycentric);
-        let r = stretch(space.value(rest_density, cell, l));
+        let r = self.rest.stretch(space.value(rest_density, cell, l));
         p.tangential(&space.gradient(rest_density, cell, l)) * (-self.law.stiffness(r) * r * r)
     }
 }
@@ -224,8 +225,9 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         }
         let space = Arc::clone(by.carrier.tracer.space());
         let (mut rest, dt) = (std::mem::take(&mut self.rest), by.dt);
+        let least = rest.clone();
         let advanced = rest.advance(of, (by, fields), 0.0, |p, m| {
-            let r = stretch(m);
+            let r = least.stretch(m);
             dt * (slip(&space, p, self.viscosity) * self.law.stiffness(r) * r + self.diffusivity)
         });
         self.rest = rest;

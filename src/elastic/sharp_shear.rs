@@ -1,6 +1,6 @@
 //! The membrane with area and shear resistance whose force acts on the interface itself.
 
-use super::cut_surface::{CutSurface, Points, stretch};
+use super::cut_surface::{CutSurface, Points, THINNEST};
 use super::shear::{Strained, step_limit, wave_stiffnesses};
 use super::slip::{nodal_slip, slip};
 use super::surface_law::SurfaceLaw;
@@ -25,6 +25,8 @@ const COMPONENTS: [(usize, usize, &str); 6] = [
     (1, 2, "log_shape_yz"),
     (2, 2, "log_shape_zz"),
 ];
+/// Least slope of a distance that points to the interface.
+const FLATTEST: f64 = 0.1;
 /// Step of the derivatives of the map at time 0, in lengths of the mesh.
 const STEP: f64 = 1e-6;
 
@@ -68,6 +70,8 @@ pub struct SharpShearMembrane<const D: usize> {
     matter: FieldId,
     rest_density: FieldId,
     log_shape: [FieldId; 6],
+    /// The least area at rest per area that is not taken for an error of a fit.
+    least: f64,
 }
 
 impl<const D: usize> SharpShearMembrane<D> {
@@ -89,6 +93,7 @@ impl<const D: usize> SharpShearMembrane<D> {
             matter: FieldId::default(),
             rest_density: FieldId::default(),
             log_shape: [FieldId::default(); 6],
+            least: 0.0,
         }
     }
     /// The same membrane with the material position at rest given by `map`.
@@ -196,7 +201,8 @@ impl<const D: usize> SharpShearMembrane<D> {
     ) -> SurfaceStrain<D> {
         let value = |id: FieldId| space.value(fields.scalar(id), p.at.cell, &p.at.barycentric);
         let log_shape = matrix(self.log_shape.map(value));
-        SurfaceStrain::from_log_shape(&p.normal, stretch(value(self.rest_density)), &log_shape)
+        let z1 = 1.0 / value(self.rest_density).max(self.least);
+        SurfaceStrain::from_log_shape(&p.normal, z1, &log_shape)
     }
 }
 
@@ -281,6 +287,7 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         let (low, high) = host.space.mesh().bounding_box();
         let h = STEP * (high - low).norm();
         let points = surface(host.space, &of.phi)?;
+        self.least = THINNEST / of.stretch;
         let mut matter = vec![0.0; NUMBERS * points.len()];
         for (p, numbers) in points.iter().zip(matter.chunks_exact_mut(NUMBERS)) {
             let strain = self.initial((&p.at.x, &p.normal), of.stretch, h);
@@ -292,7 +299,8 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         // Constant along the normal: that of the nearest point of the interface.
         let axis = SVector::<f64, D>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
         let nearest = |((x, g), phi): ((&Point<D>, &SVector<f64, D>), &f64)| {
-            let (normal, near) = match g.try_normalize(0.0) {
+            // On the medial axis of the shape no point is the nearest one.
+            let (normal, near) = match g.try_normalize(FLATTEST * of.stretch) {
                 Some(normal) => (normal, x - normal * (phi / g.norm())),
                 None => (axis, *x),
             };

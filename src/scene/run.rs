@@ -318,7 +318,7 @@ impl<'a> Run<'a> {
         for wave in self.record.lost_waves.values().filter(|_| residual.abs() > ENERGY_ALARM) {
             alarms.push(format!(
                 "Elastic wave: {} at t = {:.4}, too much to follow it, and the energy balance is \
-                 off by {:+.1} %. Take a smaller step, or time.tolerance.",
+                 off by {:+.1} %. Take a smaller step.",
                 wave.said,
                 wave.time,
                 100.0 * residual

@@ -29,6 +29,9 @@ impl Energies {
     }
 }
 
+/// Elastic energies over all energy in play below which they do not count.
+const NEGLIGIBLE: f64 = 1e-7;
+
 /// Terms of the energy balance (3.23): `E(t) + int dissipation - int power = E(0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
@@ -87,7 +90,9 @@ impl EnergyBalance {
     /// structures have exchanged since; negative if it has vanished. In a flow that walls or forces
     /// drive, a structure may lose what it stores while [`residual`](Self::residual) stays small.
     pub fn elastic_residual(&self, now: &Energies) -> f64 {
-        let in_play = (self.elastic_initial.abs() + self.elastic_traffic).max(self.least);
+        let all = self.initial.abs() + self.exchanged;
+        let least = self.least.max(NEGLIGIBLE * all);
+        let in_play = (self.elastic_initial.abs() + self.elastic_traffic).max(least);
         match self.elastic_traffic > 0.0 {
             true => (now.elastic - self.elastic_initial - self.elastic_work) / in_play,
             false => 0.0,

@@ -304,8 +304,8 @@ fn a_surfactant_spreads_by_its_diffusivity() {
     assert!((case.get("drop.concentration_mean") - 1.0).abs() < 1e-4);
 }
 
-/// In shear a surfactant is swept to the tips, where the tension falls: the drop is longer than a
-/// clean one of the mean tension, the amount stays, and the energy balances.
+/// In shear a surfactant is swept to the tips, where the tension falls: the drop is longer than
+/// without it, the amount stays, and the energy balances.
 #[test]
 fn a_surfactant_is_swept_to_the_tips_of_a_drop_in_shear() {
     let text = "
@@ -326,9 +326,9 @@ fn a_surfactant_is_swept_to_the_tips_of_a_drop_in_shear() {
     let [least, most] = ["min", "max"].map(|m| case.get(&format!("drop.concentration_{m}")));
     assert!(least < 0.9 && most > 1.1, "{least} {most}");
     assert!(case.get("elastic_balance").abs() < 0.02, "{}", case.get("elastic_balance"));
-    let clean = text.replace("tension = 5.0", "tension = 3.0").replace("        surfactant", "#");
+    let clean = text.replace("        surfactant", "#");
     let clean = Case::new(&clean).run();
-    assert!(long(&case) > 1.02 * long(&clean), "{} {}", long(&case), long(&clean));
+    assert!(long(&case) > 1.2 * long(&clean), "{} {}", long(&case), long(&clean));
 }
 
 #[test]

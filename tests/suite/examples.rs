@@ -14,9 +14,10 @@ use tempfile::TempDir;
 const PARTS: [&str; 3] = ["scene.toml", "README.md", "expect.toml"];
 /// The same or a simpler case in FreeFEM, where there is one; what FreeFEM has not the memory or
 /// the elements for names another reference.
-const WITHOUT_TWIN: [(&str, &str); 7] = [
+const WITHOUT_TWIN: [(&str, &str); 8] = [
     ("sheared-sphere", "axisymmetric.edp"),
     ("capsule-in-shear", "README.md"),
+    ("membrane-in-channel", "data/as_shipped.csv"),
     ("active-contours", "shapes-mask.png"),
     // Linear theory in tests/convergence/drop_modes.rs; Fig. 1.4 of the source book.
     ("oscillating-drop", "data/as_shipped.csv"),

@@ -122,6 +122,11 @@ impl<const D: usize> FlowPlan<'_, D> {
                     "band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the \
                      error it makes is of first order in it"
                 ));
+            } else if scene.numerics.thickness.is_some() && scene.adapt.is_none() {
+                lines.push(format!(
+                    "numerics.thickness = {eps} is not used: nothing is spread over a band \
+                     (force = \"smeared\" is)"
+                ));
             }
             lines.extend(scene.structures().iter().filter_map(|s| s.numerics(scene)));
             lines.push(plan::transport(scene, &self.view));
@@ -165,8 +170,12 @@ impl<const D: usize> FlowPlan<'_, D> {
             lines.push("level sets and elastic forces: no structure is immersed");
         } else {
             if !self.view.has_backward_map() {
-                lines
-                    .push("backward characteristics: no shear and no bulk elasticity is asked for");
+                lines.push(match scene.acting().any(|s| s.traits().carries_strain) {
+                    true => "backward characteristics: the strain is carried along the interface",
+                    false => {
+                        "backward characteristics: no shear and no bulk elasticity is asked for"
+                    }
+                });
             }
             if !scene.output.curvature && !scene.numerics.has_continuum_force() {
                 lines.push(

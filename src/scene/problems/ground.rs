@@ -188,7 +188,8 @@ fn warn_of_overlaps<const D: usize>(
     eps: f64,
 ) {
     // A structure without force may overlap with others.
-    let pulling = scene.structures().iter().zip(placed).filter(|(s, _)| s.traits().pulls);
+    let has_band = |t: &Traits| t.pulls && (!t.on_interface || t.mass > 0.0);
+    let pulling = scene.structures().iter().zip(placed).filter(|(s, _)| has_band(&s.traits()));
     let pulling: Vec<_> = pulling.filter_map(|(s, p)| Some((s, &p.as_ref()?.nodal))).collect();
     for (k, (first, a)) in pulling.iter().enumerate() {
         for (second, b) in pulling.iter().skip(k + 1) {

@@ -28,7 +28,7 @@ pub(super) const KIND: Registered = Registered {
     keys: Drop::KEYS,
     doc: "Fluids in the fluid, with surface tension.",
     #[cfg(test)]
-    example: |_| "",
+    example: |_| "surfactant.elasticity = 1",
     read: |item, numerics, context| Ok(Box::new(Drop::read_for(item, numerics, context)?)),
 };
 
@@ -52,8 +52,8 @@ table! {
         /// Where surface tension acts: on the interface itself, cut out of the cells, or over a
         /// band of half-width `numerics.thickness`.
         force: Force [Forces,
-            Derived("\"sharp\"; \"smeared\" where `numerics` has `surface_tension`, `band`, `kernel`, \
-                `width` or the semi-implicit coupling", Force::Sharp)],
+            Derived("\"sharp\"; \"smeared\" where `numerics` has `surface_tension`, `band`, another \
+                `kernel` or `width` than the default, or the semi-implicit coupling", Force::Sharp)],
         /// Lines along which the contour is measured.
         chords: Vec<Named<Chord>> [Named<Chord>],
         /// Planes through the surface in which its form is measured; in space alone.

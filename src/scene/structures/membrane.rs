@@ -68,8 +68,8 @@ table! {
         /// of first order and whose stretch the flow beside the interface winds up.
         force: Force [Forces,
             Derived("\"sharp\"; \"smeared\" with `mass`, `area_change` or `level_set`, and where \
-                `numerics` has `surface_tension`, `band`, `kernel`, `width` or the semi-implicit \
-                coupling", Force::Sharp)],
+                `numerics` has `surface_tension`, `band`, another `kernel` or `width` than the \
+                default, or the semi-implicit coupling", Force::Sharp)],
         /// Mass per area (in the plane: per length and unit depth).
         mass: f64 [NonNegative, "kg/m2", Default(0.0)],
         /// Lines along which the contour is measured.

@@ -74,7 +74,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let lost = self.elastic_waves().into_iter().filter(|w| w.is_lost(dt));
         self.warnings.extend(lost.map(|wave| {
             let step = rounded(bound.min(wave.period / ElasticWave::STEPS), 2);
-            let remedy = format!("{stable}give time.step <= {step}, or time.tolerance");
+            let remedy = format!("{stable}give time.step <= {step}");
             Warning::new(wave.in_words(dt), remedy)
         }));
     }
