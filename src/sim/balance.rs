@@ -30,7 +30,7 @@ impl Energies {
 }
 
 /// Elastic energies over all energy in play below which they do not count.
-const NEGLIGIBLE: f64 = 1e-7;
+const NEGLIGIBLE: f64 = 1e-6;
 
 /// Terms of the energy balance (3.23): `E(t) + int dissipation - int power = E(0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -55,8 +55,8 @@ pub(super) fn write<const D: usize>(
 
 /// Stretches and concentrations that interfaces carry; they count near the interface.
 fn stretched<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
-    let structures = view.carried.structures().iter().filter(|s| !s.carries_strain());
-    let of = |s: &Box<dyn Structure<D>>| {
+    let structures = view.carried.structures().iter().map(|s| &**s);
+    let of = |s: &dyn Structure<D>| {
         let (density, of) = s.surface_density()?;
         let density = view.state.fields.scalar(density);
         let (what, values) = match of {
@@ -65,7 +65,7 @@ fn stretched<const D: usize>(view: &View<'_, D>) -> Vec<(String, Made<D>)> {
         };
         Some((format!("{}.{what}", s.name()), Made::Scalar(values)))
     };
-    structures.filter_map(of).collect()
+    structures.filter(|s| !s.carries_strain()).filter_map(of).collect()
 }
 
 /// Curvatures of the level sets, if they are to be written.
