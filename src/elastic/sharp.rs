@@ -42,9 +42,10 @@ pub enum Force {
 /// The level set is moved in every step onto the points of the interface as the fluid carries them
 /// ([`CarriedSurface::fit`](crate::levelset::CarriedSurface::fit)), and its slope has no meaning.
 ///
-/// The interface moves along itself a little faster than the fluid on the mesh, by a [`slip`] of
-/// `l/(15 mu) grad_S E'(r)`: a diffusion of `m` with `l/(15 mu) E''(r) r`, solved implicitly. It
-/// dissipates `int_S l/(15 mu) |grad_S E'|^2 ds` per time.
+/// A tangential force makes a kink in the velocity, which P2 smooths over a cell of extent `l`: the
+/// interface would move too slowly, by `l/(15 mu) grad_S E'(r)` in the mean over its positions in
+/// the cell. This *slip* is added, a diffusion of `m` with `l/(15 mu) E''(r) r`, solved implicitly.
+/// It dissipates `int_S l/(15 mu) |grad_S E'|^2 ds` per time.
 ///
 /// Limits: an interface that reaches a wall with a prescribed velocity, because the stiffness is
 /// omitted in the lift of boundary values.

@@ -45,7 +45,7 @@ const STEP: f64 = 1e-6;
 /// determinant 1 in the tangent plane, which gives a shape whatever the fit makes of its components.
 /// The level set is moved onto the points as well.
 ///
-/// The interface moves along itself with the fluid and a [`slip`] of `l/(15 mu)` times the
+/// The interface moves along itself with the fluid and the slip of `l/(15 mu)` times the
 /// tangential force `P div_S T`, which is projected and smoothed along the interface, implicit Euler
 /// for the diffusion that it is.
 #[derive(Clone)]
