@@ -50,7 +50,7 @@ fn cavity(n: usize, fluid: &str, more: &str) -> ImmersedFlow {
 }
 
 const MEMBRANE: &str = "[[membrane]]\nshape.circle = { centre = [1, 1], radius = 0.5 }\nstretch = \
-    1.2\narea.linear = { modulus = 1 }\n\
+    1.2\narea.linear = { modulus = 1 }\nforce = \"smeared\"\n\
                         [numerics]\nthickness = 0.2\ncoupling = \"explicit\"\n";
 
 /// The same scene with the semi-implicit coupling.

@@ -6,11 +6,31 @@ use crate::levelset::{Bounds, Kernel, Norm};
 use crate::mesh::NONE;
 use crate::structure::Host;
 use nalgebra::SVector;
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// Distance from the interface, in half-widths, beyond which the band has no point whatever the
 /// level set says there.
 const FARTHEST: f64 = 3.0;
+
+/// Kinds of cells: without a point of the band, near by its values, cut by the interface.
+const FAR: u8 = 0;
+const NEAR: u8 = 1;
+const CUT: u8 = 2;
+
+/// Lists for the search of the cells of a band, kept from step to step.
+#[derive(Default)]
+struct Scratch {
+    /// Kind of each cell.
+    kinds: Vec<u8>,
+    near: Vec<u32>,
+    /// Distance of each node from the cut cells.
+    away: Vec<f64>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
 
 /// Definition of the band by values of the level set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,38 +104,47 @@ impl BandWidth {
     pub fn with_kernel(self, kernel: Kernel, norm: Norm) -> BandWidth {
         BandWidth { kernel, norm, ..self }
     }
-    /// The cells that the band may have a point in, in ascending order. A level set that the flow
-    /// has wound up is small over its slope also far from its zero: what is farther away than
-    /// [`FARTHEST`] half-widths is no part of the band.
-    pub fn cells<const D: usize>(&self, basis: &Basis<D>, phi: &[f64]) -> Vec<u32> {
+    /// Calls `then` with the cells that the band may have a point in, in ascending order. A level set
+    /// that the flow has wound up is small over its slope also far from its zero: what is farther
+    /// away than [`FARTHEST`] half-widths is no part of the band.
+    pub fn with_cells<const D: usize, R>(
+        &self,
+        basis: &Basis<D>,
+        phi: &[f64],
+        then: impl FnOnce(&[u32]) -> R,
+    ) -> R {
+        // Another band may be looked for by this thread meanwhile: it then has lists of its own.
+        let mut scratch = SCRATCH.take();
+        let Scratch { kinds, near, .. } = &mut scratch;
         let space = basis.space();
-        // 0: no point of the band; 1: cut by the interface; 2: near by its values.
-        let mut kinds = vec![0u8; space.mesh().cell_count()];
-        parallel::fill(&mut kinds, 1, |first, part| {
+        kinds.clear();
+        kinds.resize(space.mesh().cell_count(), FAR);
+        parallel::fill(kinds, 1, |first, part| {
             for (i, kind) in part.iter_mut().enumerate() {
                 let bounds = Bounds::of_cell(space, phi, first + i);
                 let slope = self.slope.unwrap_or(bounds.slope * self.norm.largest(D));
                 if bounds.meet(slope * self.thickness) {
                     let is_cut = bounds.low <= 0.0 && bounds.high >= 0.0;
-                    *kind = if is_cut { 1 } else { 2 };
+                    *kind = if is_cut { CUT } else { NEAR };
                 }
             }
         });
-        let near = (0..kinds.len() as u32).filter(|&c| kinds[c as usize] > 0).collect();
-        self.without_far(space, near, |c| kinds[c as usize] == 1)
+        near.clear();
+        near.extend((0..kinds.len() as u32).filter(|&c| kinds[c as usize] != FAR));
+        self.leave_out_far(space, &mut scratch);
+        let result = then(&scratch.near);
+        SCRATCH.set(scratch);
+        result
     }
-    /// The cells of the list that lie close to one that `is_cut`, through cells of the list.
-    fn without_far<const D: usize>(
-        &self,
-        space: &Space<D>,
-        mut near: Vec<u32>,
-        is_cut: impl Fn(u32) -> bool,
-    ) -> Vec<u32> {
+    /// Keeps the cells of the list that lie close to one that is cut, through cells of the list.
+    fn leave_out_far<const D: usize>(&self, space: &Space<D>, scratch: &mut Scratch) {
+        let Scratch { kinds, near, away } = scratch;
         let unknown = |&n: &u32| self.unknowns.get(n as usize).copied().unwrap_or(n) as usize;
         let nodes = |c: u32| space.cell_nodes(c as usize);
         let reach = FARTHEST * self.thickness;
-        let mut away = vec![f64::INFINITY; space.len()];
-        for n in near.iter().filter(|&&c| is_cut(c)).flat_map(|&c| nodes(c)) {
+        away.clear();
+        away.resize(space.len(), f64::INFINITY);
+        for n in near.iter().filter(|&&c| kinds[c as usize] == CUT).flat_map(|&c| nodes(c)) {
             away[unknown(n)] = 0.0;
         }
         let nearest = |away: &[f64], c: u32| {
@@ -125,8 +154,8 @@ impl BandWidth {
         let mut changes = true;
         while changes {
             changes = false;
-            for &c in &near {
-                let least = nearest(&away, c);
+            for &c in near.iter() {
+                let least = nearest(away, c);
                 if least > reach {
                     continue;
                 }
@@ -140,8 +169,7 @@ impl BandWidth {
                 }
             }
         }
-        near.retain(|&c| nearest(&away, c) <= reach);
-        near
+        near.retain(|&c| nearest(away, c) <= reach);
     }
     /// Data at point `q` of cell `c`, where the level set is `own`.
     pub fn point<const D: usize>(
@@ -167,20 +195,20 @@ impl BandWidth {
         phi: &[f64],
         value: impl Fn(usize, usize, &BandPoint<D>) -> f64 + Sync,
     ) -> f64 {
-        let mut near = vec![false; basis.space().mesh().cell_count()];
-        self.cells(basis, phi).iter().for_each(|&c| near[c as usize] = true);
-        let [sum] = parallel::sum(near.len(), |c| {
-            if !near[c] {
-                return [0.0];
-            }
-            let own = basis.space().on_cell(phi, c);
-            let at = |q: usize| {
-                let b = self.point(basis, c, q, &own);
-                basis.weight(c, q) * value(c, q, &b) * b.w
-            };
-            [(0..basis.rule().len()).map(at).sum()]
-        });
-        sum
+        self.with_cells(basis, phi, |near| {
+            let [sum] = parallel::sum(basis.space().mesh().cell_count(), |c| {
+                if near.binary_search(&(c as u32)).is_err() {
+                    return [0.0];
+                }
+                let own = basis.space().on_cell(phi, c);
+                let at = |q: usize| {
+                    let b = self.point(basis, c, q, &own);
+                    basis.weight(c, q) * value(c, q, &b) * b.w
+                };
+                [(0..basis.rule().len()).map(at).sum()]
+            });
+            sum
+        })
     }
 }
 
@@ -214,7 +242,8 @@ impl<P: Copy + Send + Sync> BandCells<P> {
         self.points = basis.rule().len();
         self.cells.iter().for_each(|&c| self.slot[c as usize] = NONE);
         self.slot.resize(basis.space().mesh().cell_count(), NONE);
-        self.cells = width.cells(basis, phi);
+        self.cells.clear();
+        width.with_cells(basis, phi, |cells| self.cells.extend_from_slice(cells));
         for (slot, &c) in self.cells.iter().enumerate() {
             self.slot[c as usize] = slot as u32;
         }

@@ -63,9 +63,9 @@ impl<const D: usize> ContinuumForce<D> {
             Some((of, recovery)) if Arc::ptr_eq(&of, mesh) => recovery,
             _ => Recovery::new(mesh),
         };
-        let near = width.cells(basis, phi);
         let of_cell = |&c: &u32| mesh.cell(c as usize);
-        let mut vertices: Vec<u32> = near.iter().flat_map(of_cell).copied().collect();
+        let mut vertices: Vec<u32> =
+            width.with_cells(basis, phi, |near| near.iter().flat_map(of_cell).copied().collect());
         vertices.sort_unstable();
         vertices.dedup();
         let curvature = Curvature::new(&recovery, space, phi, &vertices);

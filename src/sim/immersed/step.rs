@@ -169,9 +169,12 @@ impl<const D: usize> Simulation<D> {
         self.phases.begin();
         let walls = flow.wall_power(&step, next);
         self.reactions = self.keeps_reactions.then(|| flow.reaction(&step, next, Cells::All));
-        combine(1.0, &next.u, if scheme.second { -1.0 } else { 0.0 }, current, mean);
-        let [structures, traffic] = self.structure_power(&leaving, &next.u, mean);
-        Ok((report, Powers { walls, structures, traffic }))
+        let mut powers = Powers { walls, ..Powers::default() };
+        if self.carried.structures.iter().any(|s| s.acts()) {
+            combine(1.0, &next.u, if scheme.second { -1.0 } else { 0.0 }, current, mean);
+            [powers.structures, powers.traffic] = self.structure_power(&leaving, &next.u, mean);
+        }
+        Ok((report, powers))
     }
 
     /// Transports all fields over the step.
