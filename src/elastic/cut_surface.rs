@@ -102,8 +102,8 @@ impl<const D: usize> RestDensity<D> {
         1.0 / density.max(self.least)
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
-    /// carries the density with this diffusivity, a function of it, times the step. The values
-    /// continue along the normals as far as `reach`.
+    /// carries the density with this diffusivity, a function of the stretch, times the step. The
+    /// values continue along the normals as far as `reach`.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -117,7 +117,8 @@ impl<const D: usize> RestDensity<D> {
         let Some((carried, to)) = self.cuts.follow(of, by, fields)? else { return Ok(()) };
         let (density, phi) = (by.before.scalar(self.field), fields.scalar(of.level_set()));
         let mut onto = carried.onto(&to, phi)?;
-        let mut after = onto.density(density, !by.ahead, diffusivity)?;
+        let of_density = |p: &SurfacePoint<D>, m: f64| diffusivity(p, self.stretch(m));
+        let mut after = onto.density(density, !by.ahead, of_density)?;
         if reach > 0.0 {
             onto.continue_to(reach, &mut after);
         }

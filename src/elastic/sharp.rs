@@ -102,7 +102,8 @@ impl<const D: usize> SharpMembrane<D> {
         SharpMembrane { initial: Some(concentration), diffusivity, ..self }
     }
     /// Precomputes the force on the interface of `phi`; `rest_density` is the length (area) at rest
-    /// per length, the inverse of the stretch, at the nodes of cut cells. With `implicit_step`, a time step, the stiffness enters the matrix.
+    /// per length, the inverse of the stretch, at the nodes of cut cells. With `implicit_step`, a
+    /// time step, the stiffness enters the matrix.
     ///
     /// # Errors
     /// A level set that is not finite.
@@ -123,8 +124,10 @@ impl<const D: usize> SharpMembrane<D> {
         self.check_tension()?;
         // The diffusion of the density, by the slip and of its own, over the square of the force.
         let lost = |(p, &r): (&SurfacePoint<D>, &f64)| {
-            let pull = self.pull(space, p, rest_density).norm_squared();
             let stiffness = self.law.stiffness(r) * r;
+            // The tangential force `grad_S E'(r)`.
+            let along = space.gradient(rest_density, p.at.cell, &p.at.barycentric);
+            let pull = (p.tangential(&along) * (-stiffness * r)).norm_squared();
             let own = if pull > 0.0 { self.diffusivity / stiffness } else { 0.0 };
             p.at.weight * (slip(space, p, self.viscosity) + own) * pull
         };
@@ -161,12 +164,6 @@ impl<const D: usize> SharpMembrane<D> {
     pub fn largest_tension(&self) -> f64 {
         let largest = self.stretch.iter().map(|&r| self.law.tension(r)).fold(0.0, f64::max);
         if largest > ROUNDING * self.law.modulus() { largest } else { 0.0 }
-    }
-    /// `grad_S E'(r)`, the tangential force.
-    fn pull(&self, space: &Space<D>, p: &SurfacePoint<D>, rest_density: &[f64]) -> SVector<f64, D> {
-        let (cell, l) = (p.at.cell, &p.at.barycentric);
-        let r = self.rest.stretch(space.value(rest_density, cell, l));
-        p.tangential(&space.gradient(rest_density, cell, l)) * (-self.law.stiffness(r) * r * r)
     }
 }
 
@@ -226,9 +223,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         }
         let space = Arc::clone(by.carrier.tracer.space());
         let (mut rest, dt) = (std::mem::take(&mut self.rest), by.dt);
-        let least = rest.clone();
-        let advanced = rest.advance(of, (by, fields), 0.0, |p, m| {
-            let r = least.stretch(m);
+        let advanced = rest.advance(of, (by, fields), 0.0, |p, r| {
             dt * (slip(&space, p, self.viscosity) * self.law.stiffness(r) * r + self.diffusivity)
         });
         self.rest = rest;

@@ -134,26 +134,22 @@ impl<const D: usize> SharpShearMembrane<D> {
         implicit: Option<f64>,
     ) -> Result<()> {
         self.implicit_step = implicit;
-        self.points = self.cuts.of(at.space, at.fields.scalar(of.level_set()))?;
+        (self.points, self.strained) =
+            self.strains(of, (at.space, at.fields), implicit.is_some())?;
         self.places = self.points.iter().map(|p| p.at).collect();
-        let strained = |p: &SurfacePoint<D>| {
-            let strain = self.strain_of(at.space, at.fields, p);
-            Strained::new(self.law, strain, 1.0 / strain.z1, implicit.is_some())
-        };
-        self.strained = self.points.iter().map(strained).collect();
         Ok(())
     }
     /// Points of the interface with their strains.
     fn strains(
         &mut self,
         of: &ImmersedInterface<D>,
-        space: &Space<D>,
-        fields: &Fields<D>,
+        (space, fields): (&Space<D>, &Fields<D>),
+        implicit: bool,
     ) -> Result<(Points<D>, Vec<Strained<D>>)> {
         let points = self.cuts.of(space, fields.scalar(of.level_set()))?;
         let strained = |p: &SurfacePoint<D>| {
             let strain = self.strain_of(space, fields, p);
-            Strained::new(self.law, strain, 1.0 / strain.z1, false)
+            Strained::new(self.law, strain, 1.0 / strain.z1, implicit)
         };
         let all = points.iter().map(strained).collect();
         Ok((points, all))
@@ -166,7 +162,7 @@ impl<const D: usize> SharpShearMembrane<D> {
     ) -> Result<Vec<SVector<f64, D>>> {
         let tracer = &by.carrier.tracer;
         let (space, phi) = (tracer.space(), by.before.scalar(of.level_set()));
-        let (points, strained) = self.strains(of, space, by.before)?;
+        let (points, strained) = self.strains(of, (space, by.before), false)?;
         let (law, viscosity) = (self.law, self.viscosity);
         let smoothing = |p: &SurfacePoint<D>| {
             let s = &strained[p.at.q];
@@ -180,18 +176,17 @@ impl<const D: usize> SharpShearMembrane<D> {
         continue_vectors(tracer, &points, &mut velocity);
         Ok(velocity)
     }
-    /// Power of the tangential force on the slip.
-    fn power_of_slip(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<f64> {
-        let (points, strained) = self.strains(of, at.space, at.fields)?;
-        let tension = |p: &SurfacePoint<D>| -strained[p.at.q].force();
+    /// Power of the tangential force on the slip, on the prepared interface.
+    fn power_of_slip(&self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<f64> {
+        let tension = |p: &SurfacePoint<D>| -self.strained[p.at.q].force();
         let on = (at.space, &*self.unknowns);
         let phi = at.fields.scalar(of.level_set());
-        let force = surface_divergence(on, (&points, phi), tension, |_| 0.0)?;
+        let force = surface_divergence(on, (&self.points, phi), tension, |_| 0.0)?;
         let power = |p: &SurfacePoint<D>| {
             let f = at.space.value(&force, p.at.cell, &p.at.barycentric);
             p.at.weight * slip(at.space, p, self.viscosity) * f.norm_squared()
         };
-        Ok(points.iter().map(power).sum())
+        Ok(self.points.iter().map(power).sum())
     }
     fn strain_of(
         &self,

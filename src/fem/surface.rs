@@ -98,22 +98,15 @@ impl SurfaceMass {
         (points, phi): (&[SurfacePoint<D>], &[f64]),
         diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
     ) -> Result<()> {
-        self.matrix.zero();
         let m = space.local_count();
-        let mut local = vec![0.0; m * m];
-        for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
-            local.fill(0.0);
-            for p in group {
-                let (at, k) = (&p.at, diffusivity(p));
-                let v = space.element().values::<D>(&at.barycentric);
-                let g = gradients(space, space.element(), at).map(|g| p.tangential(&g));
-                for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
-                    local[a * m + b] += at.weight * (v[a] * v[b] + k * g[a].dot(&g[b]));
-                }
+        self.stabilised(space, (points, phi), |p, local| {
+            let (at, k) = (&p.at, diffusivity(p));
+            let v = space.element().values::<D>(&at.barycentric);
+            let g = gradients(space, space.element(), at).map(|g| p.tangential(&g));
+            for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
+                local[a * m + b] += at.weight * (v[a] * v[b] + k * g[a].dot(&g[b]));
             }
-            stabilise(space, group[0].at.cell, phi, &mut local);
-            self.add(space, group[0].at.cell, &local)?;
-        }
+        })?;
         self.factor.refactor(&self.matrix)
     }
     /// Makes the matrix `sum w a(x) b(x)` over samples with a place in a cut cell or close to it and
@@ -128,14 +121,9 @@ impl SurfaceMass {
         (points, phi): (&[SurfacePoint<D>], &[f64]),
         samples: impl Iterator<Item = (Location, f64)>,
     ) -> Result<()> {
-        self.matrix.zero();
+        self.stabilised(space, (points, phi), |_, _| {})?;
         let m = space.local_count();
         let mut local = vec![0.0; m * m];
-        for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
-            local.fill(0.0);
-            stabilise(space, group[0].at.cell, phi, &mut local);
-            self.add(space, group[0].at.cell, &local)?;
-        }
         for (at, weight) in samples {
             let v = space.element().values::<D>(&at.barycentric);
             for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
@@ -144,6 +132,24 @@ impl SurfaceMass {
             self.add(space, at.cell as usize, &local)?;
         }
         self.factor.refactor(&self.matrix)
+    }
+    /// Makes the matrix of the stabilisation and of what `of_point` adds to that of the cell of each
+    /// point, without a factor.
+    fn stabilised<const D: usize>(
+        &mut self,
+        space: &Space<D>,
+        (points, phi): (&[SurfacePoint<D>], &[f64]),
+        of_point: impl Fn(&SurfacePoint<D>, &mut [f64]),
+    ) -> Result<()> {
+        self.matrix.zero();
+        let mut local = vec![0.0; space.local_count().pow(2)];
+        for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
+            local.fill(0.0);
+            group.iter().for_each(|p| of_point(p, &mut local));
+            stabilise(space, group[0].at.cell, phi, &mut local);
+            self.add(space, group[0].at.cell, &local)?;
+        }
+        Ok(())
     }
     fn add<const D: usize>(&mut self, space: &Space<D>, cell: usize, local: &[f64]) -> Result<()> {
         let mut unknowns = [0; MAX_LOCAL];

@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector};
 /// What they know is theirs, and no interpolation wears it off; a function on the interface is
 /// fitted to it by weighted least squares. A field that is projected from interface to interface
 /// loses a little of its short waves in each step, and a membrane with it its elastic energy: the
-/// capsule at Ca = .2 on edges of .25 radii loses a third by t = 1.5 with steps of .0125.
+/// capsule at Ca = .2 on edges of .25 radii loses a quarter by t = 1.5 with steps of .0125.
 pub struct CarriedPoints<'a, const D: usize> {
     tracer: &'a Tracer<D>,
     ends: Vec<Option<End<D>>>,
@@ -123,7 +123,7 @@ mod tests {
     use std::sync::Arc;
 
     /// What points know on a sphere that turns five times is fitted as well at the end as at the
-    /// start, in 50 and in 200 steps.
+    /// start, in 500 and in 2000 steps.
     #[test]
     fn values_on_a_turning_sphere_are_not_worn_off() {
         let mesh = box_mesh([-1.0; 3], [1.0; 3], [8; 3]).unwrap();

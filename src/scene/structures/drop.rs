@@ -12,8 +12,8 @@ use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Identifier, Item, Kind, Named, Nested, NonNegative, Opt, Positive, Table, Tabled,
-    Writer, kinds, optional, table,
+    Context, Identifier, Item, Kind, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer,
+    kinds, table,
 };
 use crate::scene::points::coordinates;
 use crate::scene::row::Row;
@@ -58,7 +58,7 @@ table! {
         chords: Vec<Named<Chord>> [Named<Chord>],
         /// Planes through the surface in which its form is measured; in space alone.
         rings: Vec<Named<Ring>> [Named<Ring>],
-    } before Drop::before;
+    } before cuts::check;
 }
 
 table! {
@@ -95,26 +95,20 @@ impl Drop {
     fn read_for(item: &Item, numerics: &Numerics, context: &Context) -> Result<Drop> {
         let mut drop = Drop::read(item, context)?;
         let table = item.open_table()?;
-        let Some(key) = numerics.key_of_band().filter(|_| table.get("force").is_none()) else {
-            return Ok(drop);
-        };
-        if let Some(item) = table.get("surfactant") {
-            return Err(item
-                .key_error("a surfactant is carried by the interface of a sharp force")
-                .value(format!("numerics.{key}, a key of forces over a band"))
-                .remedy(format!("leave out numerics.{key}, or the surfactant")));
+        let key = numerics.key_of_band().filter(|_| table.get("force").is_none());
+        if key.is_some() {
+            drop.force = Force::Smeared;
         }
-        drop.force = Force::Smeared;
-        Ok(drop)
-    }
-    fn before(table: &Table<'_>, context: &Context) -> Result<()> {
-        let force = optional::<Forces>(table, "force", context)?;
-        if let (Some(Force::Smeared), Some(item)) = (force, table.get("surfactant")) {
-            return Err(item
-                .key_error("a surfactant is carried by the interface of a sharp force")
-                .remedy("leave out force = \"smeared\", or the surfactant"));
+        match table.get("surfactant").filter(|_| drop.force == Force::Smeared) {
+            None => Ok(drop),
+            Some(item) => {
+                let band = key.map_or("force = \"smeared\"".into(), |k| format!("numerics.{k}"));
+                Err(item
+                    .key_error("a surfactant is carried by the interface of a sharp force")
+                    .value(format!("{band}, which spreads the force over a band"))
+                    .remedy(format!("leave out {band}, or the surfactant")))
+            }
         }
-        cuts::check(table, context)
     }
     fn law(&self) -> AreaLaw {
         let tension = self.tension;
