@@ -1,7 +1,7 @@
 //! The membrane with area and shear resistance whose force acts on the interface itself.
 
 use super::cut_surface::{CutSurface, Points, THINNEST};
-use super::shear::{Strained, step_limit, wave_stiffnesses};
+use super::shear::{Strained, largest_tension, step_limit, wave_stiffnesses};
 use super::slip::{nodal_slip, slip};
 use super::surface_law::SurfaceLaw;
 use crate::base::{Cause, Result};
@@ -65,6 +65,8 @@ pub struct SharpShearMembrane<const D: usize> {
     unknowns: Arc<[u32]>,
     /// Dissipation rate of the slip.
     dissipation: f64,
+    /// The slip velocity of a predicted step, which the step itself has as well.
+    slip_ahead: Option<Vec<SVector<f64, D>>>,
     /// Points of matter on the interface, and their [`NUMBERS`].
     points_of_matter: FieldId,
     matter: FieldId,
@@ -89,6 +91,7 @@ impl<const D: usize> SharpShearMembrane<D> {
             viscosity,
             unknowns: Arc::new([]),
             dissipation: 0.0,
+            slip_ahead: None,
             points_of_matter: FieldId::default(),
             matter: FieldId::default(),
             rest_density: FieldId::default(),
@@ -326,8 +329,12 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         fields: &mut Fields<D>,
     ) -> Result<()> {
         let Velocity::Computed { mean, .. } = by.velocity else { return Ok(()) };
-        let slip = self.slip(of, by)?;
-        let u: Vec<SVector<f64, D>> = mean.iter().zip(slip).map(|(u, w)| u + w).collect();
+        let slip = match self.slip_ahead.take().filter(|_| !by.ahead) {
+            Some(slip) => slip,
+            None => self.slip(of, by)?,
+        };
+        let u: Vec<SVector<f64, D>> = mean.iter().zip(&slip).map(|(u, w)| u + w).collect();
+        self.slip_ahead = by.ahead.then_some(slip);
         let (tracer, before) = (&by.carrier.tracer, by.before);
         let (space, level_set) = (tracer.space(), of.level_set());
         let starts = before.vector(self.points_of_matter);
@@ -394,7 +401,7 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         step_limit(wave_stiffnesses(self.law, self.strained.iter()), medium.edge, medium)
     }
     fn tension(&self) -> f64 {
-        wave_stiffnesses(self.law, self.strained.iter())[0]
+        largest_tension(self.strained.iter())
     }
     fn check_coupling(&self, coupling: Coupling) -> Result<()> {
         coupling.refuse_semi_implicit(

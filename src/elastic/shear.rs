@@ -97,6 +97,14 @@ pub(super) fn wave_stiffnesses<'a, const D: usize>(
     stiffnesses.fold([0.0; 2], |most, s| [most[0].max(s[0]), most[1].max(s[1])])
 }
 
+/// The first of [`wave_stiffnesses`], the largest principal tension.
+pub(super) fn largest_tension<'a, const D: usize>(
+    points: impl Iterator<Item = &'a Strained<D>>,
+) -> f64 {
+    let inside = points.filter(|b| b.w > 0.0);
+    inside.map(|b| b.tension.symmetric_eigenvalues().max()).fold(0.0, f64::max)
+}
+
 /// An elastic membrane on the zero level of `phi` that resists area change and shear, smeared over
 /// a band.
 ///
@@ -322,7 +330,7 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
         Ok(ShearMembrane::energy(self, rule, at.fields.scalar(of.level_set()), &rest))
     }
     fn tension(&self) -> f64 {
-        self.wave_stiffnesses()[0]
+        largest_tension(self.band.values().iter())
     }
     fn step_limit(&self, medium: &Medium) -> f64 {
         ShearMembrane::step_limit(self, medium)

@@ -84,7 +84,7 @@ impl SurfaceMass {
         };
         let groups = cells.iter().map(|g| of_cell(g[0].at.cell));
         let matrix = SymmetricMatrix::from_groups(order as usize, groups)?;
-        let factor = Factor::analyse(&matrix, Ordering::plain(&matrix)?)?;
+        let factor = Factor::analyse(&matrix, Ordering::minimum_degree(&matrix)?)?;
         Ok(Some(SurfaceMass { number, matrix, factor }))
     }
     /// Makes the matrix with the diffusivity `k` at each point; the surface is the zero set of
@@ -101,10 +101,12 @@ impl SurfaceMass {
         let m = space.local_count();
         self.stabilised(space, (points, phi), |p, local| {
             let (at, k) = (&p.at, diffusivity(p));
-            let v = space.element().values::<D>(&at.barycentric);
-            let g = gradients(space, space.element(), at).map(|g| p.tangential(&g));
-            for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
-                local[a * m + b] += at.weight * (v[a] * v[b] + k * g[a].dot(&g[b]));
+            add_square(&space.element().values::<D>(&at.barycentric), at.weight, m, local);
+            if k != 0.0 {
+                let g = gradients(space, space.element(), at).map(|g| p.tangential(&g));
+                for (a, b) in pairs(m) {
+                    local[a * m + b] += at.weight * k * g[a].dot(&g[b]);
+                }
             }
         })?;
         self.factor.refactor(&self.matrix)
@@ -123,13 +125,21 @@ impl SurfaceMass {
     ) -> Result<()> {
         self.stabilised(space, (points, phi), |_, _| {})?;
         let m = space.local_count();
-        let mut local = vec![0.0; m * m];
+        let (mut cell, mut local) = (NONE, vec![0.0; m * m]);
+        // Samples of one cell mostly follow each other.
         for (at, weight) in samples {
-            let v = space.element().values::<D>(&at.barycentric);
-            for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
-                local[a * m + b] = weight * v[a] * v[b];
+            if at.cell != cell {
+                if cell != NONE {
+                    self.add(space, cell as usize, &mut local)?;
+                }
+                local.fill(0.0);
+                cell = at.cell;
             }
-            self.add(space, at.cell as usize, &local)?;
+            let v = space.element().values::<D>(&at.barycentric);
+            add_square(&v, weight, m, &mut local);
+        }
+        if cell != NONE {
+            self.add(space, cell as usize, &mut local)?;
         }
         self.factor.refactor(&self.matrix)
     }
@@ -147,11 +157,19 @@ impl SurfaceMass {
             local.fill(0.0);
             group.iter().for_each(|p| of_point(p, &mut local));
             stabilise(space, group[0].at.cell, phi, &mut local);
-            self.add(space, group[0].at.cell, &local)?;
+            self.add(space, group[0].at.cell, &mut local)?;
         }
         Ok(())
     }
-    fn add<const D: usize>(&mut self, space: &Space<D>, cell: usize, local: &[f64]) -> Result<()> {
+    /// Adds a symmetric local matrix, of which only the entries of [`pairs`] are set.
+    fn add<const D: usize>(
+        &mut self,
+        space: &Space<D>,
+        cell: usize,
+        local: &mut [f64],
+    ) -> Result<()> {
+        let m = space.local_count();
+        pairs(m).for_each(|(a, b)| local[b * m + a] = local[a * m + b]);
         let mut unknowns = [0; MAX_LOCAL];
         let nodes = space.cell_nodes(cell);
         for (unknown, &n) in unknowns.iter_mut().zip(nodes) {
@@ -209,6 +227,18 @@ impl SurfaceMass {
     }
 }
 
+/// The entries `a <= b` of a local matrix of `m` rows, which determine a symmetric one.
+fn pairs(m: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..m).flat_map(move |a| (a..m).map(move |b| (a, b)))
+}
+
+/// Adds `weight v v^T` to a local matrix of `m` rows.
+fn add_square(v: &[f64; MAX_LOCAL], weight: f64, m: usize, local: &mut [f64]) {
+    for (a, b) in pairs(m) {
+        local[a * m + b] += weight * v[a] * v[b];
+    }
+}
+
 /// Adds the stabilisation of a cut cell to its matrix; `phi` is the level set.
 fn stabilise<const D: usize>(space: &Space<D>, cell: usize, phi: &[f64], local: &mut [f64]) {
     let (m, rule, map) = (space.local_count(), Rule::simplex(D, 2), space.mesh().map(cell));
@@ -217,7 +247,7 @@ fn stabilise<const D: usize>(space: &Space<D>, cell: usize, phi: &[f64], local: 
         let g = space.element().reference_gradients::<D>(l).map(|g| map.inverse.tr_mul(&g));
         let normal = space.gradient(phi, cell, l).try_normalize(0.0);
         let across = normal.map_or([0.0; MAX_LOCAL], |n| g.map(|g| n.dot(&g)));
-        for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
+        for (a, b) in pairs(m) {
             let along = ALONG * g[a].dot(&g[b]);
             local[a * m + b] += height * volume * w * (across[a] * across[b] + along);
         }

@@ -1,5 +1,5 @@
 //! The direct solver: supernodal LDL^T without pivoting, with iterative refinement. Only this
-//! module uses faer.
+//! module and the orderings use faer.
 
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, StackReq};

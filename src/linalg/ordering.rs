@@ -3,6 +3,9 @@
 use super::SymmetricMatrix;
 use super::metis::{self, Graph};
 use crate::base::{Error, Result};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::amd;
 use std::collections::HashSet;
 
 const NONE: usize = usize::MAX;
@@ -41,6 +44,27 @@ impl Ordering {
         let adjacency = Adjacency::new(matrix);
         let singles = Blocks::from_partners(&vec![NONE; matrix.order()]);
         Ordering::of_blocks(&adjacency, &singles, matrix.order())
+    }
+
+    /// Approximate minimum degree, for a positive definite matrix that is analysed often: on the
+    /// matrices of surfaces the order takes a fifth of the time of [`plain`](Self::plain), and the
+    /// factor is about as large.
+    ///
+    /// # Errors
+    /// Computation, if the matrix is too large.
+    pub fn minimum_degree(matrix: &SymmetricMatrix) -> Result<Ordering> {
+        let (n, entries, upper) = (matrix.order(), matrix.nonzeros(), matrix.upper());
+        let starts = upper.indptr();
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(n, n, starts.raw_storage(), None, upper.indices());
+        let too_large = |_| Error::computation("a matrix is too large for an ordering");
+        let (mut unknowns, mut positions) = (vec![0; n], vec![0; n]);
+        let mut memory = MemBuffer::try_new(amd::order_scratch::<usize>(n, entries))
+            .map_err(|_| Error::computation("no memory for the ordering of a matrix"))?;
+        let stack = MemStack::new(&mut memory);
+        amd::order(&mut unknowns, &mut positions, pattern, amd::Control::default(), stack)
+            .map_err(too_large)?;
+        Ok(Ordering::new(unknowns).postordered(&Adjacency::new(matrix)))
     }
 
     /// Nested dissection for a saddle point `[A, B^T; B, -C]` with `A` positive definite and `C`
@@ -368,6 +392,8 @@ mod tests {
         // about 82 000.
         assert!(fill(&a, &natural(3600)) > 200_000);
         assert!(dissected < 90_000, "{dissected}");
+        let by_degree = Ordering::minimum_degree(&a).unwrap();
+        assert!(fill(&a, &by_degree) < 110_000, "{}", fill(&a, &by_degree));
     }
 
     #[test]

@@ -73,8 +73,10 @@ fn read_as(
     )?;
     let names: Vec<&str> = structures.iter().map(|s| s.name()).collect();
     let motion = Motion::of(&fluid, image.is_some());
-    let has_map = traits.iter().any(|t| t.resists_shear || t.carries_strain);
-    let given = Given { time: &time, interfaces: &names, motion, has_map, context: &context };
+    let has_map = traits.iter().any(|t| t.resists_shear);
+    let has_strain = has_map || traits.iter().any(|t| t.carries_strain);
+    let interfaces = &names;
+    let given = Given { time: &time, interfaces, motion, has_map, has_strain, context: &context };
     let output = Output::read_given(&scene, given)?;
     let text = |i: &Item| i.text().map(str::to_string);
     let tables = Tables {

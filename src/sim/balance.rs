@@ -45,7 +45,7 @@ pub struct EnergyBalance {
     pub exchanged: f64,
     /// Energy added by transfers to new meshes; not subtracted from the residual.
     pub transferred: f64,
-    /// Energy below which differences are rounding errors.
+    /// Energy below which differences are errors of rounding or of the mesh.
     pub least: f64,
     /// Elastic energy at time 0.
     pub elastic_initial: f64,
@@ -57,9 +57,9 @@ pub struct EnergyBalance {
 
 impl EnergyBalance {
     /// A balance that starts with `e`; energies below `least` are rounding errors.
-    pub fn new(e: &Energies, least: f64) -> EnergyBalance {
+    pub fn new(e: &Energies) -> EnergyBalance {
         let (initial, elastic_initial) = (e.total(), e.elastic);
-        EnergyBalance { initial, least, elastic_initial, ..EnergyBalance::default() }
+        EnergyBalance { initial, elastic_initial, ..EnergyBalance::default() }
     }
     /// Adds a step of length `dt` from `old` to `new`. Rates are taken at the new time (`order` 1,
     /// as in backward Euler) or as the mean (order 2).
@@ -113,7 +113,7 @@ mod tests {
             dissipation: (-t).exp(),
             ..Energies::default()
         };
-        let mut balance = EnergyBalance::new(&at(0.0), 0.0);
+        let mut balance = EnergyBalance::new(&at(0.0));
         let dt = 1e-3;
         for k in 1..=1000 {
             balance.advance(&at((k - 1) as f64 * dt), &at(k as f64 * dt), dt, 2);
@@ -130,7 +130,7 @@ mod tests {
         let old = Energies { dissipation: 1.0, grad_div: 2.0, power: -4.0, ..Energies::default() };
         let new = Energies { dissipation: 3.0, grad_div: 6.0, power: 8.0, ..Energies::default() };
         let after = |order| {
-            let mut budget = EnergyBalance::new(&old, 0.0);
+            let mut budget = EnergyBalance::new(&old);
             budget.advance(&old, &new, 0.5, order);
             [budget.dissipated, budget.work, budget.exchanged]
         };

@@ -10,11 +10,13 @@ use immersa::fem::{At, Basis, Cells, Element, Rule, Space, VelocityFunction, int
 use immersa::flow::term::MomentumTerm;
 use immersa::levelset::zeta;
 use immersa::mesh::{Mesh, Point, box_mesh};
+use immersa::scene::{Scene, problem};
 use immersa::sim::{Advection, Transport};
 use immersa::structure::{DISPLACEMENT, LevelSet};
 use immersa::transport::Method;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
+use std::path::Path;
 use std::sync::Arc;
 
 type V = SVector<f64, 3>;
@@ -510,4 +512,36 @@ fn single_places_have_the_values_of_annex_a() {
     let largest =
         at(&Case { level: |x| x.norm_squared() - 0.25, ..CASES[7] }, V::new(0.3, 0.4, 0.0), PI).z2;
     assert!((largest - 2.2337).abs() < 1e-4);
+}
+
+/// The steady deformation of a capsule of Skalak's law at Ca = mu g a/G = .005 in a simple shear
+/// flow without inertia against Barthes-Biesel and Rallison (J. Fluid Mech. 113, 1981):
+/// `D = 5/4 (2 + nu)/(1 + nu) Ca` with `nu = C/(1 + C)`. On edges of .4 radii 1.4 and 2.7 % above,
+/// on edges of .2 .8 and 1.5 %.
+#[test]
+fn a_capsule_deforms_as_theory_has_it_for_small_deformations() {
+    for (ratio, within) in [(1.0, 0.02), (10.0, 0.035)] {
+        let text = format!(
+            "mesh.ball_in_box = {{ min = [-12, -12, -12], max = [12, 12, 12], \
+             cells = [12, 12, 12], centre = [0, 0, 0], radius = 1, band = 0.4, edge = 0.4 }}
+             fluid = {{ density = 0, viscosity = 1 }}
+             boundary.walls.velocity = [\"z\", \"0\", \"0\"]
+             time = {{ end = 0.15, step = 0.01 }}
+             numerics.coupling = \"implicit\"
+             [[membrane]]
+             shape.sphere = {{ centre = [0, 0, 0], radius = 1 }}
+             law.skalak = {{ modulus = 200, area_ratio = {ratio} }}"
+        );
+        let mut capsule = problem(&Scene::parse(&text, Path::new("scene.toml")).unwrap()).unwrap();
+        for _ in 0..15 {
+            capsule.step().unwrap();
+        }
+        let row = capsule.row().unwrap();
+        let axis = |k: usize| row.get(&format!("membrane.axis_{k}")).unwrap();
+        let (long, short) = (axis(1).max(axis(3)), axis(1).min(axis(3)));
+        let nu = ratio / (1.0 + ratio);
+        let exact = 1.25 * (2.0 + nu) / (1.0 + nu) * 0.005;
+        let error = (long - short) / (long + short) / exact - 1.0;
+        assert!(error.abs() < within, "C = {ratio}: {error}");
+    }
 }

@@ -256,3 +256,21 @@ fn a_drop_that_comes_into_coarse_cells_is_told_when_it_does() {
     assert!(sharp.contains("`d`, of radius 0.1") && sharp.contains("is not resolved"), "{sharp}");
     assert!((0.7..1.5).contains(&time(&sharp)), "{sharp}");
 }
+
+/// A membrane at rest with a tail: one that the mesh resolves stays at rest without a word, of one
+/// that is thinner than a cell the tail is told, and not only what it does to the energy.
+#[test]
+fn a_tail_thinner_than_the_mesh_is_told() {
+    let tadpole = |half: f64| {
+        let rest = format!(
+            "[[membrane]]\nname = \"tadpole\"\narea.linear = {{ modulus = 1 }}\n\
+             shape.union = [{{ circle = {{ centre = [0.35, 0.5], radius = 0.18 }} }}, \
+             {{ ellipse = {{ centre = [0.6, 0.505], semi_axes = [0.25, {half}] }} }}]\n\
+             [time]\nend = 0.02\nstep = 0.01"
+        );
+        said(&scene(&square(20), "density = 0\nviscosity = 1", &rest))
+    };
+    let thin = tadpole(0.015);
+    assert!(thin.contains("`tadpole` has tips or folds that are thinner than the mesh"), "{thin}");
+    assert_eq!(tadpole(0.06), "");
+}

@@ -122,11 +122,15 @@ impl<const D: usize> FlowPlan<'_, D> {
                     "band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the \
                      error it makes is of first order in it"
                 ));
-            } else if scene.numerics.thickness.is_some() && scene.adapt.is_none() {
-                lines.push(format!(
-                    "numerics.thickness = {eps} is not used: nothing is spread over a band \
-                     (force = \"smeared\" is)"
-                ));
+            } else {
+                let own = scene.numerics.thickness.filter(|_| scene.adapt.is_none());
+                let unused = own.map(|_| "thickness").into_iter();
+                lines.extend(unused.chain(scene.numerics.keys_of_band()).map(|key| {
+                    format!(
+                        "numerics.{key} is not used: nothing is spread over a band (force = \
+                         \"smeared\" is)"
+                    )
+                }));
             }
             lines.extend(scene.structures().iter().filter_map(|s| s.numerics(scene)));
             lines.push(plan::transport(scene, &self.view));

@@ -79,7 +79,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let scales = [scales::velocity(scene, &site), site.size()];
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| scales::grad_div(scene, scales));
         let least_energy = scales::least_energy(scene, &site, scales);
-        let settings = SimulationSettings { least_energy, ..settings(scene, &site, grad_div) };
+        let settings = settings(scene, &site, grad_div);
         let of_coupling = settings.check_couplings(&structures);
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         site.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
@@ -117,6 +117,8 @@ impl<const D: usize> ImmersedFlow<D> {
         flow.explicit_limit = flow.step_limit();
         flow.stretched_limit = flow.limit_when_stretched();
         flow.radii = flow.equal_radii()?;
+        let least = scales::least_elastic_energy::<D>(scene, &flow.radii);
+        flow.simulation.neglect_energy(least_energy + least);
         flow.warn_of_waves();
         flow.follow_error(scales).map(|()| flow)
     }

@@ -1,9 +1,14 @@
 //! Structures that the mesh no longer resolves.
 
 use crate::base::{Result, Warning};
-use crate::levelset::{band_edges, check_band};
+use crate::fem::{Space, SurfacePoint};
+use crate::levelset::{band_edges, check_band, surface};
 use crate::sim::Simulation;
 use crate::structure::Structure;
+
+/// Slope of a distance, over what it should be, below which the two sides of an interface share a
+/// cell.
+const FLATTEST: f64 = 0.5;
 
 /// The acting structures of a flow that the mesh does not resolve, with what is wrong and a remedy:
 /// an interface that is not cut, a band that is too thin for its cells, a radius below their edges.
@@ -49,10 +54,24 @@ pub(super) fn unresolved<const D: usize>(
                     format!("`{name}`, of radius {radius:.3}, is not resolved by edges of {h:.3}"),
                     "Take a finer mesh where the structure goes",
                 );
+            } else if s.keeps_distance() {
+                let flattest = flattest(space, phi)? / s.slope();
+                if flattest < FLATTEST {
+                    tell(
+                        format!("`{name}` has tips or folds that are thinner than the mesh"),
+                        "Take a finer mesh where they are: its stretch and force are wrong there",
+                    );
+                }
             }
         }
     }
     Ok(found)
+}
+
+/// Least slope of a level set on its interface.
+fn flattest<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<f64> {
+    let slope = |p: &SurfacePoint<D>| space.gradient(phi, p.at.cell, &p.at.barycentric).norm();
+    Ok(surface(space, phi)?.iter().map(slope).fold(f64::INFINITY, f64::min))
 }
 
 /// True if a force, or properties of fluids, are spread over a band.

@@ -3,7 +3,9 @@
 use crate::scene::Scene;
 use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector};
+use crate::scene::structures::StructureKind;
 use nalgebra::SVector;
+use std::f64::consts::PI;
 
 /// Default weight of the grad-div term over `rho U L`: for a flow with a membrane, to which
 /// divergence errors add energy, and for a flow alone, where a larger weight reduces the accuracy
@@ -18,6 +20,8 @@ const GRAD_DIV_SHARP: f64 = 50.0;
 const GRAD_DIV_STOKES: [f64; 2] = [10.0, 500.0];
 /// Rounding errors of energies, and errors of iterations, over the energies that could be in play.
 const ROUNDING: f64 = 1e-10;
+/// Strain of a membrane below which its energy is not judged.
+const SMALL: f64 = 0.01;
 /// Number of times at which prescribed velocities are sampled for the velocity scale.
 const SAMPLES: usize = 64;
 
@@ -73,6 +77,19 @@ pub(super) fn least_energy<const D: usize>(
         viscosity * (speed / length).powi(2) * scene.time.end,
     ];
     ROUNDING * site.mesh.volume() * densities.into_iter().fold(0.0, f64::max)
+}
+
+/// Elastic energy of membranes as large as those of the scene, circles or spheres of these radii,
+/// at a stretch of [`SMALL`]: what a membrane at rest seems to store is the error of the mesh in
+/// its length.
+pub(super) fn least_elastic_energy<const D: usize>(scene: &Scene, radii: &[f64]) -> f64 {
+    let energy = |(s, &radius): (&Box<dyn StructureKind>, &f64)| {
+        let traits = s.traits();
+        let size = if D == 2 { 2.0 * PI * radius } else { 4.0 * PI * radius * radius };
+        let counts = traits.stretches && size.is_finite();
+        if counts { 0.5 * traits.modulus * size * SMALL.powi(2) } else { 0.0 }
+    };
+    scene.structures().iter().zip(radii).map(energy).sum()
 }
 
 /// Weight of grad-div in units with `rho U L = 1`, at least the viscosity; `scales` are a speed and

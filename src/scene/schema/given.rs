@@ -60,6 +60,8 @@ pub(in crate::scene) struct Given<'a> {
     pub motion: Motion,
     /// True if backward characteristics are carried.
     pub has_map: bool,
+    /// True if the strain of a surface is known, by them or carried along the interface.
+    pub has_strain: bool,
     pub context: &'a Context,
 }
 

@@ -130,6 +130,10 @@ impl Numerics {
 
     /// The key that only forces over a band have a use for, if one is given.
     pub fn key_of_band(&self) -> Option<&'static str> {
+        self.keys_of_band().next()
+    }
+    /// The keys that only forces over a band have a use for, of those that are given.
+    pub fn keys_of_band(&self) -> impl Iterator<Item = &'static str> {
         let keys = [
             ("surface_tension", self.surface_tension.is_some()),
             ("coupling", self.coupling == Coupling::SemiImplicit),
@@ -137,7 +141,7 @@ impl Numerics {
             ("kernel", self.kernel != Kernel::default()),
             ("width", self.width != Norm::default()),
         ];
-        keys.into_iter().find_map(|(key, given)| given.then_some(key))
+        keys.into_iter().filter_map(|(key, given)| given.then_some(key))
     }
 
     /// The solver for the linear systems of the flow, and its memory limit.

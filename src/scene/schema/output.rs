@@ -129,6 +129,7 @@ impl Output {
         let table = scene.inner("output", Output::KEYS)?;
         let mut output = Output::read_table(&table, given.context)?;
         given.has_map |= output.backward_map;
+        given.has_strain |= output.backward_map;
         output.complete(&table, &given)?;
         output.check(&table, &given)?;
         Ok(output)

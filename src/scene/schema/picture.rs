@@ -156,15 +156,21 @@ impl Given<'_> {
             return self.check_quantity(item, field);
         }
         let word = item.text()?;
-        let what = match (self.context.dimension, self.has_map, self.interfaces.len()) {
+        let of_map = field == Quantity::Checkerboard;
+        let known = if of_map { self.has_map } else { self.has_strain };
+        let what = match (self.context.dimension, known, self.interfaces.len()) {
             (2, _, _) => "shows the strain of a surface, and the mesh is plane",
             (_, false, _) => "needs backward characteristics, which nothing in the scene carries",
             (_, _, 1) => return Ok(()),
             _ => "belongs to one interface",
         };
-        Err(item.error(format!("`{word}` {what}")).remedy(
-            "show the speed, or give a scene of space one [[membrane]] with a law of shear, or \
-             output.backward_map = true",
-        ))
+        let remedy = match of_map && self.has_strain {
+            true => "show the shear, or give output.backward_map = true",
+            false => {
+                "show the speed, or give a scene of space one [[membrane]] with a law of shear, or \
+                 output.backward_map = true"
+            }
+        };
+        Err(item.error(format!("`{word}` {what}")).remedy(remedy))
     }
 }

@@ -111,8 +111,14 @@ impl<const D: usize> Simulation<D> {
         sim.set_materials_now();
         sim.prepare_now()?;
         sim.state.energies = sim.measure(Powers::default())?;
-        sim.state.balance = EnergyBalance::new(&sim.state.energies, sim.settings.least_energy);
+        sim.state.balance = EnergyBalance::new(&sim.state.energies);
         Ok(sim)
+    }
+
+    /// Energies below `least` are errors of rounding or of the mesh, which the balance does not
+    /// judge.
+    pub fn neglect_energy(&mut self, least: f64) {
+        self.state.balance.least = least;
     }
 
     /// A simulation with fluid at rest, whose fields are `kept` where these have them.

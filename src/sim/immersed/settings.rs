@@ -41,8 +41,6 @@ pub struct SimulationSettings<const D: usize> {
     pub gravity: SVector<f64, D>,
     /// Force per volume.
     pub body_force: Option<Arc<BodyForce<D>>>,
-    /// Energy below which differences are rounding errors.
-    pub least_energy: f64,
 }
 
 impl<const D: usize> SimulationSettings<D> {
@@ -64,7 +62,6 @@ impl<const D: usize> SimulationSettings<D> {
             conditions,
             gravity: SVector::zeros(),
             body_force: None,
-            least_energy: 0.0,
         }
     }
     /// All fluids, that outside of the structures first.

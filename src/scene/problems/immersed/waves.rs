@@ -26,7 +26,9 @@ impl<const D: usize> ImmersedFlow<D> {
             self.scene.structures().iter().zip(sim.structures()).filter_map(|(kind, s)| {
                 let (traits, medium) = (kind.traits(), sim.medium(&**s, edge));
                 let tension = FIRST_STRETCH * traits.modulus;
-                let slack = traits.stretches && !traits.resists_shear && s.tension() < tension;
+                // The limit of a membrane with shear counts its stiffness at rest already.
+                let sheared = traits.resists_shear || traits.carries_strain;
+                let slack = traits.stretches && !sheared && s.tension() < tension;
                 let thickness = if traits.on_interface { edge } else { eps };
                 slack.then(|| explicit_step_limit(&medium, thickness, tension))
             });
