@@ -3,7 +3,7 @@
 use crate::scene::Scene;
 use crate::scene::schema::Condition;
 use crate::scene::site::{Site, vector};
-use crate::scene::structures::StructureKind;
+use crate::scene::structures::Traits;
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
@@ -83,13 +83,12 @@ pub(super) fn least_energy<const D: usize>(
 /// at a stretch of [`SMALL`]: what a membrane at rest seems to store is the error of the mesh in
 /// its length.
 pub(super) fn least_elastic_energy<const D: usize>(scene: &Scene, radii: &[f64]) -> f64 {
-    let energy = |(s, &radius): (&Box<dyn StructureKind>, &f64)| {
-        let traits = s.traits();
+    let energy = |(traits, &radius): (Traits, &f64)| {
         let size = if D == 2 { 2.0 * PI * radius } else { 4.0 * PI * radius * radius };
         let counts = traits.stretches && size.is_finite();
         if counts { 0.5 * traits.modulus * size * SMALL.powi(2) } else { 0.0 }
     };
-    scene.structures().iter().zip(radii).map(energy).sum()
+    scene.structures().iter().map(|s| s.traits()).zip(radii).map(energy).sum()
 }
 
 /// Weight of grad-div in units with `rho U L = 1`, at least the viscosity; `scales` are a speed and
