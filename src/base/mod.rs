@@ -15,3 +15,6 @@ pub use hash::fnv1a;
 pub use partition::Partition;
 pub use phases::{PHASES, Phase, Phases};
 pub use same::same;
+
+/// Version of the program, with the commit that it was built from where that is known.
+pub const VERSION: &str = env!("IMMERSA_VERSION");

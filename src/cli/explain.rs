@@ -3,7 +3,6 @@
 use super::SceneArguments;
 use crate::base::Result;
 use crate::scene;
-use std::io::Write;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -14,11 +13,6 @@ pub(super) struct Arguments {
 pub(super) fn explain(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let (plan, warnings) = scene::explain(&scene)?;
-    let mut out = std::io::stdout().lock();
-    // A closed pipe is no reason to fail.
-    let _ = writeln!(out, "{}\n\n{plan}", scene.title);
-    for w in &warnings {
-        let _ = writeln!(out, "warning: {w}");
-    }
-    Ok(())
+    let warnings = warnings.iter().map(|w| format!("warning: {w}\n"));
+    super::print(&format!("{}\n\n{plan}\n{}", scene.title, warnings.collect::<String>()))
 }

@@ -13,13 +13,14 @@ mod study;
 use crate::base::{Error, Kind, Result};
 use crate::scene::Scene;
 use clap::{Args, Parser, Subcommand};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Structures immersed in a flow: level sets and finite elements on unstructured meshes.
 #[derive(Parser)]
-#[command(name = "immersa", version, arg_required_else_help = true)]
+#[command(name = "immersa", version = crate::base::VERSION, arg_required_else_help = true)]
 #[command(
     after_help = "Exit codes: 0 done, 1 a defect of immersa, 2 the command line or the scene is \
         wrong, 3 the mesh or another file is wrong, 4 the computation failed, 130 interrupted \
@@ -107,7 +108,24 @@ fn dispatch(command: Command) -> Result<()> {
     }
 }
 
-/// A flag that Ctrl-C sets; when it comes again the program ends at once, the last checkpoint being
+/// Prints a text on standard output. A closed pipe is no reason to fail, a full disk is one.
+///
+/// # Errors
+/// The text cannot be written.
+fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::input("the output cannot be written")
+                .at("standard output")
+                .value(e)
+                .remedy("free space on the disk it goes to"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A flag that Ctrl-C, SIGTERM and SIGHUP set; when it comes again the program ends at once, the last checkpoint being
 /// still there.
 fn stop_on_interrupt() -> &'static AtomicBool {
     static STOP: AtomicBool = AtomicBool::new(false);

@@ -2,7 +2,6 @@
 
 use crate::base::Result;
 use crate::scene::reference;
-use std::io::Write;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -12,7 +11,5 @@ pub(super) struct Arguments {
 
 pub(super) fn reference(arguments: &Arguments) -> Result<()> {
     let text = reference::reference(arguments.table.as_deref())?;
-    // A closed pipe is no reason to fail.
-    let _ = write!(std::io::stdout().lock(), "{text}");
-    Ok(())
+    super::print(&text)
 }

@@ -11,11 +11,33 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The folder does not exist or may not be written to, or the disk is full; the remedy says which.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace(path, bytes, |_| Ok(()))
+}
+
+/// As [`write_file`], and the content is on the disk when this returns: it outlives a power cut.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_durably(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace(path, bytes, File::sync_all)?;
+    // The name is in the folder; not every system can open one.
+    if let Some(Ok(folder)) = path.parent().map(File::open) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+fn replace(path: &Path, bytes: &[u8], then: impl Fn(&File) -> io::Result<()>) -> Result<()> {
     let beside = temporary(path);
-    let written = File::create(&beside)
-        .and_then(|mut f| f.write_all(bytes))
-        .and_then(|()| fs::rename(&beside, path));
-    written.map_err(|e| {
+    // What another run left, or a link to elsewhere.
+    let _ = fs::remove_file(&beside);
+    let write = || {
+        let mut file = File::create_new(&beside)?;
+        file.write_all(bytes)?;
+        then(&file)?;
+        fs::rename(&beside, path)
+    };
+    write().map_err(|e| {
         // Nothing more can be done for the user if the half-written file cannot be removed either.
         let _ = fs::remove_file(&beside);
         cannot_write(path, &e)
@@ -30,7 +52,7 @@ fn temporary(path: &Path) -> PathBuf {
 }
 
 /// The error for a file that cannot be written.
-pub(super) fn cannot_write(path: &Path, e: &io::Error) -> Error {
+pub fn cannot_write(path: &Path, e: &io::Error) -> Error {
     let remedy = match e.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
             "free space on this disk, or choose a folder on another one with --out"

@@ -35,7 +35,7 @@ pub use chart::{Chart, Curve, Slope, Stroke};
 pub use colours::Scale;
 pub use field::FieldData;
 pub use figure::{Content, Figure};
-pub use file::{read as read_file, read_text, write_file};
+pub use file::{cannot_write, read as read_file, read_text, write_durably, write_file};
 pub use film::{Film, write_film};
 pub use grey::GreyImage;
 pub use numbers::{per_cent, rounded};

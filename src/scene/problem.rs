@@ -154,6 +154,8 @@ pub trait Problem {
     fn follow(&mut self) -> Result<bool> {
         Ok(false)
     }
+    /// Hash of the mesh: points, cells, names.
+    fn mesh_hash(&self) -> u64;
     /// Mesh (empty if not adapted) and state as bytes, the latter marked with `tag`.
     fn save(&self, tag: u64) -> [Vec<u8>; 2];
     /// Restores the result of [`save`](Self::save); `band_edges` are those when the mesh was built.

@@ -1,19 +1,27 @@
 //! Running a scene: steps, files, checkpoints, and resuming after an interruption.
 
+mod contents;
 mod folder;
+mod lock;
+mod log;
+mod physics;
 mod record;
 mod solves;
 
+pub(in crate::scene) use contents::check_links;
 pub use folder::Folder;
+pub(in crate::scene) use lock::Lock;
 pub use solves::Solves;
 
 use super::Scene;
 use super::problem::Problem;
 use super::problems::problem;
-use crate::base::{Error, Kind, Result, Warning};
-use crate::output::SeriesWriter;
+use crate::base::{Error, Kind, Result, Warning, fnv1a};
+use crate::output::{SeriesWriter, read_file};
 use cpu_time::ProcessTime;
+use log::Log;
 use record::Record;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -35,12 +43,25 @@ pub trait Observer {
     fn phase(&mut self, what: &str);
 }
 
+/// What becomes of an earlier run in the folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Earlier {
+    /// It is kept, and there is no new one.
+    Keep,
+    /// It goes on from its last checkpoint.
+    Resume,
+    /// Its files are removed.
+    Replace,
+}
+
 /// Options of a run.
 pub struct Options<'a> {
     /// The run folder.
     pub folder: PathBuf,
-    /// True to resume the run in the folder.
-    pub resume: bool,
+    /// What becomes of an earlier run in it.
+    pub earlier: Earlier,
+    /// The command that started the run, for its log.
+    pub command: String,
     /// Set to stop after the current step.
     pub stop: &'a AtomicBool,
 }
@@ -64,20 +85,44 @@ pub struct Outcome {
 pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) -> Result<Outcome> {
     let start = Clock::now();
     observer.phase("building the model");
-    let folder = Folder::open(scene, options)?;
+    let mut folder = Folder::open(scene, options)?;
     let mut problem = problem(scene)?;
     let plan = problem.plan()?;
-    observer.plan(&plan);
-    for w in problem.warnings() {
-        observer.warning(w);
-    }
     // Created only now: an invalid scene or mesh leaves no folder behind, and the run can be
     // repeated after the correction.
     folder.make(scene)?;
-    let mut run = Run::start(scene, &folder, options.resume, problem, plan)?;
-    run.record.spent("setup", &start);
-    let result = run.all_steps(options.stop, observer);
-    run.finish(result)
+    let mut log = Log::open(&folder.log(), &options.command, observer)?;
+    log.plan(&plan);
+    for w in problem.warnings() {
+        log.warning(w);
+    }
+    let resume = options.earlier == Earlier::Resume;
+    let result = Run::start(scene, &folder, resume, (problem, plan), &mut log);
+    let ended = result.and_then(|mut run| {
+        run.record.spent("setup", &start);
+        let result = run.all_steps(options.stop, &mut log);
+        run.finish(result)
+    });
+    match &ended {
+        Ok(outcome) => {
+            outcome.alarms.iter().for_each(|alarm| log.note(&format!("ALARM: {alarm}")));
+            log.note(&format!("done: {} steps", outcome.steps));
+        }
+        Err(e) => log.note(&format!("error: {e}")),
+    }
+    ended
+}
+
+/// Hashes of the files that a scene reads, by their keys: of a mesh its points, cells and names.
+fn inputs(scene: &Scene, problem: &dyn Problem) -> Result<BTreeMap<String, u64>> {
+    let mut inputs = BTreeMap::from([("mesh".to_string(), problem.mesh_hash())]);
+    if let Some(image) = &scene.image {
+        let mask = image.mask.as_ref().map(|file| ("image.mask", file));
+        for (key, file) in std::iter::once(("image.file", &image.file)).chain(mask) {
+            inputs.insert(key.to_string(), fnv1a(&read_file(file)?));
+        }
+    }
+    Ok(inputs)
 }
 
 /// Start of a phase, in wall time and in CPU time of this process.
@@ -105,19 +150,26 @@ impl<'a> Run<'a> {
         scene: &'a Scene,
         folder: &'a Folder,
         resume: bool,
-        mut problem: Box<dyn Problem>,
-        plan: String,
+        (mut problem, plan): (Box<dyn Problem>, String),
+        observer: &mut dyn Observer,
     ) -> Result<Run<'a>> {
         let first = problem.row()?;
         let names: Vec<&str> = first.names().iter().map(String::as_str).collect();
-        let kept = if resume { folder.checkpoint()? } else { None };
+        let inputs = inputs(scene, &*problem)?;
+        let kept = match resume {
+            true => folder.restore(scene, &inputs, &mut *problem)?,
+            false => None,
+        };
         let (series, record) = match kept {
-            Some(kept) => {
-                folder.restore(scene, &kept, &mut *problem)?;
-                let rows = kept.record.rows;
-                (SeriesWriter::resume(&folder.series(), &names, rows)?, kept.record)
+            Some((mut record, warning)) => {
+                let missing = folder.check_fields(&mut record);
+                warning.iter().chain(&missing).for_each(|w| observer.warning(w));
+                (SeriesWriter::resume(&folder.series(), &names, record.rows)?, record)
             }
-            None => (SeriesWriter::create(&folder.series(), &names)?, Record::default()),
+            None => {
+                let record = Record { inputs, ..Record::default() };
+                (SeriesWriter::create(&folder.series(), &names)?, record)
+            }
         };
         let fresh = record.rows == 0;
         let mut run = Run { scene, folder, problem, series, record, plan, saved: Instant::now() };

@@ -3,7 +3,7 @@
 use super::trial::{Outcome, Trial};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::scene::Scene;
-use crate::scene::run::{self, Observer, Options};
+use crate::scene::run::{self, Earlier, Observer, Options};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -103,7 +103,8 @@ impl<'a> Campaign<'a> {
     }
 
     fn compute(&mut self, trial: &Trial, scene: &Scene, folder: PathBuf) -> Result<Outcome> {
-        let options = Options { resume: folder.exists(), folder, stop: self.stop };
+        let command = format!("a run of a study: {}", trial.label);
+        let options = Options { earlier: Earlier::Resume, folder, command, stop: self.stop };
         match run::run(scene, &options, &mut Quiet(self.listener)) {
             Ok(_) => Outcome::read(trial, &options.folder),
             Err(e) => match e.kind() {

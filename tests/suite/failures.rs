@@ -15,8 +15,11 @@ fn a_folder_that_cannot_be_made_is_named() {
         ended.expect(3, &["run folder cannot be made", &format!("at: {out}\n"), "--out"]);
     }
     // A folder stands where a file is to be.
-    fs::create_dir_all(folder.path().join("run/series.csv")).unwrap();
-    let ended = immersa(folder.path(), &["run", "scene.toml", "--out", "run"]);
+    let arguments = ["run", "scene.toml", "--out", "run", "--set", "time.end=0.02"];
+    immersa(folder.path(), &arguments).expect(0, &[]);
+    fs::remove_file(folder.path().join("run/series.csv")).unwrap();
+    fs::create_dir_all(folder.path().join("run/series.csv/mine")).unwrap();
+    let ended = immersa(folder.path(), &[&arguments[..], &["--overwrite"]].concat());
     ended.expect(3, &["cannot write a file", "at: run/series.csv", "directory", "--out"]);
 }
 

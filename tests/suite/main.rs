@@ -17,6 +17,7 @@ mod examples;
 mod explain;
 mod failures;
 mod flow;
+mod folders;
 mod flow_in_space;
 mod fluid;
 mod geometry;

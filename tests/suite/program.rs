@@ -160,7 +160,10 @@ pub fn rows(run: &Path) -> usize {
         .map_or(0, |s| s.iter().filter(|b| **b == b'\n').count().saturating_sub(1))
 }
 
-/// All files below a folder by their path in it.
+/// Files that say who ran, and when.
+const OF_PROCESS: [&str; 3] = ["immersa.run", "log.txt", "checkpoint/earlier.bin"];
+
+/// All files below a folder by their path in it, except those of the process.
 pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut all = BTreeMap::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -171,7 +174,9 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
                 folders.push(path);
             } else {
                 let name = path.strip_prefix(folder).unwrap().to_str().unwrap().to_string();
-                all.insert(name, fs::read(path).unwrap());
+                if !OF_PROCESS.contains(&&*name) {
+                    all.insert(name, fs::read(path).unwrap());
+                }
             }
         }
     }

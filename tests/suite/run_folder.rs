@@ -159,6 +159,7 @@ pub fn write(folder: &Path, cells: usize, steps: usize, pictures: usize) {
     fs::create_dir_all(folder.join("profiles")).unwrap();
     let scene = Scene::parse(&scene(cells, steps, pictures), &folder.join("scene.toml")).unwrap();
     fs::write(folder.join("scene.toml"), scene.to_toml()).unwrap();
+    fs::write(folder.join("immersa.run"), "run folder of immersa").unwrap();
     let mut sim = simulation(cells);
     let mut series = SeriesWriter::create(&folder.join("series.csv"), &COLUMNS).unwrap();
     let (mut list, mut profiles, mut largest_rise) = (Vec::new(), Vec::new(), 0f64);

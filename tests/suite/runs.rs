@@ -183,7 +183,7 @@ fn nothing_of_a_run_is_lost_by_running_it_again() {
         &[
             "started with another scene",
             "whole/scene.toml",
-            "`step = 0.01` became `step = 0.02`",
+            "time.step: 0.01 became 0.02",
             "--set",
         ],
     );
@@ -205,6 +205,7 @@ fn damaged_checkpoints_are_noticed_and_nothing_is_changed() {
     let (folder, whole, _) = with_run(SCENE);
     let path = whole.join("checkpoint/latest.bin");
     let good = fs::read(&path).unwrap();
+    fs::remove_file(whole.join("checkpoint/earlier.bin")).unwrap();
     let record = 16 + u64::from_le_bytes(good[..8].try_into().unwrap()) as usize;
     let flipped = |at: usize| {
         let mut bytes = good.clone();
@@ -261,8 +262,9 @@ fn a_quiet_run_says_nothing() {
     fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
     let ended = immersa(folder.path(), &["run", "scene.toml", "--quiet", "--set", "time.end=0.02"]);
     assert_eq!((ended.code, ended.stdout.as_str(), ended.stderr.as_str()), (0, "", ""));
-    let name = folder.path().file_name().unwrap();
-    assert!(folder.path().join("runs").join(name).join("report.html").exists());
+    let name = folder.path().file_name().unwrap().to_str().unwrap();
+    let run = folder.path().join("runs").join(format!("{name},time.end=0.02"));
+    assert!(run.join("report.html").exists());
 }
 
 #[test]

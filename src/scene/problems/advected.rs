@@ -2,7 +2,7 @@
 
 use super::flow_advice::one_of;
 use super::{fields, ground};
-use crate::base::{Error, PHASES, Result, Warning, same};
+use crate::base::{Error, PHASES, Result, Warning, same, fnv1a};
 use crate::flow::StepReport;
 use crate::mesh::{self, Mesh, Quality};
 use crate::scene::Scene;
@@ -177,6 +177,9 @@ impl<const D: usize> Problem for Advected<D> {
         let next = adapt::outgrown(scene, lengths, &problem.view(), None)?;
         let Some((mesh, transfer)) = next else { return Ok(false) };
         problem.continue_on(mesh, transfer).map(|()| true)
+    }
+    fn mesh_hash(&self) -> u64 {
+        fnv1a(&self.advection.carried().mesh().to_bytes())
     }
     fn save(&self, tag: u64) -> [Vec<u8>; 2] {
         let mesh = adapt::mesh_to_bytes(&self.scene, self.advection.space().mesh());

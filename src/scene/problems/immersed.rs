@@ -6,7 +6,7 @@ use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{flow_advice, scales};
-use crate::base::{Error, Kind, PHASES, Result, Warning};
+use crate::base::{Error, Kind, PHASES, Result, Warning, fnv1a};
 use crate::flow::{BodyForce, Load, StepReport, traction};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
@@ -276,6 +276,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let next = adapt::outgrown(&flow.scene, flow.lengths.as_ref(), &flow.view(), edges)?;
         let Some((mesh, transfer)) = next else { return Ok(false) };
         flow.continue_on(mesh, transfer).map(|()| true)
+    }
+    fn mesh_hash(&self) -> u64 {
+        fnv1a(&self.simulation.carried().mesh().to_bytes())
     }
     fn save(&self, tag: u64) -> [Vec<u8>; 2] {
         let mesh = adapt::mesh_to_bytes(&self.scene, self.simulation.space().mesh());

@@ -2,7 +2,7 @@
 //! files written at the end.
 
 use super::{fields, ground};
-use crate::base::{Error, PHASES, Result, Warning};
+use crate::base::{Error, PHASES, Result, Warning, fnv1a};
 use crate::flow::StepReport;
 use crate::levelset::{
     Contour, Redistance, Redistancing, Segmentation, SegmentationWeights, band_edges,
@@ -217,6 +217,9 @@ impl<const D: usize> Problem for Segmented<D> {
             write_file(&folder.join(name), &GreyImage::new(pixels.size[0], grey)?.png()?)?;
         }
         Ok(())
+    }
+    fn mesh_hash(&self) -> u64 {
+        fnv1a(&self.segmenting.carried().mesh().to_bytes())
     }
     fn save(&self, tag: u64) -> [Vec<u8>; 2] {
         [Vec::new(), self.segmenting.state().to_bytes(tag)]

@@ -6,6 +6,7 @@ use crate::output::{Series, read_pvd};
 use crate::scene::Scene;
 use crate::scene::charts::Columns;
 use crate::scene::keys::Named;
+use crate::scene::run::{Lock, check_links};
 use crate::scene::schema::Profile;
 use crate::scene::words::Words;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 /// The folder of a run.
 pub(super) struct RunFolder {
     pub path: PathBuf,
+    /// Nothing else writes to the folder while its pages are made.
+    _lock: Lock,
     pub scene: Scene,
     pub summary: Summary,
     pub series: Series,
@@ -40,8 +43,14 @@ impl RunFolder {
         if !summary.is_file() {
             return Err(not_finished(path));
         }
+        if !Lock::is_run(path) {
+            return Err(not_marked(path));
+        }
+        let lock = Lock::take(path)?;
+        check_links(path)?;
         let mut run = RunFolder {
             path: path.to_path_buf(),
+            _lock: lock,
             summary: Summary::read(&summary)?,
             series: Series::read(&path.join("series.csv"))?,
             frames: frames(path)?,
@@ -119,6 +128,13 @@ fn open_scene(path: &Path, overrides: &[String]) -> Result<Scene> {
         .at(path.display().to_string())
         .value(path.display())
         .remedy("give a folder that `immersa run` has written"))
+}
+
+fn not_marked(path: &Path) -> Error {
+    Error::input("this is not the folder of a run: it has no mark of one, immersa.run")
+        .at(path.display().to_string())
+        .value(path.display())
+        .remedy("give a folder that `immersa run` has written, as a whole")
 }
 
 fn not_finished(path: &Path) -> Error {

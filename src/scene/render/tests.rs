@@ -83,6 +83,7 @@ fn write(case: &Case, folder: &Path) {
 fn write_with(case: &Case, folder: &Path, phi: impl Fn(&SVector<f64, 2>, f64) -> f64 + Sync) {
     fs::create_dir_all(folder.join("fields")).unwrap();
     fs::write(folder.join("scene.toml"), scene(case)).unwrap();
+    fs::write(folder.join("immersa.run"), "run folder of immersa").unwrap();
     fs::write(folder.join("summary.json"), case.summary).unwrap();
     let mut series = SeriesWriter::create(&folder.join("series.csv"), case.columns).unwrap();
     for k in 0..11 {
@@ -321,6 +322,7 @@ fn a_level_set_that_the_fields_do_not_have_is_named() {
     let dir = tempfile::tempdir().unwrap();
     write(&Case { membranes: &[], ..PAIR }, dir.path());
     fs::write(dir.path().join("scene.toml"), scene(&PAIR)).unwrap();
+    fs::write(dir.path().join("immersa.run"), "run folder of immersa").unwrap();
     let error = render(dir.path()).unwrap_err();
     assert_eq!(error.kind(), Kind::Input);
     assert!(

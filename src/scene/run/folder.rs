@@ -1,47 +1,70 @@
 //! The folder of a run.
 
-use super::Options;
+use super::lock::Lock;
+use super::physics::{differences, tag};
 use super::record::{Column, Record};
-use crate::base::{Error, Kind, Result, copy_bandwidth, fnv1a};
-use crate::output::{Series, write_file, write_pvd};
+use super::{Earlier, Options, contents};
+use crate::base::{Error, Kind, Result, Warning, copy_bandwidth, fnv1a};
+use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd};
 use crate::scene::Scene;
 use crate::scene::problem::{Facts, Problem};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Content of a checkpoint: the record, and mesh and state from [`Problem::save`].
-pub(super) struct Kept {
-    pub record: Record,
-    pub mesh: Vec<u8>,
-    pub state: Vec<u8>,
+struct Kept {
+    record: Record,
+    mesh: Vec<u8>,
+    state: Vec<u8>,
 }
 
 /// The folder of a run, with the resolved scene in it.
-pub struct Folder(PathBuf);
+pub struct Folder {
+    path: PathBuf,
+    earlier: Earlier,
+    /// Held from the first write on; from the start where a run goes on.
+    lock: Option<Lock>,
+}
 
 impl Folder {
-    /// Opens the folder of a new run, or of one to resume. Writes nothing yet.
+    /// Opens the folder of a new run, or of one to go on with. Writes nothing but the lock of a
+    /// folder that holds a run.
     ///
     /// # Errors
-    /// A folder that contains a run which is not to be resumed, or a run of another scene.
+    /// A folder that holds a run which is to be kept, a run of another scene, or something else;
+    /// another process that writes to it.
     pub(super) fn open(scene: &Scene, options: &Options<'_>) -> Result<Folder> {
-        let folder = Folder(options.folder.clone());
-        let kept = folder.0.join("scene.toml");
-        let resolved = scene.to_toml();
-        if kept.exists() && !options.resume {
-            return Err(Error::input("the folder holds a run already, and nothing is overwritten")
-                .at(folder.0.display().to_string())
-                .value(folder.0.display())
-                .remedy("go on with --resume, choose another folder with --out, or remove it"));
+        let path = options.folder.clone();
+        let is_run = Lock::is_run(&path);
+        if !is_run && !contents::is_empty(&path) {
+            return Err(foreign(&path));
         }
-        if kept.exists() {
-            let before = Scene::load(&kept, &[])?;
-            if before.to_toml() != resolved {
+        let mut folder = Folder { path, earlier: options.earlier, lock: None };
+        if !is_run {
+            return Ok(folder);
+        }
+        if options.earlier == Earlier::Keep {
+            return Err(Error::input("the folder holds a run already, and nothing is overwritten")
+                .at(folder.path.display().to_string())
+                .value(folder.path.display())
+                .remedy(
+                    "go on with --resume, replace the run with --overwrite, or choose another \
+                     folder with --out",
+                ));
+        }
+        folder.lock = Some(Lock::take(&folder.path)?);
+        contents::check_links(&folder.path)?;
+        let kept = folder.path.join("scene.toml");
+        if options.earlier == Earlier::Resume && kept.exists() {
+            let differences = differences(&Scene::load(&kept, &[])?, scene)?;
+            if !differences.is_empty() {
                 return Err(Error::scene("the run to be resumed was started with another scene")
                     .at(kept.display().to_string())
-                    .value(first_difference(&before.to_toml(), &resolved))
+                    .value(differences.join("; "))
                     .remedy(
-                        "resume with the same scene and the same --set, or start afresh in \
+                        "resume with the same scene and the same --set (only time.end and what \
+                         [output] writes may change), or start afresh with --overwrite or in \
                          another folder",
                     ));
             }
@@ -49,47 +72,53 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Creates the folder and writes the scene to it.
+    /// Creates the folder, removes an earlier run that is to be replaced, and writes the scene.
     ///
     /// # Errors
-    /// The folder cannot be written.
-    pub(super) fn make(&self, scene: &Scene) -> Result<()> {
-        for path in [
-            self.0.clone(),
-            self.0.join("fields"),
-            self.0.join("checkpoint"),
-            self.0.join("profiles"),
-        ] {
-            std::fs::create_dir_all(&path).map_err(|e| {
-                Error::input(format!("the run folder cannot be made: {e}"))
-                    .at(path.display().to_string())
-                    .value(path.display())
-                    .remedy("choose a folder that can be written with --out")
-            })?;
+    /// The folder cannot be written, or has been filled since it was opened.
+    pub(super) fn make(&mut self, scene: &Scene) -> Result<()> {
+        make_folder(&self.path)?;
+        if self.lock.is_none() {
+            self.lock = Some(Lock::take(&self.path)?);
+            if !contents::is_empty(&self.path) {
+                return Err(foreign(&self.path));
+            }
         }
-        write_file(&self.0.join("scene.toml"), scene.to_toml().as_bytes())
+        if self.earlier == Earlier::Replace {
+            contents::clear(&self.path)?;
+        }
+        contents::check_links(&self.path)?;
+        for name in ["fields", "checkpoint", "profiles"] {
+            make_folder(&self.path.join(name))?;
+        }
+        write_file(&self.path.join("scene.toml"), scene.to_toml().as_bytes())
     }
 
     /// Its path.
     pub fn path(&self) -> &Path {
-        &self.0
+        &self.path
     }
 
     pub(super) fn series(&self) -> PathBuf {
-        self.0.join("series.csv")
+        self.path.join("series.csv")
     }
 
-    fn latest(&self) -> PathBuf {
-        self.0.join("checkpoint").join("latest.bin")
+    pub(super) fn log(&self) -> PathBuf {
+        self.path.join("log.txt")
+    }
+
+    fn checkpoint_file(&self, name: &str) -> PathBuf {
+        self.path.join("checkpoint").join(name)
     }
 
     /// Writes the state and the record of all output so far to one file, which is replaced as a
     /// whole: the length of the record and its hash, 8 bytes each, the record as JSON; the same for
-    /// the mesh, which is empty if not adapted; the state.
+    /// the mesh, which is empty if not adapted; the state. It is on the disk when this returns, and
+    /// the one before is kept.
     pub(super) fn save(&self, scene: &Scene, record: &Record, problem: &dyn Problem) -> Result<()> {
         let record = serde_json::to_vec(record)
             .map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
-        let [mesh, state] = problem.save(tag(scene));
+        let [mesh, state] = problem.save(tag(scene)?);
         let mut bytes = Vec::new();
         for part in [record, mesh] {
             bytes.extend((part.len() as u64).to_le_bytes());
@@ -97,56 +126,77 @@ impl Folder {
             bytes.extend(part);
         }
         bytes.extend(state);
-        write_file(&self.latest(), &bytes)
+        let [latest, earlier] = CHECKPOINTS.map(|name| self.checkpoint_file(name));
+        if latest.exists() {
+            std::fs::rename(&latest, &earlier).map_err(|e| cannot_write(&earlier, &e))?;
+        }
+        write_durably(&latest, &bytes)
     }
 
-    /// The last checkpoint, if there is one.
-    pub(super) fn checkpoint(&self) -> Result<Option<Kept>> {
-        let path = self.latest();
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(e) => {
-                return Err(Error::input(format!("the checkpoint cannot be read: {e}"))
-                    .at(path.display().to_string())
-                    .remedy("check the permissions of the run folder"));
-            }
-        };
-        let damaged = || {
-            Error::input("the checkpoint is damaged")
-                .at(path.display().to_string())
-                .value(format!("{} bytes", bytes.len()))
-                .remedy("start afresh in another folder with --out")
-        };
-        let (record, rest) = part(&bytes).ok_or_else(damaged)?;
-        let (mesh, state) = part(rest).ok_or_else(damaged)?;
-        let record = serde_json::from_slice(record).map_err(|_| damaged())?;
-        Ok(Some(Kept { record, mesh: mesh.to_vec(), state: state.to_vec() }))
-    }
-
-    /// Continues a problem from a checkpoint.
+    /// Continues a problem from the last checkpoint that can be used; its record, and a warning if
+    /// it is not the last. `None` if there is no checkpoint.
+    ///
+    /// # Errors
+    /// Checkpoints that are all damaged; other inputs than those that the run was started with.
     pub(super) fn restore(
         &self,
         scene: &Scene,
-        kept: &Kept,
+        inputs: &BTreeMap<String, u64>,
         problem: &mut dyn Problem,
-    ) -> Result<()> {
-        let saved = [&kept.mesh[..], &kept.state[..]];
-        let restored = problem.restore(saved, tag(scene), kept.record.band_edges);
-        restored.map_err(|e| {
-            if e.place().is_empty() { e.at(self.latest().display().to_string()) } else { e }
+    ) -> Result<Option<(Record, Option<Warning>)>> {
+        let (tag, mut unusable) = (tag(scene)?, None);
+        let [latest, earlier] = CHECKPOINTS.map(|name| self.checkpoint_file(name));
+        for path in [&latest, &earlier] {
+            let Kept { record, mesh, state } = match read_checkpoint(path) {
+                Ok(Some(kept)) => kept,
+                Ok(None) => continue,
+                Err(e) => {
+                    unusable.get_or_insert(e);
+                    continue;
+                }
+            };
+            check_inputs(scene, &record.inputs, inputs)?;
+            match problem.restore([&mesh, &state], tag, record.band_edges) {
+                Ok(()) if path == &latest => return Ok(Some((record, None))),
+                Ok(()) => {
+                    // It is now the last one, and what is damaged does not take its place.
+                    std::fs::rename(&earlier, &latest).map_err(|e| cannot_write(&latest, &e))?;
+                    let why = unusable.map_or("it is missing".into(), |e| e.what().to_string());
+                    let what = format!("the last checkpoint cannot be used: {why}");
+                    let warning = Warning::new(what, "the run goes on from the one before");
+                    return Ok(Some((record, Some(warning))));
+                }
+                Err(e) if e.kind() == Kind::Input => {
+                    let place = path.display().to_string();
+                    unusable.get_or_insert(if e.place().is_empty() { e.at(place) } else { e });
+                }
+                Err(e) => return Err(e),
+            }
+        }
+        unusable.map_or(Ok(None), Err)
+    }
+
+    /// Removes from the record the field files that are no longer there; a warning that names them.
+    pub(super) fn check_fields(&self, record: &mut Record) -> Option<Warning> {
+        let gone = |(step, _): &(usize, f64)| !self.fields(*step).is_file();
+        let missing: Vec<String> =
+            record.fields.iter().filter(|f| gone(f)).map(|f| field_file(f.0)).collect();
+        record.fields.retain(|f| !gone(f));
+        (!missing.is_empty()).then(|| {
+            let what = format!("field files of the run are missing: {}", missing.join(", "));
+            Warning::new(what, "the run goes on; pictures and fields.pvd will lack these times")
         })
     }
 
     /// The field file after `step` steps.
     pub(super) fn fields(&self, step: usize) -> PathBuf {
-        self.0.join(field_file(step))
+        self.path.join(field_file(step))
     }
 
     pub(super) fn write_collection(&self, record: &Record) -> Result<()> {
         let entries: Vec<_> =
             record.fields.iter().map(|&(k, time)| (time, field_file(k))).collect();
-        write_pvd(&self.0.join("fields.pvd"), &entries)
+        write_pvd(&self.path.join("fields.pvd"), &entries)
     }
 
     /// Writes a profile: the coordinates of its points, and its columns.
@@ -165,7 +215,7 @@ impl Folder {
         let mut columns: Vec<(&str, &[f64])> = vec![("distance", &distance)];
         columns.extend(["x", "y", "z"].into_iter().zip(places.iter().map(Vec::as_slice)));
         columns.extend(values.iter().map(|(name, v)| (name.as_str(), v.as_slice())));
-        Series::new(&columns).write(&self.0.join("profiles").join(format!("{name}.csv")))
+        Series::new(&columns).write(&self.path.join("profiles").join(format!("{name}.csv")))
     }
 
     /// Writes `summary.json`.
@@ -216,7 +266,7 @@ impl Folder {
         });
         let text = serde_json::to_string_pretty(&summary)
             .map_err(|e| Error::internal(format!("the summary cannot be written: {e}")))?;
-        write_file(&self.0.join("summary.json"), text.as_bytes())
+        write_file(&self.path.join("summary.json"), text.as_bytes())
     }
 }
 
@@ -249,15 +299,60 @@ fn field_file(step: usize) -> String {
     format!("fields/{step:06}.vtu")
 }
 
-/// Identifies a scene: a checkpoint fits only the scene it was written for.
-fn tag(scene: &Scene) -> u64 {
-    fnv1a(scene.to_toml().as_bytes())
+/// The last checkpoint, and the one before.
+const CHECKPOINTS: [&str; 2] = ["latest.bin", "earlier.bin"];
+
+fn read_checkpoint(path: &Path) -> Result<Option<Kept>> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => {
+            return Err(Error::input(format!("the checkpoint cannot be read: {e}"))
+                .at(path.display().to_string())
+                .remedy("check the permissions of the run folder"));
+        }
+    };
+    let damaged = || {
+        Error::input("the checkpoint is damaged")
+            .at(path.display().to_string())
+            .value(format!("{} bytes", bytes.len()))
+            .remedy("start afresh with --overwrite, or in another folder with --out")
+    };
+    let (record, rest) = part(&bytes).ok_or_else(damaged)?;
+    let (mesh, state) = part(rest).ok_or_else(damaged)?;
+    let record = serde_json::from_slice(record).map_err(|_| damaged())?;
+    Ok(Some(Kept { record, mesh: mesh.to_vec(), state: state.to_vec() }))
 }
 
-fn first_difference(a: &str, b: &str) -> String {
-    let pair = a.lines().zip(b.lines()).find(|(x, y)| x != y);
-    pair.map_or_else(
-        || "the number of lines differs".into(),
-        |(x, y)| format!("`{x}` became `{y}`"),
-    )
+/// Refuses to go on with other files than those that a run was started with.
+fn check_inputs(
+    scene: &Scene,
+    before: &BTreeMap<String, u64>,
+    now: &BTreeMap<String, u64>,
+) -> Result<()> {
+    match before.iter().find(|(key, hash)| now.get(*key) != Some(hash)) {
+        None => Ok(()),
+        Some((key, _)) => {
+            let keys: Vec<&str> = key.split('.').collect();
+            let e = Error::input(format!("`{key}` is not what the run was started with"))
+                .remedy("put back what was there, or start afresh with --overwrite");
+            Err(scene.blame(&keys, e))
+        }
+    }
+}
+
+fn make_folder(path: &Path) -> Result<()> {
+    std::fs::create_dir_all(path).map_err(|e| {
+        Error::input(format!("the run folder cannot be made: {e}"))
+            .at(path.display().to_string())
+            .value(path.display())
+            .remedy("choose a folder that can be written with --out")
+    })
+}
+
+fn foreign(path: &Path) -> Error {
+    Error::input("the folder is not empty and holds no run of immersa; nothing in it is overwritten")
+        .at(path.display().to_string())
+        .value(path.display())
+        .remedy("choose another folder with --out")
 }

@@ -17,6 +17,9 @@ pub(super) type Column = (String, Vec<f64>);
 pub(super) struct Record {
     /// Rows of the series.
     pub rows: usize,
+    /// Hashes of the files that the scene reads, by their keys.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, u64>,
     /// Steps with field files, and their times.
     pub fields: Vec<(usize, f64)>,
     /// Profiles by name.

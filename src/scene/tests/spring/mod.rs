@@ -8,7 +8,7 @@ pub(in crate::scene) use kind::KIND;
 
 use crate::base::{Kind, Result, Warning};
 use crate::scene::keys::Kind as ValueKind;
-use crate::scene::run::{Observer, Options, run};
+use crate::scene::run::{Earlier, Observer, Options, run};
 use crate::scene::{KEYS, Scene, problem};
 use std::fs;
 use std::path::Path;
@@ -69,7 +69,9 @@ fn scene(set: &[&str]) -> Scene {
 fn go(scene: &Scene, folder: &Path, resume: bool, stop: Option<usize>) -> Result<String> {
     let flag = AtomicBool::new(false);
     let mut listener = Listener { stop: stop.map(|step| (step, &flag)), ..Listener::default() };
-    let options = Options { folder: folder.to_path_buf(), resume, stop: &flag };
+    let earlier = if resume { Earlier::Resume } else { Earlier::Keep };
+    let command = "a test".to_string();
+    let options = Options { folder: folder.to_path_buf(), earlier, command, stop: &flag };
     run(scene, &options, &mut listener)?;
     Ok(listener.plan)
 }

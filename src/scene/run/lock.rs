@@ -1,0 +1,59 @@
+//! The mark of a run folder, which is also its lock.
+
+use crate::base::{Error, Result};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::Path;
+
+/// The file that makes a folder a run folder: what wrote it, and the process that last did.
+pub(in crate::scene) const MARK: &str = "immersa.run";
+const FIRST: &str = "run folder of immersa";
+
+/// The right to write to a run folder, which one process has at a time, until it is dropped.
+#[derive(Debug)]
+pub(in crate::scene) struct Lock {
+    _file: File,
+}
+
+impl Lock {
+    /// Takes the lock of a folder that exists, and marks it.
+    ///
+    /// # Errors
+    /// Another process has it; the file cannot be written.
+    pub fn take(folder: &Path) -> Result<Lock> {
+        let path = folder.join(MARK);
+        let failed = |e: std::io::Error| {
+            Error::input(format!("the run folder cannot be locked: {e}"))
+                .at(path.display().to_string())
+                .remedy("choose a folder that can be written with --out")
+        };
+        let mut options = OpenOptions::new();
+        let mut file = options.read(true).write(true).create(true).open(&path).map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut text = String::new();
+                let _ = file.read_to_string(&mut text);
+                let pid = text.lines().find_map(|l| l.strip_prefix("process ")).unwrap_or("?");
+                return Err(Error::input("another process writes to this run folder")
+                    .at(folder.display().to_string())
+                    .value(format!("process {pid}"))
+                    .remedy("wait for it to end, or choose another folder with --out"));
+            }
+            Err(TryLockError::Error(e)) => return Err(failed(e)),
+        }
+        let text =
+            format!("{FIRST} {}\nprocess {}\n", env!("CARGO_PKG_VERSION"), std::process::id());
+        file.set_len(0)
+            .and_then(|()| file.rewind())
+            .and_then(|()| file.write_all(text.as_bytes()))
+            .map_err(failed)?;
+        Ok(Lock { _file: file })
+    }
+
+    /// True if the folder has the mark.
+    pub fn is_run(folder: &Path) -> bool {
+        let text = std::fs::read_to_string(folder.join(MARK));
+        text.is_ok_and(|text| text.starts_with(FIRST))
+    }
+}

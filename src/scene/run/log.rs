@@ -1,0 +1,73 @@
+//! The log of a run: what was told while it ran, with times.
+
+use super::Observer;
+use crate::base::{Error, Result, Warning};
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::Path;
+use std::time::SystemTime;
+
+/// Shares of the steps after which the progress is noted.
+const LINES: usize = 10;
+
+/// Writes to a file what it hands on to another observer. A log that cannot be written is no reason
+/// to end a run.
+pub(super) struct Log<'a> {
+    file: File,
+    to: &'a mut dyn Observer,
+}
+
+impl<'a> Log<'a> {
+    /// Goes on with the log of a run folder; `command` started the run.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn open(path: &Path, command: &str, to: &'a mut dyn Observer) -> Result<Log<'a>> {
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(|e| {
+            Error::input(format!("the log cannot be written: {e}"))
+                .at(path.display().to_string())
+                .remedy("choose a folder that can be written with --out")
+        })?;
+        let mut log = Log { file, to };
+        log.note(&format!("immersa {}: {command}", crate::base::VERSION));
+        log.note(&format!("{} threads on {}", rayon::current_num_threads(), machine()));
+        Ok(log)
+    }
+    /// Notes a text, each line with the time.
+    pub fn note(&mut self, text: &str) {
+        let now = humantime::format_rfc3339_seconds(SystemTime::now());
+        for line in text.lines() {
+            let _ = writeln!(self.file, "{now} {line}");
+        }
+    }
+}
+
+/// The machine in words.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": "));
+    let processor = name.map_or(std::env::consts::ARCH, |(_, name)| name);
+    format!("{cores} cores, {processor}, {}", std::env::consts::OS)
+}
+
+impl Observer for Log<'_> {
+    fn plan(&mut self, plan: &str) {
+        self.note(plan);
+        self.to.plan(plan);
+    }
+    fn warning(&mut self, warning: &Warning) {
+        self.note(&format!("warning: {warning}"));
+        self.to.warning(warning);
+    }
+    fn progress(&mut self, step: usize, steps: usize, time: f64) {
+        if step == steps || step * LINES / steps > (step - 1) * LINES / steps {
+            self.note(&format!("step {step} of {steps}, t = {time}"));
+        }
+        self.to.progress(step, steps, time);
+    }
+    fn phase(&mut self, what: &str) {
+        self.note(what);
+        self.to.phase(what);
+    }
+}
