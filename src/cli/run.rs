@@ -43,8 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     };
     let mut progress = Progress::new(arguments.quiet, &scene.title);
     let command = std::env::args().collect::<Vec<_>>().join(" ");
-    let options =
-        Options { folder: folder.clone(), earlier, command, stop: stop_on_interrupt() };
+    let options = Options { folder: folder.clone(), earlier, command, stop: stop_on_interrupt() };
     let result = run::run(&scene, &options, &mut progress);
     progress.finish();
     // A failed computation has kept its last good state: show that too.

@@ -80,22 +80,29 @@ pub(super) struct RestDensity<const D: usize> {
 impl<const D: usize> RestDensity<D> {
     /// Declares the field; its values at time 0 are those of `initial`, else the inverse of the
     /// stretch.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
     pub fn begin(
         &mut self,
         of: &ImmersedInterface<D>,
         host: &Host<'_, D>,
         initial: Option<&InitialFunction<D>>,
         fields: &mut Declaration<'_, D>,
-    ) {
+    ) -> Result<()> {
         let rule = Rule { carry: Carry::ByOwner, acts: true, written: false };
         let values: Vec<f64> = match initial {
             Some(density) => host.space.nodes().iter().map(density).collect(),
             None => vec![1.0 / of.stretch; host.space.len()],
         };
         // Far from the interface a function may have any values.
-        let near = values.iter().zip(&of.phi).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        self.least = THINNEST * near.map_or(0.0, |(density, _)| density.abs());
+        let at = |p: &SurfacePoint<D>| host.space.value(&values, p.at.cell, &p.at.barycentric);
+        let points = surface(host.space, &of.phi)?;
+        let amount: f64 = points.iter().map(|p| p.at.weight * at(p).abs()).sum();
+        let size: f64 = points.iter().map(|p| p.at.weight).sum();
+        self.least = if size > 0.0 { THINNEST * amount / size } else { 0.0 };
         self.field = fields.add(&of.field_name("rest_density"), rule, || Data::Scalar(values));
+        Ok(())
     }
     /// The stretch where the density has this value: its inverse.
     pub fn stretch(&self, density: f64) -> f64 {

@@ -178,7 +178,7 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
     ) -> Result<()> {
         self.width.begin(host);
         if let Some(rest) = &mut self.rest {
-            rest.begin(of, host, None, fields);
+            rest.begin(of, host, None, fields)?;
         }
         let basis = host.basis.filter(|_| of.coupling == Coupling::SemiImplicit);
         self.predictor = basis.map(|b| Predictor::new(b.clone(), host.translations)).transpose()?;

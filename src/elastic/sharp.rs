@@ -137,7 +137,9 @@ impl<const D: usize> SharpMembrane<D> {
     /// Rejects a surfactant so dense that nothing is left of the tension.
     fn check_tension(&self) -> Result<()> {
         let AreaLaw::Surfactant { tension, elasticity } = self.law else { return Ok(()) };
-        let densest = self.stretch.iter().map(|r| 1.0 / r).fold(0.0, f64::max);
+        let points = self.points.iter().zip(&self.stretch);
+        let Some((p, r)) = points.min_by(|a, b| a.1.total_cmp(b.1)) else { return Ok(()) };
+        let densest = 1.0 / r;
         if tension > elasticity * densest {
             return Ok(());
         }
@@ -146,7 +148,8 @@ impl<const D: usize> SharpMembrane<D> {
                 "largest concentration {densest:.4}, none is left from {:.4}",
                 tension / elasticity
             ))
-            .remedy("give the surfactant a smaller elasticity, or a larger diffusivity"))
+            .remedy("give the surfactant a smaller elasticity, or a larger diffusivity")
+            .at(format!("x = {:?}", p.at.x.as_slice())))
     }
     /// Elastic energy of the prepared interface.
     pub fn energy(&self) -> f64 {
@@ -199,8 +202,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         host: &Host<'_, D>,
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
-        self.rest.begin(of, host, self.initial.as_deref(), fields);
-        Ok(())
+        self.rest.begin(of, host, self.initial.as_deref(), fields)
     }
     fn term(&self) -> &dyn MomentumTerm<D> {
         self
@@ -208,7 +210,10 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
         let (phi, density) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
-        SharpMembrane::prepare(self, at.space, phi, density, implicit)
+        SharpMembrane::prepare(self, at.space, phi, density, implicit).map_err(|e| {
+            let place = format!("`{}`, {}", of.name, e.place());
+            e.at(place)
+        })
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
     /// carries the length at rest with its slip; constant tension does not depend on it.

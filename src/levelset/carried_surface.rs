@@ -156,7 +156,7 @@ impl<const D: usize> Onto<'_, '_, D> {
     /// projected ([`SurfaceMass`]): third order, and stable also where the motion along the surface
     /// stands still. With `balance` the amounts that the points at the start carry along their
     /// paths then correct it over distances of some cells, and the total amount is kept to
-    /// rounding. The amounts alone would do, but a quadrature of functions that have kinks at other
+    /// rounding, but for what ends farther than some cells from the new interface. The amounts alone would do, but a quadrature of functions that have kinks at other
     /// places has errors that do not fall with the mesh size.
     ///
     /// The values count in cut cells, and are continued over two layers of cells; other nodes have

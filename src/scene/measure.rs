@@ -12,6 +12,7 @@ use super::{errors, geometry};
 use crate::base::{Error, Result};
 use crate::flow::flux;
 use crate::mesh::{Location, Locator, Mesh, Point};
+use crate::structure::Density;
 use std::cell::OnceCell;
 
 /// Points of all probes and profiles of a scene in a mesh.
@@ -167,7 +168,13 @@ impl<'a, const D: usize> Derived<'a, D> {
             Quantity::Speed => vec![velocity().norm()],
             Quantity::Vorticity => vec![space.value(vorticity(), cell, l)],
             Quantity::LevelSet => phi(&|f| space.value(f, cell, l)),
-            Quantity::Stretch => phi(&|f| space.gradient(f, cell, l).norm()),
+            // Where the interface carries its stretch the slope is none.
+            Quantity::Stretch => match self.view.carried.structures()[0].surface_density() {
+                Some((id, Density::Rest)) => {
+                    vec![1.0 / space.value(state.fields.scalar(id), cell, l)]
+                }
+                _ => phi(&|f| space.gradient(f, cell, l).norm()),
+            },
             // Available in pictures only.
             Quantity::AreaChange | Quantity::Shear | Quantity::Image | Quantity::Checkerboard => {
                 vec![f64::NAN]

@@ -177,8 +177,9 @@ pub trait Problem {
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64);
     /// Sizes.
     fn facts(&self) -> Facts;
-    /// Names of the structures whose bands have reached the boundary.
-    fn cut_bands(&self) -> Vec<String> {
+    /// Names of the structures that have reached the boundary, or whose bands have, with what that
+    /// means.
+    fn at_walls(&self) -> Vec<(String, Warning)> {
         Vec::new()
     }
     /// The slowest elastic wave of each structure that has one, in the present tension; none where

@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
         if fresh {
             run.record.note_mesh(&*run.problem);
             run.record.note_waves(&*run.problem);
-            run.record.note_leaving(&*run.problem);
+            run.record.note_leaving(&*run.problem).iter().for_each(|w| observer.warning(w));
             run.sample(0)?;
         }
         Ok(run)
@@ -222,7 +222,8 @@ impl<'a> Run<'a> {
             }
             self.record.note_rise(before, &*self.problem);
             self.record.note_waves(&*self.problem);
-            self.record.note_leaving(&*self.problem);
+            let told = self.record.note_leaving(&*self.problem);
+            told.iter().for_each(|w| observer.warning(w));
             self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
             let elapsed = self.saved.elapsed().as_secs_f64();
             let due = self.scene.output.checkpoint.is_some_and(|s| elapsed >= s);
@@ -353,15 +354,15 @@ impl<'a> Run<'a> {
                 ));
             }
         }
-        let elastic = self.record.last_elastic;
+        let (elastic, time) = self.record.worst_elastic;
         if alarms.is_empty() && elastic.abs() > ENERGY_ALARM {
             let (what, remedy) = match elastic > 0.0 {
                 true => ("is spurious", &advice.energy),
                 false => ("has vanished", &advice.loss),
             };
             alarms.push(format!(
-                "Elastic energy: {:.1} % of what flow and structures have exchanged {what}, so \
-                 that their forces are not to be trusted. Take {remedy}.",
+                "Elastic energy: at t = {time:.4} {:.1} % of what flow and structures have \
+                 exchanged {what}, so that their forces are not to be trusted. Take {remedy}.",
                 100.0 * elastic.abs()
             ));
         }
@@ -376,13 +377,9 @@ impl<'a> Run<'a> {
                 100.0 * residual
             ));
         }
-        for (name, time) in &self.record.at_wall {
-            alarms.push(format!(
-                "The band of `{name}` reached the boundary at t = {time:.4}: its stress is cut \
-                 off there. Enlarge the mesh or give a smaller thickness."
-            ));
-        }
-        for (time, what, remedy) in self.record.unresolved.values() {
+        for (time, what, remedy) in
+            self.record.at_wall.values().chain(self.record.unresolved.values())
+        {
             alarms.push(format!("{what} at t = {time:.4}. {remedy}."));
         }
         for (name, change) in &self.record.area_change {

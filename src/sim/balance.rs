@@ -5,7 +5,8 @@
 pub struct Energies {
     /// `int rho |u|^2 / 2`.
     pub kinetic: f64,
-    /// `int E(|grad phi|) zeta(phi/eps)/eps`, of all structures.
+    /// Elastic energy of all structures: for a membrane `int E(r)/r ds`, over a band
+    /// `int E(|grad phi|) zeta(phi/eps)/eps`.
     pub elastic: f64,
     /// Viscous dissipation rate `int 2 mu |D(u)|^2`, and that of the slip of sharp membranes.
     pub dissipation: f64,
@@ -56,7 +57,7 @@ pub struct EnergyBalance {
 }
 
 impl EnergyBalance {
-    /// A balance that starts with `e`; energies below `least` are rounding errors.
+    /// A balance that starts with `e`.
     pub fn new(e: &Energies) -> EnergyBalance {
         let (initial, elastic_initial) = (e.total(), e.elastic);
         EnergyBalance { initial, elastic_initial, ..EnergyBalance::default() }

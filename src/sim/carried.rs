@@ -124,6 +124,11 @@ impl<const D: usize> Carried<D> {
         self.redistancing = Some((when, method));
     }
 
+    /// True if level sets whose slope has no meaning are redistanced when it has changed.
+    pub fn keeps_distances(&self) -> bool {
+        matches!(self.redistancing, Some((When::Slope(_), _)))
+    }
+
     /// Predicts the fields with an effect on the flow at the end, `time`, of a step of length `dt`
     /// in the velocity at its start.
     ///

@@ -174,8 +174,8 @@ fn a_drop_leaves_through_an_open_side_and_does_not_come_back() {
 #[test]
 fn a_drop_leaves_a_box_through_an_open_side() {
     let mesh = "box = { min = [0, 0, 0], max = [1.5, 1, 1], cells = [9, 6, 6] }";
-    let rest = "[time]\nend = 0.9\nstep = 0.05\norder = 1";
-    let sphere = "sphere = { centre = [1, 0.5, 0.5], radius = 0.3 }";
+    let rest = "[time]\nend = 1.05\nstep = 0.05\norder = 1";
+    let sphere = "sphere = { centre = [0.9, 0.5, 0.5], radius = 0.3 }";
     let (alarms, series) = leaving(mesh, ["[1, 0, 0]", "[1, 0, 0]", rest], sphere, "");
     assert_eq!(alarms, "");
     let fastest = series.column("velocity_max").unwrap().iter().copied().fold(0.0, f64::max);
@@ -273,4 +273,69 @@ fn a_tail_thinner_than_the_mesh_is_told() {
     let thin = tadpole(0.015);
     assert!(thin.contains("`tadpole` has tips or folds that are thinner than the mesh"), "{thin}");
     assert_eq!(tadpole(0.06), "");
+}
+
+/// A structure that is at an open side exerts no force: at the start that is refused, later told.
+#[test]
+fn a_structure_at_an_open_side_is_told() {
+    let membrane = |x: f64| {
+        let rest = format!(
+            "[boundary.walls]\nno_slip = true\n[boundary.left]\nvelocity = [\"y*(1-y)\", 0]\n[boundary.right]\nopen = true\n\
+             [[membrane]]\nname = \"m\"\nstretch = 1.2\narea.linear = {{ modulus = 0.1 }}\n\
+             shape.circle = {{ centre = [{x}, 0.5], radius = 0.2 }}\n\
+             [time]\nend = 0.4\nstep = 0.02"
+        );
+        scene(
+            "rectangle = { min = [0, 0], max = [2, 1], cells = [32, 16] }",
+            "viscosity = 1\ninitial_velocity = [\"y*(1-y)\", 0]",
+            &rest,
+        )
+    };
+    let close = immersa(folder_with(&membrane(1.75)).path(), &["explain", "scene.toml"]);
+    close.expect(2, &["`m` is at an open side", "membrane.0.shape", "move the shape away"]);
+    let folder = folder_with(&membrane(1.65));
+    let ended = immersa(folder.path(), &["run", "scene.toml", "--out", "run"]);
+    ended.expect(0, &["warning: `m` leaves through an open side from t = 0.", "no force"]);
+    let left = summary(&folder.path().join("run"))["leaves"]["m"].as_f64().unwrap();
+    assert!((0.02..0.4).contains(&left), "{left}");
+}
+
+/// A drop that is carried out through a side of given velocity.
+#[test]
+fn a_drop_that_reaches_a_side_which_is_not_open_is_told_and_nothing_else() {
+    let rest = "[boundary.walls]\nvelocity = [1, 0]\n[[drop]]\nname = \"d\"\ntension = 0.1\n\
+        shape.circle = { centre = [0.6, 0.5], radius = 0.2 }\n[time]\nend = 0.4\nstep = 0.02";
+    let text = scene(&square(16), "viscosity = 1\ninitial_velocity = [1, 0]", rest);
+    let told = said(&text);
+    assert!(told.contains("`d` reached the boundary at t = 0.2"), "{told}");
+    assert!(told.contains("open") && !told.contains("grad_div"), "{told}");
+}
+
+/// A membrane that is pressed together has no bending stiffness to say how it wrinkles.
+#[test]
+fn a_membrane_under_compression_is_told() {
+    let pressed = |law: &str| {
+        let rest = format!(
+            "[[membrane]]\nname = \"m\"\nstretch = 0.9\narea.{law} = {{ modulus = 1 }}\n\
+             shape.circle = {{ centre = [0.5, 0.5], radius = 0.25 }}\n\
+             [time]\nend = 0.02\nstep = 0.01"
+        );
+        said(&scene(&square(16), "density = 0\nviscosity = 1", &rest))
+    };
+    let told = pressed("linear");
+    assert!(told.contains("`m` is compressed, to a stretch of 0.9"), "{told}");
+    assert!(told.contains("area.one_sided"), "{told}");
+    assert_eq!(pressed("one_sided"), "");
+}
+
+/// A jump of the concentration that nothing smooths overshoots.
+#[test]
+fn a_negative_concentration_is_told() {
+    let rest = "[[drop]]\nname = \"d\"\ntension = 5\n\
+        shape.circle = { centre = [0.5, 0.5], radius = 0.25 }\n\
+        surfactant = { elasticity = 1, concentration = \"if(x > 0.5, 1, 1e-6)\" }\n\
+        [time]\nend = 0.1\nstep = 0.01";
+    let told = said(&scene(&square(16), "density = 0\nviscosity = 1", rest));
+    assert!(told.contains("`d` has a negative concentration"), "{told}");
+    assert!(told.contains("diffusivity"), "{told}");
 }

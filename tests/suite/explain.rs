@@ -45,7 +45,7 @@ fn the_plan_of_the_listing_says_what_is_solved_and_what_is_left_out() {
             "boundary names: bottom, left, right, top, walls",
             "Solved",
             "Navier-Stokes flow (3.20)-(3.21)",
-            "membrane `membrane`: stress (3.16) with E'(r) = 1 (r - 1), initial stretch 1.2625316",
+            "membrane `membrane`: stress (3.16) over its band with E'(r) = 1 (r - 1), initial stretch 1.2625316",
             "boundary walls: no slip",
             "Unknowns",
             "velocity 6962 (P2), pressure 960 (P1)",

@@ -138,12 +138,10 @@ fn a_finished_run_goes_on_to_a_later_end() {
 /// F2: the mesh file has become another one.
 #[test]
 fn a_run_does_not_go_on_with_another_mesh() {
-    let folder = folder_with(
-        &SCENE.replace(
-            "rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16], diagonals = \"union-jack\" }",
-            "file = \"m.msh\"",
-        ),
-    );
+    let folder = folder_with(&SCENE.replace(
+        "rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16], diagonals = \"union-jack\" }",
+        "file = \"m.msh\"",
+    ));
     let geometry = |edge: f64| {
         let text = format!(
             "SetFactory(\"OpenCASCADE\"); Rectangle(1) = {{0, 0, 0, 2, 2}};\n\
@@ -238,7 +236,8 @@ fn a_run_keeps_a_log() {
     for word in [&*version, "run scene.toml --out run", "threads on", "Navier-Stokes", "done: 10"] {
         assert!(first.contains(word), "`{word}` is missing in\n{first}");
     }
-    let dated = |line: &str| line.get(..20).is_some_and(|t| t.starts_with("20") && t.ends_with('Z'));
+    let dated =
+        |line: &str| line.get(..20).is_some_and(|t| t.starts_with("20") && t.ends_with('Z'));
     assert!(first.lines().all(dated), "{first}");
     immersa(folder.path(), &with(&["--resume", "--set", "time.end=0.2"])).expect(0, &[]);
     assert!(log().starts_with(&first) && log().contains("done: 20 steps"));

@@ -180,12 +180,7 @@ fn nothing_of_a_run_is_lost_by_running_it_again() {
     run(&["--set", "time.step=0.02"]).expect(3, &out);
     run(&["--resume", "--set", "time.step=0.02"]).expect(
         2,
-        &[
-            "started with another scene",
-            "whole/scene.toml",
-            "time.step: 0.01 became 0.02",
-            "--set",
-        ],
+        &["started with another scene", "whole/scene.toml", "time.step: 0.01 became 0.02", "--set"],
     );
     assert!(before == files(&whole), "a refused run has changed the folder");
 

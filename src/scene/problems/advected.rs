@@ -2,7 +2,7 @@
 
 use super::flow_advice::one_of;
 use super::{fields, ground};
-use crate::base::{Error, PHASES, Result, Warning, same, fnv1a};
+use crate::base::{Error, PHASES, Result, Warning, fnv1a, same};
 use crate::flow::StepReport;
 use crate::mesh::{self, Mesh, Quality};
 use crate::scene::Scene;

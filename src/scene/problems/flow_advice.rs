@@ -29,6 +29,11 @@ pub(super) fn advice(scene: &Scene) -> Advice {
         energy.push("numerics.transport = \"nodal\"".into());
     }
     energy.push("a smaller time.step".into());
+    if acts && smeared.is_empty() {
+        // Sharp forces have a large weight by default; steps and cells are what is left.
+        energy.rotate_left(1);
+        energy.insert(energy.len() - 1, "a finer mesh".into());
+    }
     let mut loss = vec!["a smaller time.step".to_string(), "a finer mesh".into()];
     let elastic = |t: &Traits| t.stretches && !t.on_interface && !t.constant_tension;
     for s in scene.acting().filter(|s| elastic(&s.traits())) {

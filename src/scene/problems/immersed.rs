@@ -114,6 +114,7 @@ impl<const D: usize> ImmersedFlow<D> {
             wall_nodes,
             lengths,
         };
+        flow.check_outlets()?;
         flow.explicit_limit = flow.step_limit();
         flow.stretched_limit = flow.limit_when_stretched();
         flow.radii = flow.equal_radii()?;
@@ -121,6 +122,19 @@ impl<const D: usize> ImmersedFlow<D> {
         flow.simulation.neglect_energy(least_energy + least);
         flow.warn_of_waves();
         flow.follow_error(scales).map(|()| flow)
+    }
+
+    /// Rejects structures that leave through an open side at the start.
+    fn check_outlets(&self) -> Result<()> {
+        let Some(name) = self.simulation.leaving().next() else { return Ok(()) };
+        let k = self.scene.structures().iter().position(|s| s.name() == name).unwrap_or(0);
+        let [list, number] = self.scene.structure_keys(k);
+        let e = Error::scene(format!("`{name}` is at an open side, where it would exert no force"))
+            .value("less than one edge of the mesh, or its band, from the side")
+            .remedy(
+                "move the shape away from the open side, or take a finer mesh or a longer domain",
+            );
+        Err(self.scene.blame(&[&list, &number, "shape"], e))
     }
 
     /// Enables adaptive steps if the scene gives a tolerance.
@@ -320,15 +334,30 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             adapted: self.lengths.is_some(),
         }
     }
-    fn cut_bands(&self) -> Vec<String> {
+    fn at_walls(&self) -> Vec<(String, Warning)> {
         let fields = &self.simulation.state().fields;
-        let is_cut = |s: &dyn Structure<D>| {
+        let at_wall = |s: &dyn Structure<D>| {
             let phi = s.level_set().map_or(&[][..], |id| fields.scalar(id));
-            let near = |&n: &u32| phi.get(n as usize).is_some_and(|v| v.abs() < s.reach());
-            s.acts() && self.wall_nodes.iter().any(near)
+            let (band, name) = (s.reach() > 0.0, s.name());
+            let near = |v: f64| if band { v.abs() < s.reach() } else { v < 0.0 };
+            let reached = |&n: &u32| phi.get(n as usize).is_some_and(|v| near(*v));
+            if !s.acts() || !self.wall_nodes.iter().any(reached) {
+                return None;
+            }
+            let warning = match band {
+                true => Warning::new(
+                    format!("The band of `{name}` reached the boundary"),
+                    "Its stress is cut off there: enlarge the mesh or give a smaller thickness",
+                ),
+                false => Warning::new(
+                    format!("`{name}` reached the boundary"),
+                    "What lies beyond is lost: enlarge the mesh, or make a side that fluid leaves \
+                     through open",
+                ),
+            };
+            Some((name.to_string(), warning))
         };
-        let cut = self.simulation.structures().iter().filter(|s| is_cut(&***s));
-        cut.map(|s| s.name().to_string()).collect()
+        self.simulation.structures().iter().filter_map(|s| at_wall(&**s)).collect()
     }
     fn waves(&self) -> Vec<ElasticWave> {
         self.elastic_waves()
@@ -337,7 +366,8 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         self.simulation.leaving().map(str::to_string).collect()
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
-        unresolved(&self.simulation, self.thickness)
+        let kinds = self.scene.structures();
+        unresolved(&self.simulation, self.thickness, |k| kinds[k].traits().wrinkles)
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
         ground::plane(self.simulation.space().mesh())

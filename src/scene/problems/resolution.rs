@@ -1,14 +1,19 @@
 //! Structures that the mesh no longer resolves.
 
 use crate::base::{Result, Warning};
-use crate::fem::{Space, SurfacePoint};
+use crate::fem::SurfacePoint;
 use crate::levelset::{band_edges, check_band, surface};
 use crate::sim::Simulation;
-use crate::structure::Structure;
+use crate::structure::{Density, Structure};
 
 /// Slope of a distance, over what it should be, below which the two sides of an interface share a
 /// cell.
-const FLATTEST: f64 = 0.5;
+const SHARED_CELL: f64 = 0.5;
+
+/// Stretch below which a membrane that resists compression is told to be compressed.
+const LEAST_STRETCH: f64 = 0.95;
+/// Negative concentration over the largest that is told.
+const NEGATIVE: f64 = 0.01;
 
 /// The acting structures of a flow that the mesh does not resolve, with what is wrong and a remedy:
 /// an interface that is not cut, a band that is too thin for its cells, a radius below their edges.
@@ -18,6 +23,7 @@ const FLATTEST: f64 = 0.5;
 pub(super) fn unresolved<const D: usize>(
     sim: &Simulation<D>,
     thickness: Option<f64>,
+    wrinkles: impl Fn(usize) -> bool,
 ) -> Result<Vec<(String, Warning)>> {
     let (space, fields) = (sim.space(), &sim.state().fields);
     let leaving: Vec<&str> = sim.leaving().collect();
@@ -55,12 +61,25 @@ pub(super) fn unresolved<const D: usize>(
                     "Take a finer mesh where the structure goes",
                 );
             } else if s.keeps_distance() {
-                let flattest = flattest(space, phi)? / s.slope();
-                if flattest < FLATTEST {
+                let points = surface(space, phi)?;
+                let slope =
+                    |p: &SurfacePoint<D>| space.gradient(phi, p.at.cell, &p.at.barycentric).norm();
+                // Only a level set that is kept a distance can tell by its slope.
+                let kept = sim.carried().keeps_distances();
+                let flattest = points.iter().map(slope).fold(f64::INFINITY, f64::min);
+                if kept && flattest < SHARED_CELL * s.slope() {
                     tell(
                         format!("`{name}` has tips or folds that are thinner than the mesh"),
                         "Take a finer mesh where they are: its stretch and force are wrong there",
                     );
+                } else if let Some((id, of)) = s.surface_density() {
+                    let values = fields.scalar(id);
+                    let value =
+                        |p: &SurfacePoint<D>| space.value(values, p.at.cell, &p.at.barycentric);
+                    let densities = points.iter().map(value);
+                    if let Some((what, remedy)) = of_density(of, densities, wrinkles(k)) {
+                        tell(format!("`{name}` {what}"), remedy);
+                    }
                 }
             }
         }
@@ -68,10 +87,27 @@ pub(super) fn unresolved<const D: usize>(
     Ok(found)
 }
 
-/// Least slope of a level set on its interface.
-fn flattest<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<f64> {
-    let slope = |p: &SurfacePoint<D>| space.gradient(phi, p.at.cell, &p.at.barycentric).norm();
-    Ok(surface(space, phi)?.iter().map(slope).fold(f64::INFINITY, f64::min))
+/// What is wrong with the density that an interface carries, and a remedy.
+fn of_density(
+    of: Density,
+    densities: impl Iterator<Item = f64>,
+    wrinkles: bool,
+) -> Option<(String, &'static str)> {
+    let (least, most) = densities
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)));
+    match of {
+        Density::Rest if wrinkles && most * LEAST_STRETCH > 1.0 => Some((
+            format!("is compressed, to a stretch of {:.3}", 1.0 / most),
+            "Without bending stiffness it wrinkles, as finely as the mesh lets it: take a law \
+             that does not resist compression (area.one_sided), or a membrane under tension from \
+             the start (stretch)",
+        )),
+        Density::Concentration if least < -NEGATIVE * most => Some((
+            format!("has a negative concentration, {least:.3} where the largest is {most:.3}"),
+            "Take a finer mesh, a smoother concentration at the start, or more diffusivity",
+        )),
+        _ => None,
+    }
 }
 
 /// True if a force, or properties of fluids, are spread over a band.

@@ -193,7 +193,11 @@ impl Painter {
             Quantity::LevelSet | Quantity::Checkerboard => {
                 Field::Borrowed(FieldData::Scalar(self.level_set(snapshot)?))
             }
-            Quantity::Stretch => Field::Interface(stretch(snapshot, self.level_set(snapshot)?)),
+            // Where the interface carries its stretch the slope is none.
+            Quantity::Stretch => Field::Interface(match snapshot.scalar(&self.column("stretch")) {
+                Ok(carried) => carried.to_vec(),
+                Err(_) => stretch(snapshot, self.level_set(snapshot)?),
+            }),
             Quantity::AreaChange => {
                 Field::Interface(snapshot.scalar(&self.column("area_change"))?.to_vec())
             }

@@ -69,7 +69,9 @@ pub(super) fn clear(folder: &Path) -> Result<()> {
         inside.into_iter().filter(of_run).collect::<Vec<_>>()
     };
     let files = FILES.iter().filter(|name| **name != MARK).map(|name| folder.join(name));
-    for path in files.chain(FOLDERS.iter().flat_map(own)).filter(|path| path.is_file() || path.is_symlink()) {
+    for path in
+        files.chain(FOLDERS.iter().flat_map(own)).filter(|path| path.is_file() || path.is_symlink())
+    {
         fs::remove_file(&path).map_err(|e| {
             Error::input(format!("a file of the earlier run cannot be removed: {e}"))
                 .at(path.display().to_string())

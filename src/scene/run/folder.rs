@@ -254,6 +254,7 @@ impl Folder {
             "step_seconds": record.step_seconds,
             "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
+            "leaves": record.left,
             "warnings": problem.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
             "balance": {
@@ -351,8 +352,10 @@ fn make_folder(path: &Path) -> Result<()> {
 }
 
 fn foreign(path: &Path) -> Error {
-    Error::input("the folder is not empty and holds no run of immersa; nothing in it is overwritten")
-        .at(path.display().to_string())
-        .value(path.display())
-        .remedy("choose another folder with --out")
+    Error::input(
+        "the folder is not empty and holds no run of immersa; nothing in it is overwritten",
+    )
+    .at(path.display().to_string())
+    .value(path.display())
+    .remedy("choose another folder with --out")
 }

@@ -9,9 +9,10 @@ const OF_OUTPUT: [&str; 6] = ["every", "fields", "pictures", "film", "checkpoint
 
 /// The scene without what may change.
 fn physics(scene: &Scene) -> Result<Table> {
-    let mut all: Table = scene.to_toml().parse().map_err(|e| {
-        Error::internal("a resolved scene is not TOML").value(e)
-    })?;
+    let mut all: Table = scene
+        .to_toml()
+        .parse()
+        .map_err(|e| Error::internal("a resolved scene is not TOML").value(e))?;
     all.remove("title");
     if let Some(time) = all.get_mut("time").and_then(Value::as_table_mut) {
         let end = time.remove("end");

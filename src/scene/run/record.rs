@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::scene::problem::{Moment, Problem};
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A column of a profile: its name, which contains the time, and its values.
 pub(super) type Column = (String, Vec<f64>);
@@ -41,18 +41,20 @@ pub(super) struct Record {
     /// The residual after the last step, without the start.
     #[serde(default)]
     pub last_balance: f64,
-    /// The residual of the elastic energy after the last step.
+    /// The largest residual of the elastic energy, of either sign, since the energy exchanged has
+    /// become larger than that stored, and its time.
     #[serde(default)]
-    pub last_elastic: f64,
+    pub worst_elastic: (f64, f64),
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
     pub area_change: BTreeMap<String, f64>,
-    /// First time at which the band of a membrane reached the boundary.
-    pub at_wall: BTreeMap<String, f64>,
-    /// Structures that have begun to leave the domain.
+    /// First time at which a structure or its band reached the boundary, what happened, and a
+    /// remedy.
+    pub at_wall: BTreeMap<String, (f64, String, String)>,
+    /// Structures that have begun to leave the domain, and when.
     #[serde(default)]
-    pub left: BTreeSet<String>,
+    pub left: BTreeMap<String, f64>,
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
@@ -160,7 +162,12 @@ impl Record {
             self.start = spurious.min(0.0);
         }
         self.last_balance = budget.share(spurious - self.start);
-        self.last_elastic = budget.elastic_residual(&e);
+        let elastic = budget.elastic_residual(&e);
+        // While a motion sets in what is exchanged is small: so may a later loss be.
+        let judged = budget.elastic_traffic > e.elastic.max(budget.elastic_initial);
+        if judged && elastic.abs() > self.worst_elastic.0.abs() {
+            self.worst_elastic = (elastic, problem.moment().time);
+        }
         self.worst_balance = self.worst_balance.max(self.last_balance);
         self.least_balance = self.least_balance.min(budget.share(spurious));
     }
@@ -180,8 +187,17 @@ impl Record {
     }
 
     /// Records the structures that leave the domain.
-    pub(super) fn note_leaving(&mut self, problem: &dyn Problem) {
-        self.left.extend(problem.leaving());
+    /// Returns what is to be told of those that were not known to.
+    pub(super) fn note_leaving(&mut self, problem: &dyn Problem) -> Vec<Warning> {
+        let (time, mut told) = (problem.moment().time, Vec::new());
+        for name in problem.leaving() {
+            self.left.entry(name).or_insert_with_key(|name| {
+                let what = format!("`{name}` leaves through an open side from t = {time:.4} on");
+                told.push(Warning::new(what, "there it exerts no force and follows the flow"));
+                time
+            });
+        }
+        told
     }
 
     /// Records the structures whose bands reach the boundary, and those that the mesh does not
@@ -191,12 +207,12 @@ impl Record {
     /// A level set that is not finite.
     pub(super) fn note_structures(&mut self, problem: &dyn Problem) -> Result<()> {
         let time = problem.moment().time;
-        for name in problem.cut_bands() {
-            self.at_wall.entry(name).or_insert(time);
+        for (name, Warning { what, remedy }) in problem.at_walls() {
+            self.at_wall.entry(name).or_insert((time, what, remedy));
         }
         for (name, Warning { what, remedy }) in problem.unresolved()? {
             // What has left has no interface.
-            if !self.left.contains(&name) {
+            if !self.left.contains_key(&name) && !self.at_wall.contains_key(&name) {
                 self.unresolved.entry(name).or_insert((time, what, remedy));
             }
         }
@@ -215,7 +231,9 @@ impl Record {
             .collect();
         let [enclosed, _] = scene.extents();
         // A segmentation does not conserve the area, nor does a domain that a structure leaves.
-        let kept = |name: &&str| scene.image.is_none() && !self.left.contains(*name);
+        let is_free =
+            |name: &str| !self.left.contains_key(name) && !self.at_wall.contains_key(name);
+        let kept = |name: &&str| scene.image.is_none() && is_free(name);
         for name in scene.interfaces().filter(kept) {
             // An interface that has vanished has no area.
             let area = self.last.get(&format!("{name}.{enclosed}")).copied().unwrap_or(0.0);

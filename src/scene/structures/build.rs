@@ -98,10 +98,21 @@ impl<const D: usize> Build<'_, '_, D> {
         };
         check.map_err(|e| script.blame(&place, e))
     }
-    /// A warning if the band is thicker than what it surrounds.
+    /// A warning if the band is thicker than what it surrounds, or takes up much of it where the
+    /// fluid changes across it.
     fn warn_of_thick_band(&mut self, name: &str, reach: f64, distance: &[f64]) {
         let depth = -distance.iter().copied().fold(0.0, f64::min);
         if reach <= depth {
+            if self.inside.is_some() && reach > WIDE * depth {
+                let what = format!(
+                    "density and viscosity of `{name}` change over a band of half-width \
+                     {reach:.3e}, {:.2} of the depth of its inside",
+                    reach / depth
+                );
+                let advice = "its error is of first order in this ratio and may be some percent: \
+                    give a smaller numerics.thickness on a finer mesh, and compare";
+                self.site.warnings.push(Warning::new(what, advice));
+            }
             return;
         }
         let what = format!(
@@ -112,6 +123,10 @@ impl<const D: usize> Build<'_, '_, D> {
         self.site.warnings.push(Warning::new(what, advice));
     }
 }
+
+/// Half-width of a band over the depth of what it surrounds, above which fluids that differ across
+/// it are far from a jump.
+const WIDE: f64 = 0.3;
 
 /// A structure with its force spread over a band: by its stress, or by the continuum force if the
 /// scene requests it.

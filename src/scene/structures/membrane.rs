@@ -348,6 +348,7 @@ impl StructureKind for Membrane {
             pulls: self.area().modulus() > 0.0,
             on_interface: self.force == Force::Sharp,
             carries_stretch: self.carries_stretch(),
+            wrinkles: !matches!(self.area(), AreaLaw::OneSided { .. } | AreaLaw::Tension { .. }),
             mass: self.mass,
             resists_shear: self.surface().is_some() && self.force == Force::Smeared,
             carries_strain: self.surface().is_some() && self.force == Force::Sharp,
@@ -364,9 +365,21 @@ impl StructureKind for Membrane {
         let (name, stretch) = (&self.name, self.stretch);
         let law = laws::words(self.area(), self.surface());
         if self.surface().is_none() {
+            let how = match self.force {
+                Force::Smeared => "stress (3.16) over its band",
+                Force::Sharp => {
+                    "tension E'(r) along the interface, the limit of (3.16) for thin bands,"
+                }
+            };
+            let carried = match self.carries_stretch() {
+                true => {
+                    "; its length at rest (in space: area) carried along it, Dr/Dt = r P : grad u"
+                }
+                false => "",
+            };
             return vec![format!(
-                "membrane `{name}`: stress (3.16) with {law}, initial stretch {stretch}{mass}; \
-                 its level set by (3.22)"
+                "membrane `{name}`: {how} with {law}, initial stretch {stretch}{mass}; its level \
+                 set by (3.22){carried}"
             )];
         }
         let mut lines = vec![format!(

@@ -72,6 +72,8 @@ pub struct Traits {
     pub on_interface: bool,
     /// True if its stretch is carried along the interface.
     pub carries_stretch: bool,
+    /// True if it resists compression, and being without bending stiffness then wrinkles.
+    pub wrinkles: bool,
     /// Mass per area at rest.
     pub mass: f64,
     /// Density and viscosity of its inside fluid, if specified by the structure.
@@ -111,6 +113,7 @@ impl Default for Traits {
             pulls: false,
             on_interface: false,
             carries_stretch: false,
+            wrinkles: false,
             mass: 0.0,
             own_fluid: [None; 2],
             resists_shear: false,

@@ -100,7 +100,7 @@ impl<const D: usize> Simulation<D> {
         let at = Place::new(&self.carried.space, &self.flow, &self.state.fields, self.state.time);
         let acting =
             self.carried.structures.iter_mut().enumerate().filter(|(k, s)| s.acts() && of(*k));
-        acting.map(|(_, s)| s.energy(&at, fine)).sum()
+        acting.map(|(_, s)| s.energy(&at, fine)).try_fold(0.0, |sum, e| Ok(sum + e?))
     }
 
     /// Rate of outflow of kinetic energy through the boundary.

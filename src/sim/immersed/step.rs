@@ -3,7 +3,7 @@
 use super::measure::Powers;
 use super::scheme::{Scheme, combine};
 use super::{Simulation, Work};
-use crate::base::{Phase, Result};
+use crate::base::{Kind, Phase, Result};
 use crate::fem::Cells;
 use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
@@ -36,7 +36,16 @@ impl<const D: usize> Simulation<D> {
         let mut work = std::mem::take(&mut self.work);
         let result = self.flow_step(&mut work);
         self.work = work;
-        result
+        result.map_err(|e| {
+            let (time, place) = (self.state.time, e.place().to_string());
+            match (e.kind(), place.as_str()) {
+                (Kind::Computation, "") => e.at(format!("time {time:.6}")),
+                (Kind::Computation, inner) if !inner.starts_with("time") => {
+                    e.at(format!("time {time:.6}, {inner}"))
+                }
+                _ => e,
+            }
+        })
     }
 
     fn flow_step(&mut self, work: &mut Work<D>) -> Result<StepReport> {
