@@ -1,6 +1,6 @@
 //! The regularised interface: delta and Heaviside functions, regularised density and viscosity.
 
-use crate::base::{Error, Result, Warning};
+use crate::base::{Error, Result, Warning, length, rounded};
 use crate::fem::Space;
 use nalgebra::SVector;
 use std::f64::consts::PI;
@@ -150,14 +150,16 @@ pub fn check_band<const D: usize>(
     let centre =
         vertices.iter().map(|&v| space.mesh().points()[v as usize]).sum::<crate::mesh::Point<D>>()
             / (D as f64 + 1.0);
-    let place = format!("cell {cell} (counted from 0) at {:.4?}", centre.as_slice());
-    let value = format!("half-width eps = {eps}, edge length h = {h:.4}, eps / h = {:.3}", eps / h);
+    let at: Vec<String> = centre.iter().map(|x| length(*x)).collect();
+    let place = format!("cell {cell} (counted from 0) at [{}]", at.join(", "));
+    let value =
+        format!("half-width eps = {eps}, edge length h = {}, eps / h = {:.3}", length(h), eps / h);
     let remedy = |limit: f64| {
         format!(
-            "set thickness >= {:.4}, or refine the mesh around the interface to edges <= {:.4} \
-             (for a generated mesh: {:.2} times as many cells in each direction)",
-            limit * h,
-            eps / limit,
+            "set thickness >= {}, or refine the mesh around the interface to edges <= {} (for a \
+             generated mesh: {:.2} times as many cells in each direction)",
+            length(limit * h),
+            length(eps / limit),
             limit * h / eps
         )
     };

@@ -6,12 +6,11 @@ use faer::dyn_stack::{MemBuffer, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 
-use super::memory::{available, readable};
 use super::single::Single;
 use super::size::{FactorSize, Precision};
 use super::substitution::Supernodes;
 use super::{Ordering, SymmetricMatrix};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, available_memory, readable_bytes};
 
 mod kernel;
 
@@ -68,7 +67,7 @@ impl Factor {
     /// Computation, if the factor does not fit into the available memory; internal, if the ordering
     /// does not belong to the matrix.
     pub fn analyse(matrix: &SymmetricMatrix, ordering: Ordering) -> Result<Factor> {
-        Factor::analyse_within(matrix, ordering, available())
+        Factor::analyse_within(matrix, ordering, available_memory())
     }
 
     /// [`analyse`](Factor::analyse) with a limit on the bytes that the factor may take, `None` for
@@ -344,10 +343,11 @@ impl Factor {
     }
 
     fn too_large(&self, limit: Option<usize>) -> Error {
-        let free = limit.map_or(String::new(), |limit| format!(", {} are free", readable(limit)));
+        let free =
+            limit.map_or(String::new(), |limit| format!(", {} are free", readable_bytes(limit)));
         Error::computation("the factor of a matrix does not fit into the memory")
             .at(format!("{} unknowns, {} entries in the factor", self.order(), self.nonzeros()))
-            .value(format!("{} are needed{free}", readable(self.bytes())))
+            .value(format!("{} are needed{free}", readable_bytes(self.bytes())))
             .remedy("use a coarser mesh, close other programs, or use a machine with more memory")
     }
 

@@ -1,10 +1,9 @@
 //! Choice of the solver of a saddle point by the available memory.
 
 use super::gmres::RESTART;
-use super::memory::{available, readable};
 use super::schur::{Saddle, Schur};
 use super::{Factor, FactorSize, Multipliers, Ordering, Precision, SymmetricMatrix};
-use crate::base::{Cause, Error, Result};
+use crate::base::{Cause, Error, Result, available_memory, readable_bytes};
 use std::fmt;
 
 /// Solver of a saddle point.
@@ -90,7 +89,7 @@ impl Engine {
         options: SolverOptions,
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<Engine> {
-        let limit = options.memory.or_else(available);
+        let limit = options.memory.or_else(available_memory);
         let mut tried = Vec::new();
         if options.kind != Some(SolverKind::Schur) {
             let mut factor = Factor::plan(matrix, Ordering::saddle_point(matrix, multipliers)?)?;
@@ -174,7 +173,7 @@ fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(SolverKind, usize)])
     let limit = limit.unwrap_or(usize::MAX);
     let needed: Vec<String> = tried
         .iter()
-        .map(|(kind, bytes)| format!("{} by {}", readable(*bytes), kind.name()))
+        .map(|(kind, bytes)| format!("{} by {}", readable_bytes(*bytes), kind.name()))
         .collect();
     let fitting = tried.iter().map(|(kind, bytes)| {
         let share = (limit as f64 / *bytes as f64).powf(1.0 / GROWTH);
@@ -187,7 +186,7 @@ fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(SolverKind, usize)])
     };
     let error = Error::computation("the factors of a matrix do not fit into the memory")
         .at(format!("{unknowns} unknowns"))
-        .value(format!("{} are needed, {} may be taken", needed.join(", "), readable(limit)))
+        .value(format!("{} are needed, {} may be taken", needed.join(", "), readable_bytes(limit)))
         .remedy(format!(
             "use a coarser mesh ({} would fit){other}, close other programs, or use a machine \
              with more memory",

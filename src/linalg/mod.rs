@@ -8,7 +8,6 @@ mod direct;
 mod engine;
 mod gmres;
 mod lagged;
-mod memory;
 mod metis;
 mod ordering;
 mod schur;

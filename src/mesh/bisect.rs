@@ -5,6 +5,7 @@ use super::{Mesh, Point, box_mesh};
 use crate::base::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 /// Largest number of cells; no solver of this crate takes more.
 const MOST_CELLS: usize = 20_000_000;
@@ -37,6 +38,9 @@ pub fn graded_box(
     wants: impl Fn(&[Point<3>; 4]) -> bool,
 ) -> Result<Mesh<3>> {
     let coarse = box_mesh(min, max, cells)?;
+    if coarse.cell_count() > MOST_CELLS {
+        return Err(too_many(coarse.cell_count() as f64));
+    }
     let mut bisection = Bisection::of_box(&coarse);
     while bisection.pass(|b, cell| wants(&b.corners(cell)))? {
         while bisection.pass(Bisection::is_cut)? {}
@@ -73,12 +77,25 @@ pub fn ball_in_box(
         )
         .value(format!("centre = {centre:?}, radius = {radius}, band = {band}, edge = {edge}")));
     }
+    // Cells of a volume edge^3/6 or more in the shell within the box; a tenth of that is certain.
+    let shell = 4.0 / 3.0 * PI * ((radius + band).powi(3) - (radius - band).max(0.0).powi(3));
+    let inside: f64 = (0..3).map(|i| max[i] - min[i]).product();
+    let least = 0.1 * shell.min(inside) / edge.powi(3);
+    if least > MOST_CELLS as f64 && radius + band < inside.cbrt() {
+        return Err(too_many(least));
+    }
     let centre = Point::<3>::from(centre);
     // Equality up to rounding suffices.
     let longest = edge * (1.0 + 1e-12);
     graded_box(min, max, cells, |v| {
         third_shortest_edge(v) > longest && meets_shell(v, &centre, radius, band)
     })
+}
+
+fn too_many(cells: f64) -> Error {
+    Error::scene("the mesh would have too many cells")
+        .value(format!("about {cells:.1e}, at most {MOST_CELLS:.1e} are made"))
+        .remedy("give a longer edge, a thinner band, or fewer cells")
 }
 
 fn third_shortest_edge(v: &[Point<3>; 4]) -> f64 {

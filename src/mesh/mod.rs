@@ -14,7 +14,7 @@ mod topology;
 pub use bisect::{ball_in_box, graded_box};
 pub use generate::{Diagonals, box_mesh, disc, rectangle};
 pub use locate::{Location, Locator, TOLERANCE};
-pub use quality::{Extreme, Quality, check};
+pub use quality::{Extreme, Quality, check, slit};
 pub use refine::refine;
 
 use crate::base::{Error, Result};

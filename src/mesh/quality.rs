@@ -54,7 +54,7 @@ pub fn check<const D: usize>(mesh: &Mesh<D>) -> (Quality<D>, Vec<Warning>) {
         small_angles(mesh, &quality.smallest_angle),
         reoriented(mesh),
         unused_points(mesh),
-        duplicated_points(mesh),
+        slit(mesh),
         unnamed_facets(mesh),
         (parts > 1).then(|| {
             let place = place(mesh, smallest_part);
@@ -192,7 +192,8 @@ fn unused_points<const D: usize>(mesh: &Mesh<D>) -> Option<Warning> {
     ))
 }
 
-fn duplicated_points<const D: usize>(mesh: &Mesh<D>) -> Option<Warning> {
+/// A warning if points stand at the place of others: the mesh has a slit there.
+pub fn slit<const D: usize>(mesh: &Mesh<D>) -> Option<Warning> {
     let mut first_at = HashMap::with_capacity(mesh.points().len());
     let mut pairs = Vec::new();
     for (i, p) in mesh.points().iter().enumerate() {

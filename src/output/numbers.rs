@@ -1,5 +1,8 @@
 //! Numbers for people: on axes and colour bars, in texts and tables.
 
+pub use crate::base::rounded;
+pub(super) use crate::base::trimmed;
+
 /// Round numbers in `[low, high]`, about `count` of them.
 pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
     let rough = (high - low) / count;
@@ -37,30 +40,9 @@ pub(super) fn tick_text(v: f64, step: f64, largest: f64) -> String {
     }
 }
 
-/// Without zeros at the end of the decimals, and without a negative zero.
-pub(super) fn trimmed(text: &str) -> String {
-    let text =
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text };
-    if text == "-0" { "0".into() } else { text.into() }
-}
-
 /// A number for people: six digits, without zeros at the end.
 pub(super) fn short(v: f64) -> String {
     rounded(v, 6)
-}
-
-/// A number for people, with at most `digits` digits and without zeros at the end.
-pub fn rounded(v: f64, digits: usize) -> String {
-    let last = digits.max(1) - 1;
-    // Rounded first: 9.9996 with four digits is 10.
-    let scientific = format!("{v:.last$e}");
-    let Some((mantissa, exponent)) = scientific.split_once('e') else { return v.to_string() };
-    match exponent.parse::<i32>() {
-        Ok(exponent) if (-3..6).contains(&exponent) => {
-            trimmed(&format!("{v:.*}", (last as i32 - exponent).max(0) as usize))
-        }
-        _ => format!("{}e{exponent}", trimmed(mantissa)),
-    }
 }
 
 /// A fraction in per cent for people, with at most `digits` digits.

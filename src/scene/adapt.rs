@@ -5,7 +5,7 @@ use super::placing::place;
 use super::schema::{Adapt, AdaptField};
 use super::site::Site;
 use super::view::View;
-use crate::base::{Error, Result, same};
+use crate::base::{Error, Result, length, same};
 use crate::fem::{self, Space};
 use crate::levelset::band_edges;
 use crate::mesh::adapt::{self, AdaptOptions, Metric};
@@ -66,7 +66,7 @@ impl Lengths {
         if edge > longest {
             let e =
                 Error::scene("the edges wanted at the interfaces are longer than any of the mesh")
-                    .value(format!("edge {edge}, longest edge {longest:.4}"))
+                    .value(format!("edge {edge}, longest edge {}", length(longest)))
                     .remedy("give a shorter mesh.adapt.edge, or a longer mesh.adapt.h_max");
             return Err(scene.blame(&["mesh", "adapt"], e));
         }

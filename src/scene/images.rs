@@ -1,6 +1,6 @@
 //! Shapes that continue through periodic sides.
 
-use crate::base::{Error, Result, parallel};
+use crate::base::{Error, Result, length, parallel};
 use crate::fem::{Space, Translation, image_shifts};
 use crate::levelset::Shape;
 use crate::mesh::Point;
@@ -79,8 +79,10 @@ impl<const D: usize> Images<D> {
                 if (here - there).abs() > tolerance {
                     return Err(Error::scene("the shape is not the same on both periodic sides")
                         .value(format!(
-                            "its distance is {here:.4} at {:.4?}, {there:.4} at {:.4?}",
+                            "its distance is {} at {:?}, {} at {:?}",
+                            length(here),
                             x.as_slice(),
+                            length(there),
                             y.as_slice()
                         ))
                         .remedy(

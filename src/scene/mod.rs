@@ -31,6 +31,7 @@ pub mod run;
 pub mod schema;
 mod script;
 mod shapes;
+mod sides;
 mod site;
 mod start;
 pub mod structures;

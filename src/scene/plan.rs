@@ -6,6 +6,7 @@ use super::meshing::cells;
 use super::schema::{Adapt, BallInBox, Block, Condition, MeshSource, Rectangle};
 use super::script::Script;
 use super::view::View;
+use crate::base::length;
 use crate::mesh::{Point, Quality};
 use crate::transport::Method;
 use std::fmt::Write;
@@ -42,8 +43,9 @@ pub(super) fn mesh<const D: usize>(
         format!("{source}{made}: {count} {}, {} points", cells(D), mesh.points().len()),
         format!("from ({}) to ({})", listed(&lo), listed(&hi)),
         format!(
-            "edges up to {:.4}, smallest angle {:.1} degrees",
-            q.greatest_diameter.value, q.smallest_angle.value
+            "edges up to {}, smallest angle {:.1} degrees",
+            length(q.greatest_diameter.value),
+            q.smallest_angle.value
         ),
         format!("boundary names: {}", names.join(", ")),
     ];
@@ -87,8 +89,12 @@ fn follows(adapt: &Adapt, lengths: &Lengths) -> String {
     });
     let growth = adapt.gradation;
     let mut text = format!(
-        "adapted {when}: edges of {edge:.4} across and {along:.4} along, up to {width:.4} from \
-         the interfaces, then growing by {growth} each to {longest:.4}"
+        "adapted {when}: edges of {} across and {} along, up to {} from the interfaces, then \
+         growing by {growth} each to {}",
+        length(*edge),
+        length(*along),
+        length(*width),
+        length(*longest)
     );
     if !adapt.fields.is_empty() {
         let target = match adapt.vertices {

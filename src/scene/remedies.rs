@@ -51,7 +51,14 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
         }
         Cause::BareBoundary => {
             let name = error.wrong_value().split(", ").next().unwrap_or_default();
-            return Some(format!("add [boundary.{name}] to the scene"));
+            let rest = match name {
+                "walls" => "add [boundary.walls] to the scene, such as no_slip = true".into(),
+                _ => format!(
+                    "add [boundary.{name}] to the scene, or [boundary.walls] no_slip = true, which \
+                     holds for all that has no condition of its own"
+                ),
+            };
+            return Some(rest);
         }
         Cause::CurvedBoundary => {
             "make the mesh finer where the boundary is curved, or correct mesh.geometry"

@@ -67,7 +67,8 @@ impl<'a, const D: usize> Site<'a, D> {
     pub fn placed(&self, shape: &Shape, keys: &[&str], may_end: bool) -> Result<Placed<D>> {
         let domain = self.mesh.bounding_box();
         let place = |e| self.script.blame(keys, e);
-        let open = may_end && matches!(shape, Shape::Expression(_));
+        let layered = matches!(shape, Shape::Expression(_));
+        let open = may_end && layered;
         let shape = shapes::shape(shape, domain).map_err(place)?;
         let (mut low, mut high) = shape.bounds();
         // A shape continues periodically through a periodic side.
@@ -76,7 +77,8 @@ impl<'a, const D: usize> Site<'a, D> {
                 (low[axis].max(domain.0[axis]), high[axis].min(domain.1[axis]));
         }
         if !open {
-            check_inside((low, high), domain, 0.0).map_err(place)?;
+            let inside = check_inside((low, high), domain, 0.0);
+            inside.map_err(|e| place(if layered { ends_on_walls(e) } else { e }))?;
         }
         let images = Images::new(shape, &self.space, &self.pairs);
         let nodal = images.nodal(&self.space, &self.pairs).map_err(place)?;
@@ -98,6 +100,17 @@ impl<'a, const D: usize> Site<'a, D> {
     pub fn wall_nodes(&self) -> Vec<u32> {
         wall_nodes(&self.space, &self.pairs)
     }
+}
+
+/// The error for a function whose zero set meets the boundary: a layer, which no shift brings in.
+fn ends_on_walls(e: Error) -> Error {
+    let side = e.place().to_string();
+    Error::scene(format!("the interface meets the boundary of the mesh, at the {side}"))
+        .value(e.wrong_value().to_string())
+        .remedy(
+            "interfaces that exert forces end on no wall: make the sides that it meets periodic, \
+             or write a function whose zero set is closed within the mesh",
+        )
 }
 
 /// Nodes on the boundary without periodic sides.

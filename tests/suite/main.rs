@@ -16,6 +16,7 @@ mod elements;
 mod examples;
 mod explain;
 mod failures;
+mod faults;
 mod flow;
 mod flow_in_space;
 mod fluid;

@@ -31,6 +31,7 @@ impl MshData {
             ))
             .remedy(format!("use a mesh of dimension {D}")));
         }
+        (D - 1..=D).try_for_each(|d| self.check_names(d))?;
         let (new, kept) = self.vertices_in_use(D);
         if D == 2 {
             self.check_plane(&kept)?;
@@ -112,6 +113,22 @@ impl MshData {
             ));
         }
         warnings
+    }
+
+    /// Rejects a name that is the number of another group, which has no name.
+    fn check_names(&self, dimension: usize) -> Result<()> {
+        let own = |number: i64| self.names.get(&(dimension, number)).filter(|n| !n.is_empty());
+        let groups = || self.groups.range((dimension, i64::MIN)..=(dimension, i64::MAX));
+        let clash = groups().find_map(|((_, named), _)| {
+            let number: i64 = own(*named)?.parse().ok()?;
+            let other = groups().any(|((_, n), _)| *n == number) && number != *named;
+            (other && own(number).is_none()).then_some((*named, number))
+        });
+        let Some((named, number)) = clash else { return Ok(()) };
+        Err(Error::input("the name of a physical group is the number of another one")
+            .at(&self.file)
+            .value(format!("group {named} has the name \"{number}\", group {number} has none"))
+            .remedy("give both names of their own"))
     }
 
     /// The name of a group, or its number.

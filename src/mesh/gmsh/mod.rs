@@ -1,5 +1,5 @@
 //! Meshes from gmsh: MSH files of version 2 and 4.1 in ASCII and binary, and of version 4.0 in
-//! ASCII.
+//! ASCII; and the `.msh` files of FreeFEM, which are another format.
 //!
 //! Triangles and tetrahedra of order 1 (of order 2 the vertices are used). Physical groups become
 //! regions (of the dimension of the mesh) and boundaries (one less). Other sections, `$Periodic`
@@ -9,6 +9,7 @@
 mod build;
 mod cursor;
 mod elements;
+mod freefem;
 mod version2;
 mod version4;
 
@@ -77,6 +78,12 @@ impl MshData {
     /// As [`MshData::read`].
     pub fn parse(bytes: &[u8], name: &str) -> Result<MshData> {
         let mut data = MshData { file: name.to_owned(), ..MshData::default() };
+        // Editors may put a byte order mark in front.
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        if freefem::is_mesh(bytes) {
+            data.read_freefem(bytes)?;
+            return Ok(data);
+        }
         let mut cursor = Cursor::new(name, bytes);
         let version = header(&mut cursor)?;
         let mut entities = version4::Entities::new();
@@ -254,6 +261,12 @@ fn find_format(cursor: &mut Cursor) -> Result<()> {
         match cursor.line().as_str() {
             "$MeshFormat" => return Ok(()),
             "$Comments" => cursor.skip_section("Comments")?,
+            "$NOD" => {
+                return Err(cursor
+                    .error(at, "this is an MSH file of version 1, which is not read")
+                    .value("$NOD")
+                    .remedy("convert it: gmsh FILE -save -format msh41 -o NEW.msh"));
+            }
             _ => {
                 return Err(cursor
                     .unexpected(at, "$MeshFormat: this is no MSH file of gmsh")

@@ -1,5 +1,6 @@
 //! The plan of an immersed flow.
 
+use crate::base::length;
 use crate::fem::Element;
 use crate::output::rounded;
 use crate::scene::Scene;
@@ -103,24 +104,26 @@ impl<const D: usize> FlowPlan<'_, D> {
             (false, true) => format!("BDF{} along characteristics, step {}", s.order, s.dt),
             (false, false) => format!("BDF{}, step {}", s.order, s.dt),
         }];
-        let derived =
-            self.velocity_scale.map(|u| format!(" (derived from the velocity scale {u:.4})"));
+        let derived = self
+            .velocity_scale
+            .map(|u| format!(" (derived from the velocity scale {})", length(u)));
         lines.push(format!(
-            "grad-div {:.4}{}: keeps the divergence small, which else feeds energy into a membrane",
-            s.grad_div,
+            "grad-div {}{}: keeps the divergence small, which else feeds energy into a membrane",
+            length(s.grad_div),
             derived.unwrap_or_default()
         ));
         if let (Some(eps), Some([fine, coarse])) = (self.limits.thickness, self.limits.band_edges) {
             let given = if scene.numerics.thickness.is_some() { "" } else { " (derived)" };
             let edge = match coarse - fine > 1e-12 * coarse {
-                true => format!("{fine:.4} to {coarse:.4}"),
-                false => format!("{fine:.4}"),
+                true => format!("{} to {}", length(fine), length(coarse)),
+                false => length(fine),
             };
             if self.is_stepped() || scene.acting().any(|s| !s.traits().on_interface) {
                 let edges = eps / coarse;
                 lines.push(format!(
-                    "band half-width {eps:.4}{given} on edges of {edge}: {edges:.2} edges; the \
-                     error it makes is of first order in it"
+                    "band half-width {}{given} on edges of {edge}: {edges:.2} edges; the error it \
+                     makes is of first order in it",
+                    length(eps)
                 ));
             } else {
                 let own = scene.numerics.thickness.filter(|_| scene.adapt.is_none());

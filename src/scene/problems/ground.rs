@@ -14,6 +14,7 @@ use crate::scene::meshing;
 pub(super) use crate::scene::placing::place;
 use crate::scene::schema::{self, Boundary, Condition, MeshSource};
 use crate::scene::script::Script;
+use crate::scene::sides;
 use crate::scene::site::{BAND, Placed, Site, vector};
 use crate::scene::structures::{Build, Traits, band_of, kind_in};
 use crate::sim::Transport;
@@ -66,6 +67,7 @@ pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option
     warnings.extend(unreached_profiles(scene));
     let mut site = Site::new(scene, mesh, quality)?;
     warnings.extend(check_inflow(scene, &site.mesh, &site.pairs)?);
+    warnings.extend(sides::check(scene, &site)?);
     check_map(scene, !site.pairs.is_empty())?;
     check_slice(scene, site.mesh.bounding_box())?;
     site.warnings = warnings;

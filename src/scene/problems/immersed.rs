@@ -6,7 +6,7 @@ use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{flow_advice, scales};
-use crate::base::{Error, Kind, PHASES, Result, Warning, fnv1a};
+use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a};
 use crate::flow::{BodyForce, Load, StepReport, traction};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
@@ -88,8 +88,17 @@ impl<const D: usize> ImmersedFlow<D> {
         let start = start(scene, &site)?;
         site.warnings.extend(start.warnings);
         let Site { mesh, quality, warnings, .. } = site;
-        let of_boundary = |e: Error| match e.kind() {
-            Kind::Scene => scene.blame(&["boundary"], e),
+        let bare = |e: &Error| {
+            let unnamed = ["walls", "unnamed"].contains(&e.wrong_value());
+            e.cause() == Some(Cause::BareBoundary) && unnamed
+        };
+        let of_boundary = |e: Error| match (e.kind(), bare(&e).then(|| mesh::slit(&mesh))) {
+            (_, Some(Some(slit))) => {
+                let what = "a part of the boundary has no condition: it is no side but a slit";
+                let e = Error::scene(what).value(slit.what).remedy(slit.remedy);
+                scene.blame(&["mesh"], e)
+            }
+            (Kind::Scene, _) => scene.blame(&["boundary"], e),
             _ => e,
         };
         let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))

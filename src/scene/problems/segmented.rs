@@ -2,7 +2,7 @@
 //! files written at the end.
 
 use super::{fields, ground};
-use crate::base::{Error, PHASES, Result, Warning, fnv1a};
+use crate::base::{Error, PHASES, Result, Warning, fnv1a, length};
 use crate::flow::StepReport;
 use crate::levelset::{
     Contour, Redistance, Redistancing, Segmentation, SegmentationWeights, band_edges,
@@ -141,7 +141,10 @@ impl<const D: usize> Problem for Segmented<D> {
                 "step {}, implicit in the length; one scalar matrix, factored in each step",
                 scene.time.step
             ),
-            format!("band half-width {eps:.4}{given}; a signed distance again after {rebuild}"),
+            format!(
+                "band half-width {}{given}; a signed distance again after {rebuild}",
+                length(eps)
+            ),
         ];
         let left_out =
             "flow, pressure and boundary conditions: an image is segmented, and nothing flows";

@@ -1,6 +1,6 @@
 //! Construction of structures on the mesh of a scene.
 
-use crate::base::{Error, Result, Warning};
+use crate::base::{Error, Result, Warning, length};
 use crate::elastic::{AreaLaw, Band, ContinuumForce, Membrane};
 use crate::flow::Fluid;
 use crate::levelset::{Interface, check_band};
@@ -88,7 +88,11 @@ impl<const D: usize> Build<'_, '_, D> {
                 return Ok(());
             }
             Err(Error::scene(format!("the band of `{name}` reaches the boundary of the mesh"))
-                .value(format!("half-width {reach}, distance to the boundary {margin:.4}"))
+                .value(format!(
+                    "half-width {}, distance to the boundary {}",
+                    length(reach),
+                    length(margin)
+                ))
                 .remedy("give a smaller thickness, move the shape, or enlarge the mesh"))
         });
         let script = self.site.script;
@@ -106,7 +110,8 @@ impl<const D: usize> Build<'_, '_, D> {
             if self.inside.is_some() && reach > WIDE * depth {
                 let what = format!(
                     "density and viscosity of `{name}` change over a band of half-width \
-                     {reach:.3e}, {:.2} of the depth of its inside",
+                     {}, {:.2} of the depth of its inside",
+                    length(reach),
                     reach / depth
                 );
                 let advice = "its error is of first order in this ratio and may be some percent: \
@@ -116,8 +121,10 @@ impl<const D: usize> Build<'_, '_, D> {
             return;
         }
         let what = format!(
-            "the band of `{name}` is thicker than what it surrounds: half-width {reach:.4}, \
-             largest distance from the interface inside {depth:.4}"
+            "the band of `{name}` is thicker than what it surrounds: half-width {}, largest \
+             distance from the interface inside {}",
+            length(reach),
+            length(depth)
         );
         let advice = "give a larger shape, or a smaller numerics.thickness on a finer mesh";
         self.site.warnings.push(Warning::new(what, advice));

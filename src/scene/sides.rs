@@ -1,0 +1,148 @@
+//! Checks of what drives a flow, on its mesh: values that stay finite, sides with two conditions,
+//! gravity that something holds.
+
+use super::Scene;
+use super::expression::Expression;
+use super::schema::{Boundary, Condition};
+use super::site::{Site, vector};
+use crate::base::{Error, Result, Warning, rounded};
+use crate::mesh::Point;
+use nalgebra::SVector;
+use std::collections::BTreeSet;
+
+/// Number of times, beside the start, at which values are looked at.
+const TIMES: usize = 256;
+/// Number of points at which they are looked at after the start.
+const POINTS: usize = 50;
+/// Component of gravity along a side, over gravity, that counts.
+const ALONG: f64 = 1e-6;
+
+/// Checks boundaries, forces and velocities; warnings about conditions and gravity.
+///
+/// # Errors
+/// A value that is not finite at the start or at a later time of the run.
+pub(super) fn check<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Vec<Warning>> {
+    let nodes = site.space.nodes();
+    for b in &scene.boundaries {
+        if let Condition::Velocity(v) = &b.condition {
+            let facets = site.mesh.boundary(&b.name)?;
+            let on = |f: &u32| site.space.facet_nodes(&site.mesh.facets()[*f as usize]);
+            let points: Vec<_> = facets.iter().flat_map(on).map(|n| nodes[n as usize]).collect();
+            let keys = ["boundary", &b.name, "velocity"];
+            check_finite(scene, (v, &points), &keys)?;
+        }
+    }
+    check_finite(scene, (&scene.fluid.force, nodes), &["fluid", "force"])?;
+    if let Some(v) = &scene.fluid.prescribed_velocity {
+        check_finite(scene, (v, nodes), &["fluid", "prescribed_velocity"])?;
+    }
+    let mut warnings = conflicts(scene, site)?;
+    warnings.extend(unheld(scene, site)?);
+    Ok(warnings)
+}
+
+/// Rejects a function that is not finite at time 0 somewhere, or later at some of the points.
+fn check_finite<const D: usize>(
+    scene: &Scene,
+    (v, points): (&[Expression], &[Point<D>]),
+    keys: &[&str],
+) -> Result<()> {
+    let f = vector::<D>(v);
+    let wrong = |x: &Point<D>, t: f64| (!f(x, t).iter().all(|c| c.is_finite())).then_some((*x, t));
+    let later = || {
+        let some = points.iter().step_by(points.len().div_ceil(POINTS).max(1));
+        some.flat_map(|x| times(scene).map(move |t| (x, t)))
+    };
+    let timed = v.iter().any(Expression::depends_on_time);
+    let at_start = points.iter().find_map(|x| wrong(x, 0.0));
+    let found = match (at_start, timed) {
+        (None, true) => later().find_map(|(x, t)| wrong(x, t)),
+        (found, _) => found,
+    };
+    let Some((x, t)) = found else { return Ok(()) };
+    let e = Error::scene(format!("`{}` is not finite at all times", keys.join(".")))
+        .value(format!("{:?} at {:?}, t = {}", f(&x, t).as_slice(), x.as_slice(), rounded(t, 6)))
+        .remedy(
+            "write an expression that is finite from t = 0 to time.end, such as if(t > 0, ..., 0)",
+        );
+    Err(scene.blame(keys, e))
+}
+
+/// The ends of the steps, or of a long run some times that are in phase with no oscillation, and
+/// the end.
+fn times(scene: &Scene) -> impl Iterator<Item = f64> + '_ {
+    let time = &scene.time;
+    let steps = time.end / time.step;
+    let all = time.tolerance.is_none() && steps <= TIMES as f64;
+    let count = if all { steps.round() as usize } else { TIMES };
+    let at = move |k: usize| match all {
+        true => k as f64 * time.step,
+        false => time.end * (k as f64 * 0.618_033_988_749_895).fract(),
+    };
+    (1..=count).map(at).chain([time.end])
+}
+
+/// A warning for each pair of conditions on the same facets, which are none of the union of all
+/// sides.
+fn conflicts<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Vec<Warning>> {
+    let mut warnings = Vec::new();
+    let named: Vec<(&Boundary, BTreeSet<u32>)> = scene
+        .boundaries
+        .iter()
+        .filter(|b| b.name != "walls")
+        .map(|b| Ok((b, site.mesh.boundary(&b.name)?.iter().copied().collect())))
+        .collect::<Result<_>>()?;
+    for (k, (a, of_a)) in named.iter().enumerate() {
+        for (b, of_b) in &named[k + 1..] {
+            let both = of_a.intersection(of_b).count();
+            if both == 0 || a.condition == b.condition {
+                continue;
+            }
+            // As fem::condition_of_facets has it: fewer facets first, then the later one.
+            let wins = if of_a.len() < of_b.len() { a } else { b };
+            let what = format!(
+                "boundary.{} and boundary.{} have conditions for the same {both} facets: that of \
+                 boundary.{} applies there",
+                a.name, b.name, wins.name
+            );
+            let remedy = "the smaller part wins, of equal ones the later: give each facet one name";
+            warnings.push(Warning::new(what, remedy));
+        }
+    }
+    Ok(warnings)
+}
+
+/// A warning if nothing holds the fluid against gravity: no wall at all, or an open side along
+/// which it acts.
+fn unheld<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Option<Warning>> {
+    let g = SVector::<f64, D>::from_iterator(scene.fluid.gravity.iter().copied());
+    if g.norm() == 0.0 || scene.fluid.is_prescribed() || scene.fluid.boussinesq {
+        return Ok(None);
+    }
+    let heavy = scene.fluids().any(|f| f.density > 0.0);
+    let none = |b: &Boundary| matches!(b.condition, Condition::Periodic(_));
+    if heavy && !scene.boundaries.is_empty() && scene.boundaries.iter().all(none) {
+        return Ok(Some(Warning::new(
+            "all sides are periodic: nothing holds the fluid against gravity, and it falls freely",
+            "give a fluid.force that holds the weight, (0, density*g) for gravity (0, -g), or a wall",
+        )));
+    }
+    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
+    for b in open.filter(|_| heavy) {
+        let along = |f: &u32| {
+            let (n, _) = site.mesh.facet_normal(&site.mesh.facets()[*f as usize]);
+            (g - n * n.dot(&g)).norm() > ALONG * g.norm()
+        };
+        if site.mesh.boundary(&b.name)?.iter().any(along) {
+            let what = format!(
+                "gravity acts along the open side boundary.{}, which has the same pressure from \
+                 top to bottom: the fluid pours out below and comes in above",
+                b.name
+            );
+            let remedy = "give a fluid.force that holds the weight, or fluid.boussinesq = true, \
+                or make the side a wall";
+            return Ok(Some(Warning::new(what, remedy)));
+        }
+    }
+    Ok(None)
+}
