@@ -95,12 +95,15 @@ impl<const D: usize> RestDensity<D> {
             Some(density) => host.space.nodes().iter().map(density).collect(),
             None => vec![1.0 / of.stretch; host.space.len()],
         };
-        // Far from the interface a function may have any values.
-        let at = |p: &SurfacePoint<D>| host.space.value(&values, p.at.cell, &p.at.barycentric);
-        let points = surface(host.space, &of.phi)?;
-        let amount: f64 = points.iter().map(|p| p.at.weight * at(p).abs()).sum();
-        let size: f64 = points.iter().map(|p| p.at.weight).sum();
-        self.least = if size > 0.0 { THINNEST * amount / size } else { 0.0 };
+        // Far from the interface a function may have any values. On a later mesh the level set at
+        // time 0 is not known, and the least density is.
+        if of.phi.len() == host.space.len() {
+            let at = |p: &SurfacePoint<D>| host.space.value(&values, p.at.cell, &p.at.barycentric);
+            let points = surface(host.space, &of.phi)?;
+            let amount: f64 = points.iter().map(|p| p.at.weight * at(p).abs()).sum();
+            let size: f64 = points.iter().map(|p| p.at.weight).sum();
+            self.least = if size > 0.0 { THINNEST * amount / size } else { 0.0 };
+        }
         self.field = fields.add(&of.field_name("rest_density"), rule, || Data::Scalar(values));
         Ok(())
     }

@@ -152,8 +152,12 @@ pub fn check_band<const D: usize>(
             / (D as f64 + 1.0);
     let at: Vec<String> = centre.iter().map(|x| length(*x)).collect();
     let place = format!("cell {cell} (counted from 0) at [{}]", at.join(", "));
-    let value =
-        format!("half-width eps = {eps}, edge length h = {}, eps / h = {:.3}", length(h), eps / h);
+    let value = format!(
+        "half-width eps = {}, edge length h = {}, eps / h = {:.3}",
+        rounded(eps, 6),
+        length(h),
+        eps / h
+    );
     let remedy = |limit: f64| {
         format!(
             "set thickness >= {}, or refine the mesh around the interface to edges <= {} (for a \

@@ -354,7 +354,7 @@ impl<'a> Run<'a> {
                 ));
             }
         }
-        let (elastic, time) = self.record.worst_elastic;
+        let (elastic, time) = self.record.worst_elastic();
         if alarms.is_empty() && elastic.abs() > ENERGY_ALARM {
             let (what, remedy) = match elastic > 0.0 {
                 true => ("is spurious", &advice.energy),

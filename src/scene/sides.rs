@@ -60,11 +60,13 @@ fn check_finite<const D: usize>(
         (found, _) => found,
     };
     let Some((x, t)) = found else { return Ok(()) };
-    let e = Error::scene(format!("`{}` is not finite at all times", keys.join(".")))
+    let (what, remedy) = match t > 0.0 {
+        true => ("is not finite at all times", "that is finite from t = 0 to time.end"),
+        false => ("has no finite value everywhere", "that is finite on the whole mesh at t = 0"),
+    };
+    let e = Error::scene(format!("`{}` {what}", keys.join(".")))
         .value(format!("{:?} at {:?}, t = {}", f(&x, t).as_slice(), x.as_slice(), rounded(t, 6)))
-        .remedy(
-            "write an expression that is finite from t = 0 to time.end, such as if(t > 0, ..., 0)",
-        );
+        .remedy(format!("write an expression {remedy}, such as if(t > 0, ..., 0)"));
     Err(scene.blame(keys, e))
 }
 

@@ -87,17 +87,23 @@ impl EnergyBalance {
     pub fn residual(&self, now: &Energies) -> f64 {
         self.share(self.spurious(now))
     }
-    /// Elastic energy that the flow has not put in, over that at time 0 and all that flow and
-    /// structures have exchanged since; negative if it has vanished. In a flow that walls or forces
-    /// drive, a structure may lose what it stores while [`residual`](Self::residual) stays small.
-    pub fn elastic_residual(&self, now: &Energies) -> f64 {
+    /// Elastic energy that the flow has not put in, negative if it has vanished; and that in play:
+    /// what was there at time 0 and all that flow and structures have exchanged since. In a flow
+    /// that walls or forces drive, a structure may lose what it stores while
+    /// [`residual`](Self::residual) stays small.
+    pub fn elastic(&self, now: &Energies) -> [f64; 2] {
         let all = self.initial.abs() + self.exchanged;
         let least = self.least.max(NEGLIGIBLE * all);
         let in_play = (self.elastic_initial.abs() + self.elastic_traffic).max(least);
         match self.elastic_traffic > 0.0 {
-            true => (now.elastic - self.elastic_initial - self.elastic_work) / in_play,
-            false => 0.0,
+            true => [now.elastic - self.elastic_initial - self.elastic_work, in_play],
+            false => [0.0, in_play],
         }
+    }
+    /// Spurious elastic energy over that in play.
+    pub fn elastic_residual(&self, now: &Energies) -> f64 {
+        let [spurious, in_play] = self.elastic(now);
+        if in_play > 0.0 { spurious / in_play } else { 0.0 }
     }
 }
 

@@ -41,10 +41,13 @@ pub(super) struct Record {
     /// The residual after the last step, without the start.
     #[serde(default)]
     pub last_balance: f64,
-    /// The largest residual of the elastic energy, of either sign, since the energy exchanged has
-    /// become larger than that stored, and its time.
+    /// Spurious elastic energy where it was largest of that in play, that in play, and the time:
+    /// while the latter was between powers of two with this exponent.
     #[serde(default)]
-    pub worst_elastic: (f64, f64),
+    pub elastic: BTreeMap<i32, [f64; 3]>,
+    /// The largest elastic energy.
+    #[serde(default)]
+    pub largest_elastic: f64,
     /// Enclosed areas (in space: volumes) at the start.
     pub area: BTreeMap<String, f64>,
     /// Largest relative change of an enclosed area, with its sign.
@@ -162,14 +165,27 @@ impl Record {
             self.start = spurious.min(0.0);
         }
         self.last_balance = budget.share(spurious - self.start);
-        let elastic = budget.elastic_residual(&e);
-        // While a motion sets in what is exchanged is small: so may a later loss be.
-        let judged = budget.elastic_traffic > e.elastic.max(budget.elastic_initial);
-        if judged && elastic.abs() > self.worst_elastic.0.abs() {
-            self.worst_elastic = (elastic, problem.moment().time);
+        self.largest_elastic = self.largest_elastic.max(e.elastic);
+        let [spurious, in_play] = budget.elastic(&e);
+        if in_play > 0.0 {
+            let kept = self.elastic.entry(in_play.log2().floor() as i32).or_default();
+            if spurious.abs() * kept[1] >= kept[0].abs() * in_play {
+                *kept = [spurious, in_play, problem.moment().time];
+            }
         }
         self.worst_balance = self.worst_balance.max(self.last_balance);
         self.least_balance = self.least_balance.min(budget.share(spurious));
+    }
+
+    /// The largest spurious elastic energy over that in play, of either sign, and its time. What
+    /// was in play while a motion set in counts as what was stored later: the errors of the first
+    /// steps are no share of it, and those of later ones do not fade with the length of the run.
+    pub(super) fn worst_elastic(&self) -> (f64, f64) {
+        let share = |[spurious, in_play, time]: &[f64; 3]| {
+            (spurious / in_play.max(self.largest_elastic), *time)
+        };
+        let all = self.elastic.values().map(share);
+        all.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or_default()
     }
 
     /// Records the elastic waves that a step is too long for.
