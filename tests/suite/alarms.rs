@@ -246,7 +246,7 @@ fn a_drop_that_comes_into_coarse_cells_is_told_when_it_does() {
         said(&scene(&mesh, "viscosity = 0.05\ninitial_velocity = [1, 0]", &rest))
     };
     let time = |told: &str| -> f64 {
-        let after = told.split("at t = ").nth(1).unwrap_or_else(|| panic!("{told}"));
+        let after = told.rsplit("at t = ").next().unwrap_or_else(|| panic!("{told}"));
         after.split(". ").next().unwrap().parse().unwrap()
     };
     let smeared = drop("smeared");

@@ -166,11 +166,11 @@ impl Record {
         }
         self.last_balance = budget.share(spurious - self.start);
         self.largest_elastic = self.largest_elastic.max(e.elastic);
-        let [spurious, in_play] = budget.elastic(&e);
+        let [elastic, in_play] = budget.elastic(&e);
         if in_play > 0.0 {
             let kept = self.elastic.entry(in_play.log2().floor() as i32).or_default();
-            if spurious.abs() * kept[1] >= kept[0].abs() * in_play {
-                *kept = [spurious, in_play, problem.moment().time];
+            if elastic.abs() * kept[1] >= kept[0].abs() * in_play {
+                *kept = [elastic, in_play, problem.moment().time];
             }
         }
         self.worst_balance = self.worst_balance.max(self.last_balance);
