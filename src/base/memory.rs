@@ -6,22 +6,19 @@ use std::fs::read_to_string;
 /// of its control group (versions 1 and 2) and of its address space (`ulimit -v`); `None` if the
 /// system does not report them.
 pub fn available_memory() -> Option<usize> {
-    let of_machine = || parse(&read_to_string("/proc/meminfo").ok()?);
+    let of_machine = || kibibytes(&read_to_string("/proc/meminfo").ok()?, "MemAvailable:");
     let number = |path: &str| read_to_string(path).ok()?.trim().parse::<usize>().ok();
     // Files in the cache are given back when memory is short.
-    let cached = |path: &str, key: &str| -> usize {
-        let text = read_to_string(path).unwrap_or_default();
-        let of = |line: &str| {
-            line.strip_prefix(key)?.strip_prefix("active_file ")?.parse::<usize>().ok()
+    let cached = |path: &str, prefix: &str| -> usize {
+        let of_file = |line: &str| {
+            let (key, bytes) = line.strip_prefix(prefix)?.split_once(' ')?;
+            ["active_file", "inactive_file"].contains(&key).then(|| bytes.parse::<usize>().ok())?
         };
-        let idle = |line: &str| {
-            line.strip_prefix(key)?.strip_prefix("inactive_file ")?.parse::<usize>().ok()
-        };
-        text.lines().filter_map(|line| of(line).or_else(|| idle(line))).sum::<usize>()
+        read_to_string(path).unwrap_or_default().lines().filter_map(of_file).sum()
     };
-    let of_group = |folder: &str, [limit, used]: [&str; 2], key: &str| {
+    let of_group = |folder: &str, [limit, used]: [&str; 2], prefix: &str| {
         let file = |name: &str| format!("/sys/fs/cgroup/{folder}{name}");
-        let used = number(&file(used))?.saturating_sub(cached(&file("memory.stat"), key));
+        let used = number(&file(used))?.saturating_sub(cached(&file("memory.stat"), prefix));
         Some(number(&file(limit))?.saturating_sub(used))
     };
     let two = of_group("", ["memory.max", "memory.current"], "");
@@ -34,14 +31,13 @@ fn of_address_space() -> Option<usize> {
     let limits = read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: usize = line.split_whitespace().next()?.parse().ok()?;
-    let status = read_to_string("/proc/self/status").ok()?;
-    let used = status.lines().find_map(|line| line.strip_prefix("VmSize:"))?;
-    let used: usize = used.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(limit.saturating_sub(used.checked_mul(1024)?))
+    let used = kibibytes(&read_to_string("/proc/self/status").ok()?, "VmSize:")?;
+    Some(limit.saturating_sub(used))
 }
 
-fn parse(meminfo: &str) -> Option<usize> {
-    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+/// The bytes of a line `KEY NUMBER kB` of a file of `/proc`.
+fn kibibytes(text: &str, key: &str) -> Option<usize> {
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     let kibibytes: usize = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kibibytes.checked_mul(1024)
 }
@@ -63,9 +59,12 @@ mod tests {
 
     #[test]
     fn available_memory_is_read_from_its_line() {
-        assert_eq!(parse("MemTotal: 8 kB\nMemAvailable:   1234 kB\n"), Some(1234 * 1024));
-        assert_eq!(parse("MemTotal: 8 kB\n"), None);
-        assert_eq!(parse("MemAvailable: lots kB\n"), None);
+        assert_eq!(
+            kibibytes("MemTotal: 8 kB\nMemAvailable:   1234 kB\n", "MemAvailable:"),
+            Some(1234 * 1024)
+        );
+        assert_eq!(kibibytes("MemTotal: 8 kB\n", "MemAvailable:"), None);
+        assert_eq!(kibibytes("MemAvailable: lots kB\n", "MemAvailable:"), None);
     }
 
     #[test]

@@ -125,8 +125,8 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// A flag that Ctrl-C, SIGTERM and SIGHUP set; when it comes again the program ends at once, the last checkpoint being
-/// still there.
+/// A flag that Ctrl-C, SIGTERM and SIGHUP set; when one comes again the program ends at once, the
+/// last checkpoint being still there.
 fn stop_on_interrupt() -> &'static AtomicBool {
     static STOP: AtomicBool = AtomicBool::new(false);
     // Without a handler Ctrl-C ends the program at once, too.

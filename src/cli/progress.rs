@@ -2,15 +2,12 @@
 
 use crate::base::Warning;
 use crate::output::rounded;
-use crate::scene::run::{Observer, Outcome};
+use crate::scene::run::{Observer, Outcome, is_told};
 use crate::studies::{self, Listener, Trial};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::time::Instant;
-
-/// Shares of the steps after which a plain line is printed.
-const LINES: usize = 10;
 
 /// Prints progress on standard error, results on standard output.
 pub(super) struct Progress {
@@ -102,7 +99,7 @@ impl Observer for Progress {
             });
             bar.set_message(format!("t = {time:.4}"));
             bar.set_position(step as u64);
-        } else if step == steps || step * LINES / steps > (step - 1) * LINES / steps {
+        } else if is_told(step, steps) {
             let spent = self.start.elapsed().as_secs_f64();
             let left = spent * (steps - step) as f64 / (step - first).max(1) as f64;
             self.line(&format!("step {step} of {steps}, t = {time:.4}, about {left:.0} s left"));

@@ -134,6 +134,19 @@ impl<const D: usize> SharpMembrane<D> {
         self.dissipation = self.points.iter().zip(&self.stretch).map(lost).sum();
         Ok(())
     }
+    /// Prepares the force of an interface, which errors name; implicit over a step.
+    fn prepare_at(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        implicit: Option<f64>,
+    ) -> Result<()> {
+        let (phi, density) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
+        self.prepare(at.space, phi, density, implicit).map_err(|e| {
+            let place = format!("`{}`, {}", of.name, e.place());
+            e.at(place)
+        })
+    }
     /// Rejects a surfactant so dense that nothing is left of the tension.
     fn check_tension(&self) -> Result<()> {
         let AreaLaw::Surfactant { tension, elasticity } = self.law else { return Ok(()) };
@@ -208,12 +221,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         self
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
-        let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);
-        let (phi, density) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
-        SharpMembrane::prepare(self, at.space, phi, density, implicit).map_err(|e| {
-            let place = format!("`{}`, {}", of.name, e.place());
-            e.at(place)
-        })
+        self.prepare_at(of, at, at.step.filter(|_| of.coupling == Coupling::Implicit))
     }
     /// Moves the level set onto the points of the interface that were carried by the fluid, and
     /// carries the length at rest with its slip; constant tension does not depend on it.
@@ -240,8 +248,7 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
         at: &Place<'_, D>,
         _: &Basis<D>,
     ) -> Result<f64> {
-        let (phi, density) = (at.fields.scalar(of.level_set()), at.fields.scalar(self.rest.field));
-        SharpMembrane::prepare(self, at.space, phi, density, None)?;
+        self.prepare_at(of, at, None)?;
         Ok(SharpMembrane::energy(self))
     }
     fn dissipation(&self) -> f64 {

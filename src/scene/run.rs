@@ -43,6 +43,14 @@ pub trait Observer {
     fn phase(&mut self, what: &str);
 }
 
+/// Shares of the steps after which the progress is told in lines.
+const LINES: usize = 10;
+
+/// True if the progress is told in a line after this step.
+pub fn is_told(step: usize, steps: usize) -> bool {
+    step == steps || step * LINES / steps > (step - 1) * LINES / steps
+}
+
 /// What becomes of an earlier run in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Earlier {

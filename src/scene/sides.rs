@@ -33,6 +33,8 @@ pub(super) fn check<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result
         }
     }
     check_finite(scene, (&scene.fluid.force, nodes), &["fluid", "force"])?;
+    let initial = &scene.fluid.initial_velocity;
+    check_finite(scene, (initial, nodes), &["fluid", "initial_velocity"])?;
     if let Some(v) = &scene.fluid.prescribed_velocity {
         check_finite(scene, (v, nodes), &["fluid", "prescribed_velocity"])?;
     }
@@ -79,9 +81,15 @@ fn times(scene: &Scene) -> impl Iterator<Item = f64> + '_ {
     let count = if all { steps.round() as usize } else { TIMES };
     let at = move |k: usize| match all {
         true => k as f64 * time.step,
-        false => time.end * (k as f64 * 0.618_033_988_749_895).fract(),
+        false => time.end * spread(k),
     };
     (1..=count).map(at).chain([time.end])
+}
+
+/// Number `k` of a sequence in [0, 1) that is in phase with no oscillation: a multiple of the golden
+/// ratio.
+pub(super) fn spread(k: usize) -> f64 {
+    (k as f64 * 0.618_033_988_749_895).fract()
 }
 
 /// A warning for each pair of conditions on the same facets, which are none of the union of all

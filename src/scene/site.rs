@@ -85,17 +85,6 @@ impl<'a, const D: usize> Site<'a, D> {
         Ok(Placed { nodal, function: Arc::new(move |x: &Point<D>| images.distance(x)) })
     }
 
-    /// Rejects an expression of `[fluid]` without a finite value at some node at time 0.
-    pub fn check_finite(&self, key: &str, v: &[Expression]) -> Result<()> {
-        let f = vector(v);
-        let bad = self.space.nodes().iter().find(|x| !f(x, 0.0).iter().all(|c| c.is_finite()));
-        let Some(x) = bad else { return Ok(()) };
-        let e = Error::scene(format!("`fluid.{key}` has no finite value everywhere"))
-            .value(format!("{:?} at {:?}, t = 0", f(x, 0.0).as_slice(), x.as_slice()))
-            .remedy("write an expression that is finite on the whole mesh");
-        Err(self.script.blame(&["fluid", key], e))
-    }
-
     /// Nodes on the boundary without periodic sides.
     pub fn wall_nodes(&self) -> Vec<u32> {
         wall_nodes(&self.space, &self.pairs)

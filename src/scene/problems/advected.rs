@@ -48,7 +48,6 @@ impl<const D: usize> Advected<D> {
         let Some(velocity) = &scene.fluid.prescribed_velocity else {
             return Err(Error::internal("no velocity is prescribed"));
         };
-        site.check_finite("prescribed_velocity", velocity)?;
         let placed = ground::place(scene, &site)?;
         let structures = ground::structures(scene, &mut site, placed, None)?;
         let takes_in = ground::inflow(scene, &site.mesh, &site.pairs).is_some();

@@ -82,8 +82,6 @@ impl<const D: usize> ImmersedFlow<D> {
         let settings = settings(scene, &site, grad_div);
         let of_coupling = settings.check_couplings(&structures);
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
-        site.check_finite("initial_velocity", &scene.fluid.initial_velocity)?;
-        site.check_finite("force", &scene.fluid.force)?;
         let initial = vector(&scene.fluid.initial_velocity);
         let start = start(scene, &site)?;
         site.warnings.extend(start.warnings);

@@ -2,6 +2,7 @@
 
 use crate::scene::Scene;
 use crate::scene::schema::Condition;
+use crate::scene::sides::spread;
 use crate::scene::site::{Site, vector};
 use crate::scene::structures::Traits;
 use nalgebra::SVector;
@@ -37,9 +38,8 @@ pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64
             let v = vector(v);
             for &f in facets {
                 for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
-                    // Multiples of the golden ratio are not in phase with any oscillation.
                     for k in 0..SAMPLES {
-                        let t = scene.time.end * (k as f64 * 0.618_033_988_749_895).fract();
+                        let t = scene.time.end * spread(k);
                         speed = speed.max(v(&site.space.nodes()[n as usize], t).norm());
                     }
                 }

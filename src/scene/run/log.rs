@@ -1,14 +1,11 @@
 //! The log of a run: what was told while it ran, with times.
 
-use super::Observer;
+use super::{Observer, is_told};
 use crate::base::{Error, Result, Warning};
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::Path;
 use std::time::SystemTime;
-
-/// Shares of the steps after which the progress is noted.
-const LINES: usize = 10;
 
 /// Writes to a file what it hands on to another observer. A log that cannot be written is no reason
 /// to end a run.
@@ -61,7 +58,7 @@ impl Observer for Log<'_> {
         self.to.warning(warning);
     }
     fn progress(&mut self, step: usize, steps: usize, time: f64) {
-        if step == steps || step * LINES / steps > (step - 1) * LINES / steps {
+        if is_told(step, steps) {
             self.note(&format!("step {step} of {steps}, t = {time}"));
         }
         self.to.progress(step, steps, time);

@@ -202,8 +202,8 @@ impl Record {
         }
     }
 
-    /// Records the structures that leave the domain.
-    /// Returns what is to be told of those that were not known to.
+    /// Records the structures that leave the domain, and returns what is to be told of those that
+    /// were not known to.
     pub(super) fn note_leaving(&mut self, problem: &dyn Problem) -> Vec<Warning> {
         let (time, mut told) = (problem.moment().time, Vec::new());
         for name in problem.leaving() {
