@@ -10,7 +10,7 @@ use nalgebra::{ArrayStorage, SVector};
 const DEGREE: usize = 5;
 
 /// Calls `f(facet, barycentric, weight * size)` at the quadrature points of facets.
-fn over_boundary<const D: usize>(
+pub(super) fn over_boundary<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[u32],
     mut f: impl FnMut(&Facet, &[f64; 4], f64),
@@ -75,15 +75,47 @@ pub fn traction<const D: usize>(
     let mesh = velocity.mesh();
     let mut load = Load::ZERO;
     over_boundary(mesh, mesh.boundary(name)?, |facet, l, w| {
-        let c = facet.cell as usize;
-        let (n, _) = mesh.facet_normal(facet);
-        let grad = velocity.jacobian(&state.u, c, l);
-        let p = pressure.value(&state.p, c, l);
-        let force = ((grad + grad.transpose()) * n * viscosity(c, l) - n * p) * (-w);
+        let force = stress_on(velocity, pressure, &viscosity, state, facet, l) * -w;
         let x = mesh.point_at(&Location { cell: facet.cell, barycentric: *l });
         load.add(&(x - about), &force);
     });
     Ok(load)
+}
+
+/// Forces that the fluid exerts on `facets`, `-int (2 mu D(u) - p) n N_a ds`, at those of their
+/// nodes for which `at` is true: what a residual at a node that several boundaries share owes to
+/// these facets. The list may name a node several times.
+pub fn nodal_traction<const D: usize>(
+    [velocity, pressure]: [&Space<D>; 2],
+    viscosity: impl Fn(usize, &[f64; 4]) -> f64,
+    state: &FlowState<D>,
+    facets: &[u32],
+    at: impl Fn(u32) -> bool,
+) -> Vec<(u32, SVector<f64, D>)> {
+    let mut loads = Vec::new();
+    over_boundary(velocity.mesh(), facets, |facet, l, w| {
+        let c = facet.cell as usize;
+        let force = stress_on(velocity, pressure, &viscosity, state, facet, l) * -w;
+        let shapes = velocity.element().values::<D>(l);
+        let shared = velocity.cell_nodes(c).iter().zip(shapes).filter(|(n, _)| at(**n));
+        loads.extend(shared.map(|(&n, shape)| (n, force * shape)));
+    });
+    loads
+}
+
+/// `(2 mu D(u) - p) n` at a point of a facet, with `n` outward from the fluid.
+fn stress_on<const D: usize>(
+    velocity: &Space<D>,
+    pressure: &Space<D>,
+    viscosity: &impl Fn(usize, &[f64; 4]) -> f64,
+    state: &FlowState<D>,
+    facet: &Facet,
+    l: &[f64; 4],
+) -> SVector<f64, D> {
+    let c = facet.cell as usize;
+    let (n, _) = velocity.mesh().facet_normal(facet);
+    let grad = velocity.jacobian(&state.u, c, l);
+    (grad + grad.transpose()) * n * viscosity(c, l) - n * pressure.value(&state.p, c, l)
 }
 
 /// Rate of outflow of kinetic energy through the boundary, `int rho |u|^2 / 2 u . n ds`. `density`

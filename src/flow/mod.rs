@@ -1,6 +1,7 @@
 //! Incompressible flow with P2-P1 Taylor-Hood elements. Structures act on it through
 //! [`MomentumTerm`](term::MomentumTerm) and [`Block`](block::Block) only.
 
+mod backflow;
 pub mod block;
 mod boundary;
 mod coefficient;
@@ -9,7 +10,8 @@ mod solver;
 mod step;
 pub mod term;
 
-pub use boundary::{Load, flux, kinetic_outflow, traction};
+pub use backflow::Backflow;
+pub use boundary::{Load, flux, kinetic_outflow, nodal_traction, traction};
 pub use coefficient::{Coefficient, Fluid};
 pub use pressure::nodal_pressure;
 pub use solver::FlowSolver;

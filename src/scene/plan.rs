@@ -118,7 +118,7 @@ pub(super) fn boundaries(script: &Script) -> Vec<String> {
         }
         Condition::NoSlip => "no slip".into(),
         Condition::Slip => "slip".into(),
-        Condition::Open => "open (no stress)".into(),
+        Condition::Open => "open (no stress where fluid leaves)".into(),
         Condition::Periodic(other) => format!("periodic with {other}"),
     };
     let line =

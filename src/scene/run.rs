@@ -184,7 +184,8 @@ impl<'a> Run<'a> {
         if fresh {
             run.record.note_mesh(&*run.problem);
             run.record.note_waves(&*run.problem);
-            run.record.note_leaving(&*run.problem).iter().for_each(|w| observer.warning(w));
+            let told = run.record.note_open_sides(&*run.problem)?;
+            told.iter().for_each(|w| observer.warning(w));
             run.sample(0)?;
         }
         Ok(run)
@@ -230,7 +231,7 @@ impl<'a> Run<'a> {
             }
             self.record.note_rise(before, &*self.problem);
             self.record.note_waves(&*self.problem);
-            let told = self.record.note_leaving(&*self.problem);
+            let told = self.record.note_open_sides(&*self.problem)?;
             told.iter().for_each(|w| observer.warning(w));
             self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
             let elapsed = self.saved.elapsed().as_secs_f64();

@@ -10,7 +10,7 @@ use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x07";
+const MAGIC: &[u8; 8] = b"immersa\x08";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
@@ -31,8 +31,9 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         self.fields.write(&mut out);
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { fields, weight, dt, solve_cost: l }) = &self.factored {
+        if let Some(Factored { fields, backflow, weight, dt, solve_cost: l }) = &self.factored {
             fields.write(&mut out);
+            out.numbers(backflow);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
         let (e, b) = (self.energies, self.balance);
@@ -102,11 +103,11 @@ impl<const D: usize> State<D> {
         let factored = match from.integer()? {
             0 => None,
             _ => {
-                let fields = Fields::read(from)?;
+                let (fields, backflow) = (Fields::read(from)?, from.numbers()?);
                 let [weight, dt, solves, spent, last, hold, failures] =
                     from.numbers()?.try_into().ok()?;
                 let solve_cost = SolveCost { solves, spent, last, hold, failures };
-                Some(Factored { fields, weight, dt, solve_cost })
+                Some(Factored { fields, backflow, weight, dt, solve_cost })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] =
@@ -173,6 +174,7 @@ mod tests {
             fields: fields(1.0),
             factored: Some(Factored {
                 fields: fields(3.0),
+                backflow: vec![0.0, 0.5],
                 weight: 1.5,
                 dt: 0.1,
                 solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },

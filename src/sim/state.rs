@@ -23,6 +23,8 @@ pub struct Pace<const D: usize> {
 pub struct Factored<const D: usize> {
     /// Fields of the structures.
     pub fields: Fields<D>,
+    /// Rates of the fluid that comes in through open sides.
+    pub backflow: Vec<f64>,
     /// Coefficient of the new velocity in the discrete time derivative, over the step.
     pub weight: f64,
     /// The step.

@@ -3,6 +3,7 @@
 use super::program::*;
 use immersa::mesh::{Diagonals, freefem, gmsh, rectangle};
 use std::fs;
+use std::path::Path;
 use tempfile::TempDir;
 
 /// `immersa explain` of a scene, with a file `m.msh` beside it.
@@ -10,6 +11,13 @@ fn explained(scene: &str, mesh: &str) -> Ended {
     let folder = folder_with(scene);
     fs::write(folder.path().join("m.msh"), mesh).unwrap();
     immersa(folder.path(), &["explain", "scene.toml"])
+}
+
+/// A column of the series of a run.
+fn column(run: &Path, name: &str) -> Vec<f64> {
+    let series = series(run);
+    let k = series.names.iter().position(|n| n == name).unwrap();
+    series.columns[k].clone()
 }
 
 const REST: &str = "[fluid]\ndensity = 1\nviscosity = 1\n[time]\nend = 0.5\nstep = 0.05\n";
@@ -234,4 +242,84 @@ fn meshes_without_bounds_are_refused_before_they_are_made() {
     explained(&scene(block), "").expect(2, &["does not fit into the memory", "fewer cells"]);
     let plane = "rectangle = { min = [0, 0], max = [1, 1], cells = [100000, 100000] }";
     explained(&scene(plane), "").expect(2, &["does not fit into the memory", "fewer cells"]);
+}
+
+/// 02-backflow-open-side: a vortex that a stream carries out through an open side.
+#[test]
+fn a_vortex_leaves_through_an_open_side() {
+    let scene = r#"
+        constants = { r0 = 0.15, A = 20.0 }
+        mesh.rectangle = { min = [0, 0], max = [2, 1], cells = [48, 24] }
+        boundary.left.velocity = [0.5, 0]
+        boundary.right.open = true
+        boundary.walls.slip = true
+        time = { end = 2, step = 0.01 }
+        output = { every = 0.1, fields = false, pictures = false, checkpoint = false }
+        [fluid]
+        density = 1
+        viscosity = 1e-3
+        initial_velocity = [
+            "0.5 - A*(y-0.5)*exp(-((x-1.5)^2+(y-0.5)^2)/r0^2)",
+            "A*(x-1.5)*exp(-((x-1.5)^2+(y-0.5)^2)/r0^2)",
+        ]"#;
+    let folder = folder_with(scene);
+    let told = immersa(folder.path(), &["run", "scene.toml", "--out", "r"]);
+    told.expect(0, &["warning: fluid comes in through boundary.right", "farther away"]);
+    assert_eq!(told.stderr.matches("warning: fluid comes in").count(), 1, "{}", told.stderr);
+    // The vortex has left: what remains is the stream, of speed .5 and energy .25.
+    let [energy, speed] =
+        ["energy_kinetic", "velocity_max"].map(|name| column(&folder.path().join("r"), name));
+    assert!(energy.windows(2).all(|e| e[1] < e[0] + 1e-4), "{energy:?}");
+    assert!((energy.last().unwrap() - 0.25).abs() < 2e-3, "{energy:?}");
+    assert!(speed.iter().all(|v| *v < 1.8) && *speed.last().unwrap() < 0.7, "{speed:?}");
+}
+
+/// W8: a rotating fluid with an open side at the edge of the vortex.
+#[test]
+fn a_vortex_at_an_open_side_dies_out() {
+    let scene = "mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [16, 16] }
+        fluid = { viscosity = 1e-4, initial_velocity = [\"20*y-10\", \"-20*(x-0.9)\"] }
+        boundary = { right.open = true, walls.slip = true }
+        time = { end = 1, step = 0.01 }
+        output = { every = 0.1, pictures = false, fields = false, checkpoint = false }";
+    let folder = folder_with(scene);
+    let told = immersa(folder.path(), &["run", "scene.toml", "--out", "r"]);
+    told.expect(0, &["fluid comes in through boundary.right"]);
+    let energy = column(&folder.path().join("r"), "energy_kinetic");
+    assert!(energy.windows(2).all(|e| e[1] < e[0]), "{energy:?}");
+    assert!(energy.last().unwrap() / energy[0] < 0.01, "{energy:?}");
+}
+
+/// 05-moment-at-periodic-side: Couette flow, which the spaces have, between periodic sides and
+/// between sides that move with it and pull too.
+#[test]
+fn moments_on_walls_that_end_at_periodic_sides_are_exact() {
+    let rest = "fluid = { density = 0, viscosity = 0.7 }
+        time = { end = 0.1, step = 0.05 }
+        output.fields = false\noutput.pictures = false\noutput.checkpoint = false
+        boundary.bottom.no_slip = true";
+    let plane = "mesh.rectangle = { min = [0, 0], max = [2, 1], cells = [5, 4] }
+        boundary.top.velocity = [3, 0]
+        output.forces.top = { boundary = \"top\", about = [0, 0] }
+        output.forces.bottom = { boundary = \"bottom\", about = [0, 0] }";
+    let space = "mesh.box = { min = [0, 0, 0], max = [2, 1, 1], cells = [3, 2, 2] }
+        boundary.top.velocity = [3, 0, 0]
+        boundary.back.periodic = \"front\"
+        output.forces.top = { boundary = \"top\", about = [0, 0, 0] }
+        output.forces.bottom = { boundary = \"bottom\", about = [0, 0, 0] }";
+    let [periodic, moving] = [
+        "boundary.right.periodic = \"left\"",
+        "boundary.right.velocity = [\"3*y\", 0]\nboundary.left.velocity = [\"3*y\", 0]",
+    ];
+    for (scene, sides, axis) in
+        [(plane, periodic, ""), (plane, moving, ""), (space, periodic, "_z")]
+    {
+        let folder = folder_with(&format!("{scene}\n{sides}\n{rest}"));
+        immersa(folder.path(), &["run", "scene.toml", "--out", "r"]).expect(0, &[]);
+        let moments = ["top", "bottom"].map(|wall| {
+            *column(&folder.path().join("r"), &format!("{wall}_moment{axis}")).last().unwrap()
+        });
+        let error = (moments[0] - 4.2).abs().max(moments[1].abs());
+        assert!(error < 1e-9, "{sides}: {moments:?}");
+    }
 }

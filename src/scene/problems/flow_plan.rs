@@ -74,6 +74,10 @@ impl<const D: usize> FlowPlan<'_, D> {
             sim.structures().iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         let constant = flow.density().is_constant() && flow.viscosity().is_constant();
         let (kind, why) = match (constant, implicit) {
+            (true, false) if sim.has_backflow() => (
+                "constant while no fluid comes in through an open side",
+                "factored once".to_string(),
+            ),
             (true, false) => ("constant", "factored once".to_string()),
             (true, true) => {
                 ("changes with the interface (implicit coupling)", flow.solver_description())

@@ -6,7 +6,7 @@ use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{flow_advice, scales};
-use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a};
+use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a, rounded};
 use crate::flow::{BodyForce, Load, StepReport, traction};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
@@ -31,6 +31,9 @@ use std::any::Any;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Speed inward through an open side over the largest in the flow that is told.
+const SLOW: f64 = 0.02;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
@@ -371,6 +374,25 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn leaving(&self) -> Vec<String> {
         self.simulation.leaving().map(str::to_string).collect()
+    }
+    fn inflow(&self) -> Result<Option<(String, Warning)>> {
+        let sim = &self.simulation;
+        let Some((side, speed, x)) = sim.inflow()? else { return Ok(None) };
+        let fastest = sim.largest_speed();
+        if speed <= SLOW * fastest {
+            return Ok(None);
+        }
+        let what = format!(
+            "fluid comes in through boundary.{side}, which is open, from t = {:.4} on: at {:.4?} with \
+             {}, the largest speed is {}",
+            sim.time(),
+            x.as_slice(),
+            rounded(speed, 3),
+            rounded(fastest, 3)
+        );
+        let remedy = "what comes in is not known there, and a stress takes its energy back \
+                      (directional do-nothing): put the side farther away if the flow near it counts";
+        Ok(Some((side.to_string(), Warning::new(what, remedy))))
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         let kinds = self.scene.structures();

@@ -255,6 +255,7 @@ impl Folder {
             "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
             "leaves": record.left,
+            "fluid_enters": record.entered,
             "warnings": problem.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
             "plan": plan,
             "balance": {

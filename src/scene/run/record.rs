@@ -58,6 +58,9 @@ pub(super) struct Record {
     /// Structures that have begun to leave the domain, and when.
     #[serde(default)]
     pub left: BTreeMap<String, f64>,
+    /// Open sides through which fluid has come in, and when it first did.
+    #[serde(default)]
+    pub entered: BTreeMap<String, f64>,
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
@@ -202,9 +205,12 @@ impl Record {
         }
     }
 
-    /// Records the structures that leave the domain, and returns what is to be told of those that
-    /// were not known to.
-    pub(super) fn note_leaving(&mut self, problem: &dyn Problem) -> Vec<Warning> {
+    /// Records the structures that leave the domain and the open sides through which fluid comes
+    /// in, and returns what is to be told of those that were not known to.
+    ///
+    /// # Errors
+    /// None after the problem was built.
+    pub(super) fn note_open_sides(&mut self, problem: &dyn Problem) -> Result<Vec<Warning>> {
         let (time, mut told) = (problem.moment().time, Vec::new());
         for name in problem.leaving() {
             self.left.entry(name).or_insert_with_key(|name| {
@@ -213,7 +219,13 @@ impl Record {
                 time
             });
         }
-        told
+        if let Some((side, warning)) = problem.inflow()? {
+            self.entered.entry(side).or_insert_with(|| {
+                told.push(warning);
+                time
+            });
+        }
+        Ok(told)
     }
 
     /// Records the structures whose bands reach the boundary, and those that the mesh does not

@@ -31,10 +31,14 @@ impl<const D: usize> Simulation<D> {
             return;
         }
         let (dt, solve_cost) = (self.settings.dt, self.flow.solve_cost());
-        let empty = || Factored { fields: Fields::default(), weight, dt, solve_cost };
+        let empty = || {
+            let (fields, backflow) = (Fields::default(), Vec::new());
+            Factored { fields, backflow, weight, dt, solve_cost }
+        };
         let kept = self.state.factored.get_or_insert_with(empty);
         if report.refactored {
             kept.fields.clone_from(fields);
+            kept.backflow = self.backflow.rates().to_vec();
             (kept.weight, kept.dt) = (weight, dt);
         }
         kept.solve_cost = solve_cost;
@@ -53,6 +57,10 @@ impl<const D: usize> Simulation<D> {
         let mut terms: Vec<&dyn MomentumTerm<D>> = Vec::new();
         let acting = self.carried.structures.iter().zip(leaving).filter(|(_, leaves)| !leaves);
         acting.for_each(|(s, _)| s.terms(&mut terms));
+        self.backflow.set_rates(kept.backflow.clone());
+        if self.backflow.is_active() {
+            terms.push(&self.backflow);
+        }
         let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.solve_cost);
         self.state.factored = Some(kept);
         made

@@ -2,12 +2,13 @@
 
 use super::{Energies, Simulation};
 use crate::base::Result;
-use crate::fem::{At, Cells, integrate};
+use crate::fem::{At, Cells, Condition, condition_of_facets, integrate};
 use crate::flow::term::MomentumTerm;
-use crate::flow::{Load, kinetic_outflow};
+use crate::flow::{Load, kinetic_outflow, nodal_traction};
 use crate::mesh::Point;
 use crate::structure::Place;
 use nalgebra::SVector;
+use std::collections::BTreeSet;
 
 /// Powers in a step.
 #[derive(Clone, Copy, Default)]
@@ -132,24 +133,32 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Force of the fluid on a named boundary by the residual of the momentum equation in the last
-    /// step, and its moment about a point; `None` before the first. A node that the boundary shares
-    /// with another one counts in full.
+    /// step, and its moment about a point; `None` before the first. At a node that the boundary
+    /// shares with another one, or with a periodic side, the residual has the stress on both: that
+    /// on the other is subtracted. An open side has none.
     ///
     /// # Errors
     /// A boundary that the mesh does not have.
     pub fn reaction(&self, boundary: &str, about: &Point<D>) -> Result<Option<Load<D>>> {
         let (space, mesh) = (self.space(), self.space().mesh());
-        let mut nodes: Vec<u32> = Vec::new();
-        for &f in mesh.boundary(boundary)? {
-            nodes.extend(space.facet_nodes(&mesh.facets()[f as usize]));
+        let Some(residual) = &self.reactions else { return Ok(None) };
+        let on_facet = |f: u32| space.facet_nodes(&mesh.facets()[f as usize]);
+        let own = mesh.boundary(boundary)?;
+        let nodes: BTreeSet<u32> = own.iter().flat_map(|&f| on_facet(f)).collect();
+        let (own, mut load) = (own.iter().collect::<BTreeSet<_>>(), Load::ZERO);
+        let arm = |n: u32| space.nodes()[n as usize] - about;
+        nodes.iter().for_each(|&n| load.add(&arm(n), &-residual[n as usize]));
+        let conditions = &self.settings.conditions;
+        let open = |k: Option<usize>| k.is_some_and(|k| matches!(conditions[k].1, Condition::Open));
+        let stressed = condition_of_facets(mesh, conditions)?.into_iter().filter(|c| !open(c.1));
+        let mut others: Vec<u32> = stressed.map(|c| c.0).filter(|f| !own.contains(f)).collect();
+        others.retain(|f| on_facet(*f).any(|n| nodes.contains(&n)));
+        let (flow, spaces) =
+            (&self.state.flow, [space, self.flow.pressure().space()].map(|s| &**s));
+        let shared = |n: u32| nodes.contains(&n);
+        for (n, force) in nodal_traction(spaces, self.viscosity(), flow, &others, shared) {
+            load.add(&arm(n), &-force);
         }
-        nodes.sort_unstable();
-        nodes.dedup();
-        Ok(self.reactions.as_ref().map(|r| {
-            let mut load = Load::ZERO;
-            let arm = |n: u32| space.nodes()[n as usize] - about;
-            nodes.iter().for_each(|&n| load.add(&arm(n), &-r[n as usize]));
-            load
-        }))
+        Ok(Some(load))
     }
 }

@@ -18,7 +18,7 @@ use super::outlets::Outlets;
 use super::state::State;
 use crate::base::{PHASES, Phases, Result};
 use crate::fem::{Basis, Condition, Element, Rule, Space, condition_of_facets};
-use crate::flow::{FlowSolver, FlowState, Fluid};
+use crate::flow::{Backflow, FlowSolver, FlowState, Fluid};
 use crate::mesh::{Mesh, Point};
 use crate::structure::{Coupling, Fields, Place, Structure};
 use crate::transport::Feet;
@@ -56,6 +56,7 @@ pub struct Simulation<const D: usize> {
     flow: FlowSolver<D>,
     /// Open sides.
     outlets: Outlets<D>,
+    backflow: Backflow<D>,
     pacing: Option<Pacing>,
     /// Velocity basis at the points of a finer rule, for energies; `None` without forces.
     fine: Option<Basis<D>>,
@@ -137,16 +138,24 @@ impl<const D: usize> Simulation<D> {
         flow.solve_by(settings.solver);
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         // A constant matrix is factored once.
-        if implicit || !settings.has_constant_materials(&structures) {
+        let mut open: Vec<u32> = condition_of_facets(mesh, conditions)?
+            .into_iter()
+            .filter(|(_, k)| k.is_some_and(|k| matches!(conditions[k].1, Condition::Open)))
+            .map(|(facet, _)| facet)
+            .collect();
+        let outlets = Outlets::new(&space, open.iter().copied());
+        // What comes in changes the matrix, where there is convection.
+        if !settings.convection || settings.fluids(&structures).all(|f| f.density == 0.0) {
+            open.clear();
+        }
+        let varies = !settings.has_constant_materials(&structures) || !open.is_empty();
+        if implicit || varies {
             flow.iterate(settings.solve_tolerance);
         }
         let degree = ENERGY_DEGREE[D - 2].max(settings.quadrature);
         let acts = structures.iter().any(|s| s.acts());
         let fine = acts.then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, degree))));
-        let open = condition_of_facets(mesh, conditions)?
-            .into_iter()
-            .filter(|(_, k)| k.is_some_and(|k| matches!(conditions[k].1, Condition::Open)));
-        let outlets = Outlets::new(&space, open.map(|(f, _)| f));
+        let backflow = Backflow::new(&space, open);
         let links = flow.numbering().translations().to_vec();
         let basis = (Some(flow.velocity()), kept);
         let (carried, fields) = Carried::new(&space, links, settings.transport, structures, basis)?;
@@ -156,6 +165,7 @@ impl<const D: usize> Simulation<D> {
             carried,
             flow,
             outlets,
+            backflow,
             pacing: None,
             fine,
             state,
@@ -254,6 +264,25 @@ impl<const D: usize> Simulation<D> {
     /// Nodes on open sides, some of them several times.
     pub fn outlet_nodes(&self) -> impl Iterator<Item = u32> + '_ {
         self.outlets.nodes()
+    }
+    /// True if fluid that comes in through an open side changes the matrix.
+    pub fn has_backflow(&self) -> bool {
+        !self.backflow.is_empty()
+    }
+    /// Where fluid comes in through an open side most quickly: the condition of the side, its
+    /// speed inward, and the point.
+    ///
+    /// # Errors
+    /// None after the simulation was built.
+    pub fn inflow(&self) -> Result<Option<(&str, f64, Point<D>)>> {
+        let Some((speed, facet, x)) = self.backflow.greatest(self.space(), &self.state.flow.u)
+        else {
+            return Ok(None);
+        };
+        let conditions = &self.settings.conditions;
+        let of_facets = condition_of_facets(self.space().mesh(), conditions)?;
+        let side = of_facets.into_iter().find(|(f, _)| *f == facet).and_then(|(_, k)| k);
+        Ok(side.map(|k| (conditions[k].0.as_str(), speed, x)))
     }
     /// Largest speed at a node.
     pub fn largest_speed(&self) -> f64 {

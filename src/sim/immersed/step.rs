@@ -141,8 +141,27 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 
+    /// Takes the stress on open sides for the velocity that the step is expected to have there.
+    fn meet_inflow(&mut self, scheme: &Scheme, Work { current, mean, .. }: &mut Work<D>) {
+        let second = f64::from(u8::from(scheme.second));
+        combine(
+            1.0 + second * scheme.ratio,
+            current,
+            -second * scheme.ratio,
+            &self.state.earlier_u,
+            mean,
+        );
+        let mut backflow = std::mem::take(&mut self.backflow);
+        let start = scheme.second.then_some(&current[..]);
+        backflow.prepare(&self.carried.space, self.density(), mean, start);
+        self.backflow = backflow;
+    }
+
     /// Solves for velocity and pressure. Also returns the powers of the step.
     fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, Powers)> {
+        if scheme.convection {
+            self.meet_inflow(scheme, work);
+        }
         let Work { current, mean, next, ahead, .. } = work;
         let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
         let [now, earlier] = scheme.history();
@@ -158,6 +177,9 @@ impl<const D: usize> Simulation<D> {
                 s.terms(&mut terms);
             }
             s.blocks(&mut blocks);
+        }
+        if self.backflow.is_active() {
+            terms.push(&self.backflow);
         }
         let step = Step {
             time: scheme.time,
@@ -178,7 +200,8 @@ impl<const D: usize> Simulation<D> {
         self.phases.begin();
         let walls = flow.wall_power(&step, next);
         self.reactions = self.keeps_reactions.then(|| flow.reaction(&step, next, Cells::All));
-        let mut powers = Powers { walls, ..Powers::default() };
+        let taken = self.backflow.power(&self.carried.space, &next.u);
+        let mut powers = Powers { walls: walls + taken, ..Powers::default() };
         if self.carried.structures.iter().any(|s| s.acts()) {
             combine(1.0, &next.u, if scheme.second { -1.0 } else { 0.0 }, current, mean);
             [powers.structures, powers.traffic] = self.structure_power(&leaving, &next.u, mean);
