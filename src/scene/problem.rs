@@ -94,15 +94,17 @@ impl ElasticWave {
     }
 }
 
-/// Remedies of alarms, in terms of scene keys.
+/// Remedies of alarms and failures: choices, in terms of keys that the scene can take.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Advice {
     /// Against spurious energy.
-    pub energy: String,
+    pub energy: Vec<String>,
     /// Against energy that vanishes.
-    pub loss: String,
+    pub loss: Vec<String>,
     /// Against a change of an enclosed area.
-    pub area: String,
+    pub area: Vec<String>,
+    /// Against a computation that blows up.
+    pub blow_up: Vec<String>,
 }
 
 /// A column of a profile: the suffix of its name, and its values.

@@ -1,5 +1,6 @@
 //! Remedies of errors of the layers below, in keys of the scene, by their cause.
 
+use super::problem::Advice;
 use crate::base::{Cause, Error, Result};
 
 /// Gives an error of a layer below the remedy that names the keys of the scene.
@@ -7,6 +8,14 @@ pub(super) fn with_keys<T>(result: Result<T>) -> Result<T> {
     result.map_err(|error| match error.cause().and_then(|cause| remedy(cause, &error)) {
         Some(remedy) => error.remedy(remedy),
         None => error,
+    })
+}
+
+/// The same for the result of a step of a problem with this advice.
+pub(super) fn of_step<T>(result: Result<T>, advice: impl FnOnce() -> Advice) -> Result<T> {
+    with_keys(result).map_err(|error| match error.cause() {
+        Some(Cause::BlowUp) => error.remedy(format!("take {}", one_of(&advice().blow_up))),
+        _ => error,
     })
 }
 
@@ -35,10 +44,8 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
             "take time.order = 2 and a flow that is solved for, or leave out time.tolerance for \
              steps of one length"
         }
-        Cause::BlowUp => {
-            "take a smaller time.step, coupling = \"implicit\", or a larger numerics.grad_div; \
-             `immersa explain` prints the step limit"
-        }
+        // Depends on the scene: see `of_step`.
+        Cause::BlowUp => return None,
         Cause::FirstOrder => "take time.order = 1, or coupling = \"implicit\"",
         Cause::Massless => "take densities above 0, or coupling = \"implicit\"",
         Cause::SharpForce => "take coupling = \"implicit\" or \"explicit\", or force = \"smeared\"",
@@ -71,6 +78,17 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
 const SOLVER: [&str; 2] =
     ["let the solver be chosen by the memory", "numerics.solver = \"auto\" takes what fits"];
 
+/// Alternatives in words.
+pub(super) fn one_of(choices: &[impl AsRef<str>]) -> String {
+    let choices: Vec<&str> = choices.iter().map(AsRef::as_ref).collect();
+    match choices.split_last() {
+        Some((last, [])) => last.to_string(),
+        Some((last, [one])) => format!("{one} or {last}"),
+        Some((last, rest)) => format!("{}, or {last}", rest.join(", ")),
+        None => String::new(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::base::Error;
@@ -101,5 +119,121 @@ mod tests {
         assert_remedy(e, &["a new one in another folder with --out"]);
         let e = problem(&scene(&["time.order=1", "time.tolerance=1e-3"])).err();
         assert_remedy(e.unwrap(), &["time.order = 2", "time.tolerance"]);
+    }
+
+    /// The settings of the command line that carry out a choice; `None` for one without a key.
+    fn settings(scene: &Scene, choice: &str) -> Option<Vec<String>> {
+        let worded = [
+            ("a smaller time.step", format!("time.step={}", 0.5 * scene.time.step)),
+            ("a larger numerics.grad_div", "numerics.grad_div=100".to_string()),
+            ("a larger numerics.thickness", "numerics.thickness=0.2".to_string()),
+            ("a finer mesh", finer(scene)),
+        ];
+        let said = worded.iter().find(|(words, _)| choice.starts_with(words));
+        if let Some((_, setting)) = said {
+            return Some(vec![setting.clone()]);
+        }
+        if let Some(name) = choice.strip_prefix("force = \"sharp\" for `") {
+            let name = name.trim_end_matches('`');
+            let k = scene.structures().iter().position(|s| s.name() == name).unwrap();
+            let [list, number] = scene.structure_keys(k);
+            return Some(vec![format!("{list}.{number}.force=\"sharp\"")]);
+        }
+        let is_key = |key: &str| key.chars().all(|c| c.is_ascii_lowercase() || "._".contains(c));
+        let (key, value) = choice.split_once(" = ")?;
+        is_key(key).then(|| vec![format!("{key}={value}")])
+    }
+
+    fn finer(scene: &Scene) -> String {
+        match scene.dimension() {
+            2 => "mesh.rectangle.cells=[24, 24]".into(),
+            _ => "mesh.box.cells=[5, 5, 5]".into(),
+        }
+    }
+
+    /// Each alarm and failure, for scenes of each kind: what is advised can be done, and no scene
+    /// without structures is told of their keys.
+    #[test]
+    fn what_is_advised_is_taken_by_the_scene() {
+        let flow = "mesh.rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16] }
+            fluid.viscosity = 0.1
+            boundary.walls.no_slip = true
+            time = { end = 1, step = 0.1 }";
+        let driven = flow.replace("walls.no_slip", "right.open = true\nboundary.walls.slip");
+        let carried = "mesh.rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16] }
+            fluid.prescribed_velocity = [\"1 - y\", \"x - 1\"]
+            time = { end = 1, step = 0.1 }";
+        let solid = "mesh.box = { min = [0, 0, 0], max = [2, 2, 2], cells = [4, 4, 4] }
+            fluid.viscosity = 0.1
+            boundary.walls.no_slip = true
+            time = { end = 1, step = 0.1 }";
+        let circle = "shape.circle = { centre = [1, 1], radius = 0.6 }";
+        let ball = "shape.sphere = { centre = [1, 1, 1], radius = 0.6 }";
+        let membrane = format!("[[membrane]]\n{circle}\narea.linear.modulus = 1");
+        let in_space = format!("[[membrane]]\n{ball}\narea.linear.modulus = 1");
+        let sheared = format!("{in_space}\nshear.linear.modulus = 1");
+        let tense = format!("[[drop]]\n{circle}\ntension = 1");
+        let passive = format!("[[level_set]]\n{circle}");
+        let none = String::new();
+        let smeared = "membrane.0.force=\"smeared\"";
+        let cases: [(&str, &String, &[&str]); 20] = [
+            (flow, &none, &[]),
+            (&driven, &none, &["time.order=1"]),
+            (solid, &none, &[]),
+            (flow, &passive, &[]),
+            (flow, &membrane, &[]),
+            (flow, &membrane, &["time.order=1"]),
+            (flow, &membrane, &["numerics.coupling=\"implicit\""]),
+            (flow, &membrane, &[smeared, "numerics.thickness=0.3"]),
+            (flow, &membrane, &[smeared, "numerics.transport=\"projected\""]),
+            (flow, &membrane, &[smeared, "numerics.band=\"carried\""]),
+            (flow, &membrane, &["membrane.0.mass=0.5"]),
+            (flow, &tense, &[]),
+            (
+                flow,
+                &tense,
+                &["drop.0.force=\"smeared\"", "numerics.surface_tension=\"brackbill1992\""],
+            ),
+            (flow, &tense, &["time.order=1", "numerics.coupling=\"fully-explicit\""]),
+            (solid, &in_space, &[]),
+            (solid, &sheared, &[]),
+            (solid, &sheared, &[smeared]),
+            (carried, &passive, &[]),
+            (carried, &passive, &["numerics.transport=\"projected\""]),
+            (
+                carried,
+                &passive,
+                &[
+                    "fluid.prescribed_velocity=[\"w*(0.5-y)\", \"w*(x-0.5)\"]",
+                    "constants={ w = 6.28 }",
+                    "numerics.transport=\"projected\"",
+                ],
+            ),
+        ];
+        let (mut tried, mut keys) = (0, std::collections::BTreeSet::new());
+        for (base, structures, changes) in cases {
+            let made = |more: &[String]| {
+                let changes = changes.iter().map(ToString::to_string);
+                let all: Vec<String> = changes.chain(more.iter().cloned()).collect();
+                let text = format!("{base}\n{structures}");
+                Scene::parse_with(&text, Path::new("scene.toml"), &all)
+            };
+            let scene = made(&[]).unwrap();
+            let advice = problem(&scene).unwrap().advice();
+            let alone = scene.acting().next().is_none();
+            for choice in
+                [&advice.energy, &advice.loss, &advice.area, &advice.blow_up].into_iter().flatten()
+            {
+                let of_forces = ["grad_div", "coupling", "thickness", "band", "force ="];
+                let foreign = of_forces.iter().find(|word| choice.contains(*word));
+                assert!(!(alone && foreign.is_some()), "{choice}, without a structure");
+                let Some(settings) = settings(&scene, choice) else { continue };
+                let taken = made(&settings).and_then(|s| problem(&s).map(|_| ()));
+                assert!(taken.is_ok(), "{changes:?}: `{choice}`: {}", taken.unwrap_err());
+                tried += 1;
+                keys.insert(settings[0].split('=').next().unwrap().to_string());
+            }
+        }
+        assert!(tried > 100 && keys.len() >= 9, "{tried}: {keys:?}");
     }
 }

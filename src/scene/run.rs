@@ -16,6 +16,7 @@ pub use solves::Solves;
 use super::Scene;
 use super::problem::Problem;
 use super::problems::problem;
+use super::remedies::one_of;
 use crate::base::{Error, Kind, Result, Warning, fnv1a};
 use crate::output::{SeriesWriter, read_file};
 use cpu_time::ProcessTime;
@@ -358,8 +359,9 @@ impl<'a> Run<'a> {
             if share > ENERGY_ALARM {
                 alarms.push(format!(
                     "Energy balance: {:.1} % of the energy in play {what}, so the motion is not \
-                     to be trusted. Take {remedy}.",
-                    100.0 * share
+                     to be trusted. Take {}.",
+                    100.0 * share,
+                    one_of(remedy)
                 ));
             }
         }
@@ -371,8 +373,9 @@ impl<'a> Run<'a> {
             };
             alarms.push(format!(
                 "Elastic energy: at t = {time:.4} {:.1} % of what flow and structures have \
-                 exchanged {what}, so that their forces are not to be trusted. Take {remedy}.",
-                100.0 * elastic.abs()
+                 exchanged {what}, so that their forces are not to be trusted. Take {}.",
+                100.0 * elastic.abs(),
+                one_of(remedy)
             ));
         }
         let [lost, won] = [self.record.least_balance, self.record.worst_balance];
@@ -393,7 +396,7 @@ impl<'a> Run<'a> {
         }
         for (name, change) in &self.record.area_change {
             if change.abs() > AREA_ALARM {
-                let ([enclosed, _], remedy) = (self.scene.extents(), &advice.area);
+                let ([enclosed, _], remedy) = (self.scene.extents(), one_of(&advice.area));
                 alarms.push(format!(
                     "Enclosed {enclosed}: that of `{name}` changed by {:+.2} %. Take {remedy}.",
                     100.0 * change

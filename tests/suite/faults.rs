@@ -323,3 +323,101 @@ fn moments_on_walls_that_end_at_periodic_sides_are_exact() {
         assert!(error < 1e-9, "{sides}: {moments:?}");
     }
 }
+
+/// 19-advice-that-is-refused: what the alarm says of a disc that turns in a square can be done,
+/// and helps.
+#[test]
+fn the_advice_for_a_slotted_disc_is_taken_and_helps() {
+    let scene = r#"
+        constants.w = 6.283185307179586
+        mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [24, 24] }
+        fluid.prescribed_velocity = ["w*(0.5-y)", "w*(x-0.5)"]
+        time = { end = 1, step = 0.02 }
+        numerics.transport = "projected"
+        output = { every = 0.1, fields = false, pictures = false, checkpoint = false }
+        [[level_set]]
+        name = "disc"
+        shape.expression = "max(hypot(x-0.5,y-0.75)-0.15, min(min(0.025-abs(x-0.5), 2), 0.85-y))""#;
+    let folder = folder_with(scene);
+    let change = |more: &[&str], out: &str| {
+        let told = immersa(folder.path(), &[&["run", "scene.toml", "--out", out], more].concat());
+        told.expect(0, &[]);
+        let area = column(&folder.path().join(out), "disc.area");
+        (told.stderr, (area.last().unwrap() / area[0] - 1.0).abs())
+    };
+    let (said, first) = change(&[], "first");
+    let alarm = said.lines().find(|l| l.contains("ALARM")).unwrap();
+    assert!(alarm.contains("numerics.transport = \"nodal\"") && !alarm.contains("composed"));
+    assert!(alarm.contains("numerics.redistance = { method = \"exact\", volume = true }"));
+    let (_, nodal) = change(&["--set", "numerics.transport=\"nodal\""], "nodal");
+    let redistance = "numerics.redistance={ method = \"exact\", volume = true }";
+    let (_, kept) = change(&["--set", "numerics.transport=\"nodal\"", "--set", redistance], "kept");
+    assert!(first > 1.0 && nodal < 0.2 && kept < 0.01, "{first} {nodal} {kept}");
+}
+
+/// The shell of fine cells about a ball holds the band, and a band that it does not hold is told
+/// which key to change; the default thickness is that of the fine cells.
+#[test]
+fn a_band_beyond_the_fine_cells_of_a_ball_names_the_shell() {
+    let scene = |band: &str, more: &str| {
+        format!(
+            "mesh.ball_in_box = {{ min = [-4, -4, -4], max = [4, 4, 4], cells = [4, 4, 4], \
+             centre = [0, 0, 0], radius = 1, edge = 0.35{band} }}\n\
+             fluid = {{ density = 0, viscosity = 1 }}\nboundary.walls.no_slip = true\n\
+             time = {{ end = 0.1, step = 0.05 }}\n[[drop]]\ntension = 1\nforce = \"smeared\"\n\
+             shape.sphere = {{ centre = [0, 0, 0], radius = 1 }}\n[numerics]\n{more}"
+        )
+    };
+    let told = |band: &str, more: &str| explained(&scene(band, more), "");
+    let fits = told("", "");
+    fits.expect(0, &[]);
+    assert!(!fits.stderr.contains("barely"), "{}", fits.stderr);
+    let words = "mesh.ball_in_box.band = ";
+    let narrow = told(", band = 0.1", "thickness = 0.875");
+    assert!(narrow.stderr.contains(words), "{}", narrow.stderr);
+    let advised: String = narrow
+        .stderr
+        .split(words)
+        .nth(1)
+        .unwrap()
+        .chars()
+        .take_while(|c| c.is_ascii_digit() || *c == '.')
+        .collect();
+    let wide = told(&format!(", band = {advised}"), "thickness = 0.875");
+    wide.expect(0, &[]);
+    assert!(!wide.stderr.contains(words), "{}", wide.stderr);
+}
+
+/// The numbers that characterise a flow are printed with their definitions, where they exist.
+#[test]
+fn numbers_without_units_are_in_the_plan() {
+    let flow = "mesh.rectangle = { min = [-2, -1], max = [2, 1], cells = [32, 16] }
+        fluid = { density = 2, viscosity = 0.5 }
+        boundary = { top.velocity = [3, 0], bottom.velocity = [-3, 0], right.periodic = \"left\" }
+        time = { end = 0.1, step = 0.01 }";
+    let drop =
+        "[[drop]]\ndensity = 1\nshape.circle = { centre = [0, 0], radius = 0.5 }\ntension = 4";
+    let told = explained(&format!("{flow}\n{drop}\n[numerics]\nthickness = 0.3"), "");
+    // Re = 2*3*2/.5, G = 6/2, Ca = .5*3*.5/4, We = 2*9*.125/4.
+    for words in
+        ["rho U L/mu = 24,", "U = 3 ", "Ca = mu G R/tension = 0.1875", "G^2 R^3/tension = 0.5625"]
+    {
+        let close = words.replace("0.1875", "0.187").replace("0.5625", "0.562");
+        assert!(
+            told.stdout.contains(words) || told.stdout.contains(&close),
+            "{words}\n{}{}",
+            told.stdout,
+            told.stderr
+        );
+    }
+    assert!(!told.stdout.contains("Bo ="), "{}", told.stdout);
+    let heavy =
+        format!("{flow}\n{drop}").replace("viscosity = 0.5", "viscosity = 0.5, gravity = [0, -8]");
+    // Bo = 1*8*.25/4.
+    let told = explained(&format!("{heavy}\n[numerics]\nthickness = 0.3"), "");
+    assert!(told.stdout.contains("g R^2/tension = 0.5"), "{}{}", told.stdout, told.stderr);
+    let rest = "mesh.rectangle = { min = [0, 0], max = [1, 1], cells = [8, 8] }
+        fluid = { density = 1, viscosity = 1 }
+        time = { end = 0.1, step = 0.01 }";
+    assert!(!explained(rest, "").stdout.contains("Numbers"));
+}

@@ -1,6 +1,5 @@
 //! Level sets of a scene in a prescribed velocity.
 
-use super::flow_advice::one_of;
 use super::{fields, ground};
 use crate::base::{Error, PHASES, Result, Warning, fnv1a, same};
 use crate::flow::StepReport;
@@ -12,7 +11,7 @@ use crate::scene::measure::{self, Probes};
 use crate::scene::plan;
 use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::{in_words, redistance};
-use crate::scene::remedies::with_keys;
+use crate::scene::remedies::{of_step, with_keys};
 use crate::scene::row::Row;
 use crate::scene::site::{Site, vector};
 use crate::scene::view::View;
@@ -140,7 +139,7 @@ impl<const D: usize> Problem for Advected<D> {
         Limits::default()
     }
     fn step(&mut self) -> Result<StepReport> {
-        with_keys(self.advection.step())
+        of_step(self.advection.step(), || self.advice())
     }
     fn moment(&self) -> Moment {
         Moment::regular(self.advection.state().steps, self.advection.time(), self.advection.dt())
@@ -215,16 +214,20 @@ impl<const D: usize> Problem for Advected<D> {
     fn advice(&self) -> Advice {
         let numerics = &self.scene.numerics;
         let bound = self.takes_in || self.scene.adapt.is_some() || numerics.redistance.is_some();
-        let mut choices = vec!["a finer mesh"];
+        let mut choices = vec!["a finer mesh".to_string()];
         match numerics.transport {
             Method::Composed => {}
-            _ if !bound => choices.push("numerics.transport = \"composed\""),
-            Method::Projected => choices.push("numerics.transport = \"nodal\""),
+            _ if !bound => choices.push("numerics.transport = \"composed\"".into()),
+            Method::Projected => choices.push("numerics.transport = \"nodal\"".into()),
             Method::Nodal => {}
         }
         if numerics.transport != Method::Composed && numerics.redistance.is_none() {
-            choices.push("numerics.redistance = { method = \"exact\", volume = true }");
+            choices.push("numerics.redistance = { method = \"exact\", volume = true }".into());
         }
-        Advice { area: one_of(&choices), ..Advice::default() }
+        let blow_up = vec![
+            "a smaller time.step".to_string(),
+            "a fluid.prescribed_velocity that stays bounded".into(),
+        ];
+        Advice { area: choices, blow_up, ..Advice::default() }
     }
 }

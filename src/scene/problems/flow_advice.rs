@@ -8,64 +8,71 @@ use crate::scene::structures::{StructureKind, Traits, band_of};
 use crate::sim::Coupling;
 use crate::transport::Method;
 
-/// Remedies of alarms.
+/// Remedies of alarms and failures.
 pub(super) fn advice(scene: &Scene) -> Advice {
-    let (numerics, time) = (&scene.numerics, &scene.time);
-    let mut energy = vec!["a larger numerics.grad_div".to_string()];
+    let (finer, shorter) = ("a finer mesh".to_string(), "a smaller time.step".to_string());
+    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
+    let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
+    let away = (!open.is_empty()).then(|| {
+        let sides = open.join(" and ");
+        format!("a domain with {sides} farther away where fluid comes back in there")
+    });
+    let order = (scene.time.order == 1).then(|| "time.order = 2".to_string());
+    let choices = |lists: [&[String]; 4]| -> Vec<String> { lists.concat() };
+    let away = away.as_slice();
+    if scene.acting().next().is_none() {
+        let flow = choices([&[shorter.clone()], &[finer.clone()], away, &[]]);
+        return Advice {
+            loss: choices([order.as_slice(), &[shorter], &[finer.clone()], away]),
+            energy: flow.clone(),
+            area: vec![finer],
+            blow_up: flow,
+        };
+    }
+    let (forces, weight) = (of_forces(scene), "a larger numerics.grad_div".to_string());
+    let sharp = of_bands(scene);
+    let is_implicit = |f: &&String| f.starts_with("numerics.coupling");
+    let implicit: Vec<String> = forces.iter().filter(is_implicit).cloned().collect();
+    // Sharp forces have a large weight by default; steps and cells are what is left.
+    let banded = scene.acting().any(|s| !s.traits().on_interface);
+    let energy = match banded {
+        true => choices([&sharp, &[weight.clone()], &forces, &[shorter.clone()]]),
+        false => choices([&forces, &[shorter.clone()], &[finer.clone()], &[weight.clone()]]),
+    };
+    let limit = "a smaller time.step (`immersa explain` prints the step limit)".to_string();
+    let slower = if scene.numerics.coupling.is_explicit() { limit } else { shorter.clone() };
+    Advice {
+        energy: choices([&energy, away, &[], &[]]),
+        loss: choices([&sharp, order.as_slice(), &[shorter.clone(), finer.clone()], away]),
+        area: vec![weight.clone(), finer.clone()],
+        blow_up: choices([&[slower], &implicit, &[weight, finer], away]),
+    }
+}
+
+/// The sharp force, for each structure that stretches in a band.
+fn of_bands(scene: &Scene) -> Vec<String> {
+    let elastic = |t: &Traits| t.stretches && !t.on_interface && !t.constant_tension;
+    let banded = scene.acting().filter(|s| elastic(&s.traits()));
+    banded.map(|s| format!("force = \"sharp\" for `{}`", s.name())).collect()
+}
+
+/// Choices of the forces and of their transport.
+fn of_forces(scene: &Scene) -> Vec<String> {
+    let (numerics, mut choices) = (&scene.numerics, Vec::new());
     let smeared: Vec<_> = scene.acting().filter(|s| !s.traits().on_interface).collect();
     if !smeared.is_empty() {
-        energy.push("a larger numerics.thickness over the edges of the mesh".into());
+        choices.push("a larger numerics.thickness over the edges of the mesh".into());
     }
     let renormalised =
         |s: &&dyn StructureKind| band_of(numerics, s.traits().constant_tension) != Band::Carried;
     if smeared.iter().any(renormalised) {
-        energy.push("numerics.band = \"carried\"".into());
+        choices.push("numerics.band = \"carried\"".into());
     }
-    let acts = scene.acting().next().is_some();
-    if acts && numerics.coupling != Coupling::Implicit {
-        energy.push("numerics.coupling = \"implicit\"".into());
+    if numerics.coupling != Coupling::Implicit && numerics.surface_tension.is_none() {
+        choices.push("numerics.coupling = \"implicit\"".into());
     }
     if numerics.transport == Method::Projected {
-        energy.push("numerics.transport = \"nodal\"".into());
+        choices.push("numerics.transport = \"nodal\"".into());
     }
-    energy.push("a smaller time.step".into());
-    if acts && smeared.is_empty() {
-        // Sharp forces have a large weight by default; steps and cells are what is left.
-        energy.rotate_left(1);
-        energy.insert(energy.len() - 1, "a finer mesh".into());
-    }
-    let mut loss = vec!["a smaller time.step".to_string(), "a finer mesh".into()];
-    let elastic = |t: &Traits| t.stretches && !t.on_interface && !t.constant_tension;
-    for s in scene.acting().filter(|s| elastic(&s.traits())) {
-        let sharp = format!("force = \"sharp\" for `{}`", s.name());
-        [&mut energy, &mut loss].into_iter().for_each(|list| list.insert(0, sharp.clone()));
-    }
-    if time.order == 1 {
-        loss.insert(0, "time.order = 2".into());
-    }
-    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
-    let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
-    if !open.is_empty() {
-        let away = format!(
-            "a domain with {} farther away where fluid comes back in there",
-            open.join(" and ")
-        );
-        [&mut energy, &mut loss].into_iter().for_each(|list| list.push(away.clone()));
-    }
-    Advice {
-        energy: one_of(&energy),
-        loss: one_of(&loss),
-        area: "a larger numerics.grad_div or a finer mesh".into(),
-    }
-}
-
-/// Alternatives in words.
-pub(super) fn one_of(choices: &[impl AsRef<str>]) -> String {
-    let choices: Vec<&str> = choices.iter().map(AsRef::as_ref).collect();
-    match choices.split_last() {
-        Some((last, [])) => last.to_string(),
-        Some((last, [one])) => format!("{one} or {last}"),
-        Some((last, rest)) => format!("{}, or {last}", rest.join(", ")),
-        None => String::new(),
-    }
+    choices
 }

@@ -20,20 +20,25 @@ pub(super) struct FlowPlan<'a, const D: usize> {
     pub limits: Limits,
     /// Elastic waves at the start.
     pub waves: Vec<ElasticWave>,
+    /// Numbers without units, with their definitions.
+    pub numbers: Vec<String>,
     /// Velocity scale from which grad-div was derived, if it was.
     pub velocity_scale: Option<f64>,
 }
 
 impl<const D: usize> FlowPlan<'_, D> {
     /// All sections except that of the mesh.
-    pub fn sections(&self) -> [Section; 5] {
+    pub fn sections(self) -> impl Iterator<Item = Section> {
         [
             ("Solved", self.solved()),
+            ("Numbers", self.numbers.clone()),
             ("Unknowns", self.unknowns()),
             ("Numerics", self.numerics()),
             ("Left out", self.left_out()),
             ("Steps", self.steps()),
         ]
+        .into_iter()
+        .filter(|section| !section.1.is_empty())
     }
 
     fn solved(&self) -> Vec<String> {

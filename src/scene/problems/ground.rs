@@ -101,11 +101,8 @@ pub(super) fn thickness<const D: usize>(
     if distances().next().is_none() {
         return Ok(None);
     }
-    // First the edges on the interface, then those in the resulting band, which are longer on a
-    // graded mesh.
-    let eps = BAND * longest;
-    let edges = distances().filter_map(|(_, d)| band_edges(&site.space, d, eps));
-    let longest = edges.map(|e| e.largest).fold(longest, f64::max);
+    // The edges on the interface count: longer ones in the band of a graded mesh would make it
+    // wider, until it meets the coarsest ones. They are warned of when the band is checked.
     Ok(Some(scene.numerics.thickness.unwrap_or(BAND * longest)))
 }
 

@@ -1,5 +1,6 @@
 //! The flow of a scene with its structures.
 
+mod numbers;
 mod waves;
 
 use super::flow_plan::FlowPlan;
@@ -19,7 +20,7 @@ use crate::scene::plan;
 use crate::scene::points::point;
 use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::redistance;
-use crate::scene::remedies::with_keys;
+use crate::scene::remedies::{of_step, with_keys};
 use crate::scene::row::Row;
 use crate::scene::site::{Site, vector, wall_nodes};
 use crate::scene::start::start;
@@ -61,6 +62,8 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub(in crate::scene) lengths: Option<Lengths>,
     /// True if the first step changes the velocity at once.
     is_impulsive: bool,
+    /// Velocities that the scene gives.
+    given: scales::Given,
     /// Nodes on the boundary without periodic and open sides.
     wall_nodes: Vec<u32>,
     probes: Probes<D>,
@@ -79,7 +82,8 @@ impl<const D: usize> ImmersedFlow<D> {
         let placed = ground::place(scene, &site)?;
         let thickness = ground::thickness(scene, &site, &placed)?;
         let structures = ground::structures(scene, &mut site, placed, thickness)?;
-        let scales = [scales::velocity(scene, &site), site.size()];
+        let given = scales::given(scene, &site);
+        let scales = [scales::velocity(scene, &site, &given), site.size()];
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| scales::grad_div(scene, scales));
         let least_energy = scales::least_energy(scene, &site, scales);
         let settings = settings(scene, &site, grad_div);
@@ -123,6 +127,7 @@ impl<const D: usize> ImmersedFlow<D> {
             quality,
             wall_nodes,
             lengths,
+            given,
         };
         flow.check_outlets()?;
         flow.explicit_limit = flow.step_limit();
@@ -245,6 +250,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             view: self.view(),
             limits: self.limits(),
             waves: self.elastic_waves(),
+            numbers: self.numbers(),
             velocity_scale: self.velocity_scale,
         };
         Ok(plan::text(std::iter::once(mesh).chain(flow.sections())))
@@ -254,7 +260,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         Limits { thickness, band_edges, explicit_limit, stretched_limit }
     }
     fn step(&mut self) -> Result<StepReport> {
-        with_keys(self.simulation.step())
+        of_step(self.simulation.step(), || self.advice())
     }
     fn moment(&self) -> Moment {
         let (sim, state) = (&self.simulation, self.simulation.state());

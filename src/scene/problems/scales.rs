@@ -26,26 +26,52 @@ const SMALL: f64 = 0.01;
 /// Number of times at which prescribed velocities are sampled for the velocity scale.
 const SAMPLES: usize = 64;
 
-/// The largest of the speeds due to walls, the initial state, gravity and the elastic waves of the
-/// structures.
-pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
-    let (fluid, length) = (&scene.fluid, site.size());
-    let density = heaviest(scene);
-    let initial = vector(&fluid.initial_velocity);
-    let mut speed = site.mesh.points().iter().map(|x| initial(x, 0.0).norm()).fold(0.0, f64::max);
+/// Velocities that a scene gives: those of walls and inlets at some times, and the initial one.
+#[derive(Clone, Copy)]
+pub(super) struct Given {
+    /// The largest speed.
+    pub speed: f64,
+    /// The largest difference of two of them.
+    pub difference: f64,
+    /// The shorter side of the domain.
+    pub side: f64,
+}
+
+/// The velocities that a scene gives.
+pub(super) fn given<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Given {
+    let (mut speed, mut range) = (0.0f64, [None; 2]);
+    let mut see = |u: SVector<f64, D>| {
+        speed = speed.max(u.norm());
+        let [low, high] = range.map(|v: Option<SVector<f64, D>>| v.unwrap_or(u));
+        range = [Some(low.inf(&u)), Some(high.sup(&u))];
+    };
+    let initial = vector(&scene.fluid.initial_velocity);
+    site.mesh.points().iter().for_each(|x| see(initial(x, 0.0)));
     for b in &scene.boundaries {
-        if let (Condition::Velocity(v), Ok(facets)) = (&b.condition, site.mesh.boundary(&b.name)) {
-            let v = vector(v);
-            for &f in facets {
-                for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
-                    for k in 0..SAMPLES {
-                        let t = scene.time.end * spread(k);
-                        speed = speed.max(v(&site.space.nodes()[n as usize], t).norm());
-                    }
-                }
-            }
+        let v = match &b.condition {
+            Condition::Velocity(v) => v.as_slice(),
+            Condition::NoSlip => &[],
+            _ => continue,
+        };
+        let (v, Ok(facets)) = (vector(v), site.mesh.boundary(&b.name)) else { continue };
+        let nodes = |f: &u32| site.space.facet_nodes(&site.mesh.facets()[*f as usize]);
+        for n in facets.iter().flat_map(|f| nodes(f).collect::<Vec<_>>()) {
+            let x = &site.space.nodes()[n as usize];
+            (0..SAMPLES).for_each(|k| see(v(x, scene.time.end * spread(k))));
         }
     }
+    let difference = match range {
+        [Some(low), Some(high)] => (high - low).norm(),
+        _ => 0.0,
+    };
+    Given { speed, difference, side: 2.0 * site.size() }
+}
+
+/// The largest of the speeds due to walls, the initial state, gravity and the elastic waves of the
+/// structures.
+pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>, given: &Given) -> f64 {
+    let (fluid, length) = (&scene.fluid, site.size());
+    let (density, mut speed) = (heaviest(scene), given.speed);
     if density > 0.0 {
         for s in scene.acting() {
             speed = speed.max((s.traits().modulus / (density * length)).sqrt());

@@ -246,7 +246,7 @@ impl<const D: usize> Problem for Segmented<D> {
         ground::plane(self.segmenting.carried().mesh())
     }
     fn advice(&self) -> Advice {
-        Advice { area: "a finer mesh".into(), ..Advice::default() }
+        Advice { area: vec!["a finer mesh".into()], ..Advice::default() }
     }
 }
 

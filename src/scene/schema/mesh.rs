@@ -5,7 +5,7 @@ use super::shape::Shape;
 use crate::base::{Error, Result};
 use crate::mesh::{self, Diagonals, Mesh, gmsh};
 use crate::scene::keys::{
-    Absent, Context, Count, Counts, Item, Keys, Kind, Positive, Table, Tabled, Toml, Vector,
+    Absent, Context, Count, Counts, Item, Keys, Kind, Opt, Positive, Table, Tabled, Toml, Vector,
     Writer, key, row, table, words,
 };
 use std::path::{Path, PathBuf};
@@ -90,8 +90,9 @@ table! {
             Required("give the centre of the sphere: centre = [0, 0, 0]")],
         /// Radius of the sphere.
         radius: f64 [Positive, "m", Required("give the radius of the sphere: radius = 0.5")],
-        /// Cells that come nearer to the sphere than this are fine.
-        band: f64 [Positive, "m", Required("give how far fine cells reach: band = 0.2")],
+        /// Cells that come nearer to the sphere than this are fine: more than
+        /// `numerics.thickness`, if there is a band.
+        band: Option<f64> [Opt<Positive>, "m", Derived("3 edges")],
         /// Longest edge of fine cells: the third shortest of their six, as for the band of a
         /// membrane.
         edge: f64 [Positive, "m", Required("give the edge of fine cells: edge = 0.05")],
@@ -219,6 +220,8 @@ impl MeshSource {
         match *self {
             MeshSource::Box(Block { min, max, cells }) => Some(mesh::box_mesh(min, max, cells)),
             MeshSource::BallInBox(BallInBox { min, max, cells, centre, radius, band, edge }) => {
+                // A band of the default thickness has 2.5 edges.
+                let band = band.unwrap_or(3.0 * edge);
                 Some(mesh::ball_in_box(min, max, cells, centre, radius, band, edge))
             }
             _ => None,

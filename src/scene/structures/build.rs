@@ -1,11 +1,11 @@
 //! Construction of structures on the mesh of a scene.
 
-use crate::base::{Error, Result, Warning, length};
+use crate::base::{Error, Result, Warning, length, rounded};
 use crate::elastic::{AreaLaw, Band, ContinuumForce, Membrane};
 use crate::flow::Fluid;
-use crate::levelset::{Interface, check_band};
+use crate::levelset::{Interface, band_edges, check_band};
 use crate::mesh::Point;
-use crate::scene::schema::Numerics;
+use crate::scene::schema::{MeshSource, Numerics};
 use crate::scene::site::{Placed, Site};
 use crate::structure::{Immersed, ImmersedInterface, Structure};
 
@@ -76,10 +76,14 @@ impl<const D: usize> Build<'_, '_, D> {
         let remedy = "give a larger thickness, or shorter mesh.adapt.edge and along (adapted \
             edges reach 1.4 times what is asked for), or a mesh.adapt.width above the thickness";
         let check = if banded { check_band(&self.site.space, &distance, eps) } else { Ok(None) };
-        let check = check.map_err(|e| if adapts { e.remedy(remedy) } else { e });
+        let remedy = if adapts { Some(remedy.to_string()) } else { self.wider_shell(&distance) };
+        let check = check.map_err(|e| match &remedy {
+            Some(remedy) => e.remedy(remedy),
+            None => e,
+        });
         let check = check.and_then(|warning| {
-            let adapted = |w: Warning| if adapts { Warning::new(w.what, remedy) } else { w };
-            self.site.warnings.extend(warning.map(adapted));
+            let advised = |w: Warning| Warning::new(w.what, remedy.unwrap_or(w.remedy));
+            self.site.warnings.extend(warning.map(advised));
             let reach = if banded { eps * widest } else { 0.0 };
             let margins = self.walls.iter().map(|&n| distance[n as usize].abs());
             let margin = margins.fold(f64::INFINITY, f64::min);
@@ -101,6 +105,20 @@ impl<const D: usize> Build<'_, '_, D> {
             false => vec![&self.keys[0][..]],
         };
         check.map_err(|e| script.blame(&place, e))
+    }
+    /// The remedy for a band that reaches beyond the fine cells of a `ball_in_box`; `None` where
+    /// cells in the band are as fine as on the interface.
+    fn wider_shell(&self, distance: &[f64]) -> Option<String> {
+        let MeshSource::BallInBox(ball) = &self.site.script.mesh else { return None };
+        let largest = |eps| Some(band_edges(&self.site.space, distance, eps)?.largest);
+        let [on_interface, in_band] = [largest(0.0)?, largest(self.thickness)?];
+        let band = rounded(self.thickness + ball.edge, 3);
+        (in_band > 1.1 * on_interface).then(|| {
+            format!(
+                "cells in the band are coarser than on the interface: give mesh.ball_in_box.band = \
+                 {band}, or a smaller numerics.thickness"
+            )
+        })
     }
     /// A warning if the band is thicker than what it surrounds, or takes up much of it where the
     /// fluid changes across it.
