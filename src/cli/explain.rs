@@ -8,11 +8,16 @@ use crate::scene;
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+    /// Print sizes, limits, columns, warnings and the plan as JSON, for other programs
+    #[arg(long)]
+    json: bool,
 }
 
 pub(super) fn explain(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
-    let (plan, warnings) = scene::explain(&scene)?;
-    let warnings = warnings.iter().map(|w| format!("warning: {w}\n"));
-    super::print(&format!("{}\n\n{plan}\n{}", scene.title, warnings.collect::<String>()))
+    let explained = scene::explain(&scene)?;
+    super::print(&match arguments.json {
+        true => format!("{:#}\n", explained.json()),
+        false => explained.text(),
+    })
 }

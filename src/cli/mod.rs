@@ -1,5 +1,6 @@
 //! The command-line program: commands, messages, exit codes.
 
+mod cases;
 mod compare;
 mod explain;
 mod new;
@@ -8,6 +9,8 @@ mod reference;
 mod render;
 mod report;
 mod run;
+mod schema;
+mod shell;
 mod study;
 
 use crate::base::{Error, Kind, Result};
@@ -48,6 +51,12 @@ enum Command {
     Compare(compare::Arguments),
     /// Print what may stand in a scene: keys, values, units, defaults
     Reference(reference::Arguments),
+    /// Print the scene format as a JSON Schema, by which editors complete and check scenes
+    Schema,
+    /// Print the completions of a shell
+    Completions(shell::Completions),
+    /// Print the manual page, or write the pages of all commands
+    Man(shell::Man),
 }
 
 /// A scene and changes to it.
@@ -105,6 +114,9 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Study(s) => study::study(&s),
         Command::Compare(a) => compare::compare(&a),
         Command::Reference(a) => reference::reference(&a),
+        Command::Schema => schema::schema(),
+        Command::Completions(a) => shell::completions(&a),
+        Command::Man(a) => shell::man(&a),
     }
 }
 

@@ -1,64 +1,79 @@
 //! `immersa new`: a commented scene to start from.
 
+use super::cases::{CASES, Case};
+use super::schema;
 use crate::base::{Error, Result};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// Problem of the scene
-    case: Template,
+    /// The case; without it, all are listed
+    #[arg(value_parser = PossibleValuesParser::new(
+        CASES.iter().map(|c| PossibleValue::new(c.name).help(c.about))
+    ))]
+    case: Option<String>,
     /// The file to write; CASE.toml without it. A file that exists is left alone
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "case")]
     out: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Template {
-    /// An elastic membrane that relaxes in a viscous fluid
-    Membrane,
-    /// A square of fluid driven by its lid
-    Cavity,
-    /// A flow through a channel, from left to right
-    Channel,
-}
-
-impl Template {
-    fn name(self) -> &'static str {
-        match self {
-            Template::Membrane => "membrane",
-            Template::Cavity => "cavity",
-            Template::Channel => "channel",
-        }
-    }
-
-    fn text(self) -> &'static str {
-        match self {
-            Template::Membrane => include_str!("cases/membrane.toml"),
-            Template::Cavity => include_str!("cases/cavity.toml"),
-            Template::Channel => include_str!("cases/channel.toml"),
-        }
-    }
-}
-
 pub(super) fn new(arguments: &Arguments) -> Result<()> {
-    let path = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from(format!("{}.toml", arguments.case.name())));
-    let failed = |e: std::io::Error| {
-        Error::input(format!("the scene cannot be written: {e}"))
-            .at(path.display().to_string())
-            .value(path.display())
-            .remedy("name another file with --out; one that exists is never overwritten")
-    };
-    let mut file = std::fs::File::create_new(&path).map_err(failed)?;
-    file.write_all(arguments.case.text().as_bytes()).map_err(failed)?;
-    let path = path.display();
-    // The file is written; a closed standard output changes nothing about that.
-    let _ = writeln!(
-        std::io::stdout().lock(),
-        "{path} is written; compute it with: immersa run {path}"
-    );
-    Ok(())
+    let named = |name: &String| CASES.iter().find(|c| c.name == name);
+    match arguments.case.as_ref().and_then(named) {
+        None => super::print(&list()),
+        Some(case) => write(case, arguments.out.clone()),
+    }
+}
+
+/// All cases with a line each.
+fn list() -> String {
+    let line = |c: &Case| format!("  {:<11} {}\n", c.name, c.about);
+    let lines: String = CASES.iter().map(line).collect();
+    format!("Cases for `immersa new CASE`, each a commented scene to start from:\n\n{lines}")
+}
+
+/// Writes a case, its files and the schema of scenes, and says what to do next.
+fn write(case: &Case, out: Option<PathBuf>) -> Result<()> {
+    let path = out.unwrap_or_else(|| PathBuf::from(format!("{}.toml", case.name)));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let files = case.files.iter().map(|(name, content)| (folder.join(name), *content));
+    let scene = (path.clone(), case.scene.as_bytes());
+    let all = std::iter::once(scene).chain(files.clone());
+    if let Some((there, _)) = all.clone().find(|(path, _)| path.exists()) {
+        return Err(failed(&there, &std::io::ErrorKind::AlreadyExists.into()));
+    }
+    for (path, content) in all {
+        create(&path, content).map_err(|e| failed(&path, &e))?;
+    }
+    let known = schema::write_into(folder)?;
+    let mut said = format!("{} is written", path.display());
+    for (file, _) in files {
+        said += &format!(", and {} beside it", file.display());
+    }
+    if !case.before.is_empty() {
+        said += &format!(";\nmake its mesh with: {}", case.before);
+    }
+    said += &format!(";\ncompute it with: immersa run {}\n", path.display());
+    if !known {
+        said += &format!(
+            "{} is of another version and left alone; write it anew with: immersa schema > {0}\n",
+            folder.join(schema::FILE).display()
+        );
+    }
+    super::print(&said)
+}
+
+/// Writes a file that must not exist.
+pub(super) fn create(path: &Path, content: &[u8]) -> std::io::Result<()> {
+    std::fs::File::create_new(path)?.write_all(content)
+}
+
+/// The error for a file that cannot be written.
+pub(super) fn failed(path: &Path, e: &std::io::Error) -> Error {
+    Error::input(format!("the file cannot be written: {e}"))
+        .at(path.display().to_string())
+        .value(path.display())
+        .remedy("name a file in another folder with --out; one that exists is never overwritten")
 }

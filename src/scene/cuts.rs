@@ -1,7 +1,7 @@
 //! Lines and planes along which an interface is measured.
 
 use crate::base::Result;
-use crate::scene::keys::{Context, Item, Kind, Named, Point, Table, kinds, table};
+use crate::scene::keys::{Context, Form, Item, Kind, Named, Point, Table, kinds, table};
 
 table! {
     /// A line through the membrane, along which half the distance of its two crossings is measured.
@@ -28,15 +28,18 @@ table! {
 
 kinds! {
     /// The direction of a line.
-    Along: Vec<f64> = Kind::Value("vector of numbers"), |i, c|
+    Along: Vec<f64> = Kind::Value("vector of numbers", Form::POINT), |i, c|
         not_zero(i, c, "the direction of a chord is zero", "give a direction such as [1, 0]"),
         spatial;
     /// The normal of a plane.
-    Normal: Vec<f64> = Kind::Value("vector of numbers"), |i, c|
+    Normal: Vec<f64> = Kind::Value("vector of numbers", Form::POINT), |i, c|
         not_zero(i, c, "the normal of a ring is zero", "give a direction such as [0, 0, 1]"),
         spatial;
     /// Numbers of waves, even as radii are measured along diameters.
-    Modes: Vec<usize> = Kind::Value("list of even whole numbers from 2 to 32"),
+    Modes: Vec<usize> = Kind::Value(
+        "list of even whole numbers from 2 to 32",
+        Form::List(&Form::Whole([2, 32]), [0, usize::MAX]),
+    ),
         |i, _| i.list()?.iter().map(mode).collect();
 }
 

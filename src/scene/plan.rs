@@ -9,22 +9,34 @@ use super::view::View;
 use crate::base::length;
 use crate::mesh::{Point, Quality};
 use crate::transport::Method;
-use std::fmt::Write;
+use std::fmt;
 
 /// A heading of the plan with its lines.
 pub(super) type Section = (&'static str, Vec<String>);
 
-/// The plan as plain text, ready to print.
-pub(super) fn text(sections: impl IntoIterator<Item = Section>) -> String {
-    let mut text = String::new();
-    for (heading, lines) in sections {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{heading}");
-        for line in lines {
-            let _ = writeln!(text, "  {line}");
-        }
+/// What a scene solves and what it leaves out, in words; prints as plain text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan(Vec<Section>);
+
+impl Plan {
+    /// A plan of these sections.
+    pub(super) fn new(sections: impl IntoIterator<Item = Section>) -> Plan {
+        Plan(sections.into_iter().collect())
     }
-    text
+    /// Headings with their lines.
+    pub fn sections(&self) -> impl Iterator<Item = (&'static str, &[String])> {
+        self.0.iter().map(|(heading, lines)| (*heading, &lines[..]))
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (heading, lines) in &self.0 {
+            writeln!(f, "{heading}")?;
+            lines.iter().try_for_each(|line| writeln!(f, "  {line}"))?;
+        }
+        Ok(())
+    }
 }
 
 /// The section of the plan about the mesh.

@@ -1,5 +1,6 @@
 //! A problem that a run steps in time, independent of the dimension.
 
+use super::plan::Plan;
 use super::row::Row;
 use crate::base::{PHASES, Result, Warning};
 use crate::flow::StepReport;
@@ -114,11 +115,11 @@ pub type ProfileColumn = (&'static str, Vec<f64>);
 pub trait Problem {
     /// Warnings before the first step.
     fn warnings(&self) -> &[Warning];
-    /// The plan as plain text, ready to print. Analyses matrices without factoring them.
+    /// The plan. Analyses matrices without factoring them.
     ///
     /// # Errors
     /// Insufficient memory.
-    fn plan(&mut self) -> Result<String>;
+    fn plan(&mut self) -> Result<Plan>;
     /// Limits and lengths at the start.
     fn limits(&self) -> Limits;
     /// Advances by one step.

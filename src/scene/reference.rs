@@ -6,10 +6,12 @@ use super::read::KEYS;
 use crate::base::{Error, Result};
 
 /// A table and all its possible places in the scene.
-struct Section {
-    paths: Vec<String>,
+pub(super) struct Section {
+    /// Keys on the way to it, joined by dots; empty for the scene.
+    pub paths: Vec<String>,
     headings: Vec<String>,
-    keys: &'static Keys,
+    /// Its keys.
+    pub keys: &'static Keys,
 }
 
 const EXPRESSIONS: &str = "expressions";
@@ -19,12 +21,7 @@ const EXPRESSIONS: &str = "expressions";
 ///
 /// Errors: of kind [`Scene`](crate::base::Kind::Scene) if there is no such table.
 pub fn reference(of: Option<&str>) -> Result<String> {
-    let mut sections = vec![Section {
-        paths: vec![String::new()],
-        headings: vec!["The scene".to_string()],
-        keys: &KEYS,
-    }];
-    collect(&KEYS, "", &mut sections);
+    let sections = sections();
     let wanted = |path: &str| match of {
         None => true,
         Some(of) => {
@@ -49,6 +46,17 @@ pub fn reference(of: Option<&str>) -> Result<String> {
             .remedy(advice(of, known.chain([EXPRESSIONS]))));
     }
     Ok(parts.join("\n"))
+}
+
+/// The scene and all its tables.
+pub(super) fn sections() -> Vec<Section> {
+    let mut sections = vec![Section {
+        paths: vec![String::new()],
+        headings: vec!["The scene".to_string()],
+        keys: &KEYS,
+    }];
+    collect(&KEYS, "", &mut sections);
+    sections
 }
 
 /// Adds the tables inside `keys` at `path`; a table at several places gets one section.
@@ -94,8 +102,8 @@ impl Section {
 /// A key as an entry of a definition list.
 fn entry(key: &Key) -> String {
     let kind = match key.kind {
-        Kind::Value(what) => what.to_string(),
-        Kind::OrFalse(what) => format!("{what} or false"),
+        Kind::Value(what, _) => what.to_string(),
+        Kind::OrFalse(what, _) => format!("{what} or false"),
         Kind::Numbers(n) => format!("{} numbers", in_words(n)),
         Kind::Lengths(n) => format!("{} numbers > 0", in_words(n)),
         Kind::Count([least, most]) if most == least + 1 => format!("{least} or {most}"),
@@ -108,7 +116,7 @@ fn entry(key: &Key) -> String {
         Kind::Table(_) => "table".to_string(),
         Kind::List(_) => "list of tables".to_string(),
         Kind::Named(_) => "tables with names".to_string(),
-        Kind::Either(what, _) => format!("{what}, or table"),
+        Kind::Either(what, ..) => format!("{what}, or table"),
     };
     let auto = if key.absent == Absent::Auto { " or `\"auto\"`" } else { "" };
     let unit = if key.unit.is_empty() { String::new() } else { format!(" ({})", key.unit) };

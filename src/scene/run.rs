@@ -96,7 +96,7 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     observer.phase("building the model");
     let mut folder = Folder::open(scene, options)?;
     let mut problem = problem(scene)?;
-    let plan = problem.plan()?;
+    let plan = problem.plan()?.to_string();
     // Created only now: an invalid scene or mesh leaves no folder behind, and the run can be
     // repeated after the correction.
     folder.make(scene)?;

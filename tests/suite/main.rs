@@ -22,6 +22,7 @@ mod flow_in_space;
 mod fluid;
 mod folders;
 mod geometry;
+mod getting_in;
 mod jumps;
 mod krylov;
 mod layers;

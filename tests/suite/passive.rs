@@ -49,7 +49,7 @@ transport = "composed"
 #[test]
 fn a_prescribed_velocity_leaves_the_flow_out() {
     let mut case = Case::<Advected>::of(VORTEX, &[]);
-    let plan = case.model.plan().unwrap();
+    let plan = case.model.plan().unwrap().to_string();
     for line in [
         "no flow: the velocity is prescribed as",
         "no matrix of a flow",

@@ -67,7 +67,7 @@ fn the_slope_is_one_again_and_the_plan_says_so() {
     for method in METHODS {
         let mut case =
             Case::<Advected>::of(VORTEX, &[&format!("numerics.redistance.method={method}")]);
-        let plan = case.model.plan().unwrap();
+        let plan = case.model.plan().unwrap().to_string();
         assert!(
             plan.contains("level sets redistanced after every step")
                 && !plan.contains("redistancing: the slope"),

@@ -287,26 +287,11 @@ fn wrong_command_lines_end_with_code_2() {
         (&["frobnicate"][..], "unrecognized subcommand"),
         (&["run"], "<SCENE>"),
         (&["run", "scene.toml", "--threads", "0"], "--threads"),
-        (&["new", "whale"], "membrane, cavity, channel"),
+        (&["new", "whale"], "cavity, channel, obstacle, membrane"),
         (&["explain", "scene.toml", "--sett", "a=1"], "--set"),
     ] {
         assert_message(GOOD.as_bytes(), arguments, 2, &[part]);
     }
-}
-
-#[test]
-fn new_scenes_are_good_and_nothing_is_overwritten() {
-    let folder = TempDir::new().unwrap();
-    for case in ["membrane", "cavity", "channel"] {
-        let file = format!("{case}.toml");
-        assert_eq!(immersa(folder.path(), &["new", case]).0, 0);
-        let (code, message) = immersa(folder.path(), &["explain", &file]);
-        assert_eq!(code, 0, "{message}");
-        let (code, message) = immersa(folder.path(), &["new", case]);
-        assert_eq!(code, 3);
-        assert!(message.contains(&file) && message.contains("--out"), "{message}");
-    }
-    assert_eq!(immersa(folder.path(), &["new", "cavity", "--out", "nowhere/a.toml"]).0, 3);
 }
 
 proptest! {

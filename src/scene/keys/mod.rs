@@ -2,6 +2,7 @@
 //! and the typed reading and writing of values. Independent of any particular table.
 
 mod document;
+mod form;
 mod item;
 mod names;
 mod nested;
@@ -11,6 +12,7 @@ mod write;
 
 pub(crate) use super::nearest::advice;
 pub(in crate::scene) use document::{Document, Entry, Node, Place, Source, Value, parse_value};
+pub use form::Form;
 pub(in crate::scene) use item::{Context, Item, Table};
 pub(in crate::scene) use names::{distinct, identifier, named};
 pub(in crate::scene) use nested::Nested;
@@ -51,10 +53,10 @@ pub struct Key {
 /// Possible values of a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A value, in words.
-    Value(&'static str),
-    /// A value, in words, or false.
-    OrFalse(&'static str),
+    /// A value, in words and in its form.
+    Value(&'static str, Form),
+    /// A value, in words and in its form, or false.
+    OrFalse(&'static str, Form),
     /// This many numbers.
     Numbers(usize),
     /// This many numbers > 0.
@@ -73,8 +75,8 @@ pub enum Kind {
     List(&'static Keys),
     /// A table of tables that are named by the scene, `[name.NAME]`.
     Named(&'static Keys),
-    /// A value, in words, or a table.
-    Either(&'static str, &'static Keys),
+    /// A value, in words and in its form, or a table.
+    Either(&'static str, Form, &'static Keys),
 }
 
 /// Meaning of an absent key.
@@ -121,7 +123,7 @@ impl Kind {
     /// The keys of the table, or of each table of the list, if the value can be one.
     pub fn keys(&self) -> Option<&'static Keys> {
         match *self {
-            Kind::Table(keys) | Kind::List(keys) | Kind::Named(keys) | Kind::Either(_, keys) => {
+            Kind::Table(keys) | Kind::List(keys) | Kind::Named(keys) | Kind::Either(_, _, keys) => {
                 Some(keys)
             }
             _ => None,

@@ -2,7 +2,7 @@
 
 use super::item::{Context, Item};
 use super::write::{Toml, text};
-use super::{Absent, Kind, list};
+use super::{Absent, Form, Kind, list};
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use std::marker::PhantomData;
@@ -66,32 +66,33 @@ pub(in crate::scene) use kinds;
 
 kinds! {
     /// A finite number.
-    Number: f64 = Kind::Value("number"), |i, _| i.number();
+    Number: f64 = Kind::Value("number", Form::NUMBER), |i, _| i.number();
     /// A number > 0.
-    Positive: f64 = Kind::Value("number > 0"), |i, _| i.positive();
+    Positive: f64 = Kind::Value("number > 0", Form::POSITIVE), |i, _| i.positive();
     /// A number >= 0.
-    NonNegative: f64 = Kind::Value("number >= 0"), |i, _| i.non_negative();
+    NonNegative: f64 = Kind::Value("number >= 0", Form::least(0.0)), |i, _| i.non_negative();
     /// True or false.
-    Flag: bool = Kind::Value("true or false"), |i, _| i.boolean();
+    Flag: bool = Kind::Value("true or false", Form::Flag), |i, _| i.boolean();
     /// A text.
-    Text: String = Kind::Value("text"), |i, _| i.text().map(str::to_string);
+    Text: String = Kind::Value("text", Form::Text), |i, _| i.text().map(str::to_string);
     /// A text that becomes part of column and file names.
-    Identifier: String = Kind::Value("text"), |i, _| super::identifier(i);
+    Identifier: String = Kind::Value("text", Form::Text), |i, _| super::identifier(i);
     /// A whole number from `LEAST` to `MOST`.
     Count<const LEAST, const MOST>: usize = Kind::Count([LEAST, MOST]), |i, _| i.count(LEAST, MOST);
     /// A point of `N` coordinates.
-    Vector<const N>: [f64; N] = Kind::Value("point"), |i, _| i.vector();
+    Vector<const N>: [f64; N] =
+        Kind::Value("point", Form::List(&Form::NUMBER, [N, N])), |i, _| i.vector();
     /// A list of `N` numbers.
     Numbers<const N>: [f64; N] = Kind::Numbers(N), |i, _| i.vector();
     /// A list of `N` whole numbers from 1 to `MOST`.
     Counts<const N, const MOST>: [usize; N] = Kind::Counts(N, [1, MOST]), |i, _| i.counts(MOST);
     /// A point of the scene.
-    Point: Vec<f64> = Kind::Value("point"), |i, c| i.point(c), spatial;
+    Point: Vec<f64> = Kind::Value("point", Form::POINT), |i, c| i.point(c), spatial;
     /// A vector of the scene.
-    Direction: Vec<f64> = Kind::Value("vector of numbers"), |i, c| i.point(c), spatial;
+    Direction: Vec<f64> = Kind::Value("vector of numbers", Form::POINT), |i, c| i.point(c), spatial;
     /// A vector of numbers or expressions.
     Components: Vec<Expression> =
-        Kind::Value("vector of numbers or expressions"), |i, c| i.components(c), spatial;
+        Kind::Value("vector of numbers or expressions", Form::EXPRESSIONS), |i, c| i.components(c), spatial;
 }
 
 /// Declares the words of a choice: `Name: Type { "word" = value, ... }`.
@@ -172,7 +173,7 @@ impl<K: Typed> Typed for Auto<K> {
 impl<K: Typed> Typed for OrFalse<K> {
     type Out = Option<K::Out>;
     const KIND: Kind = match K::KIND {
-        Kind::Value(words) => Kind::OrFalse(words),
+        Kind::Value(words, form) => Kind::OrFalse(words, form),
         other => other,
     };
     fn read(item: &Item<'_>, context: &Context) -> Result<Self::Out> {

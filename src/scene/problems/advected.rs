@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
 use crate::scene::expression::Expression;
 use crate::scene::measure::{self, Probes};
-use crate::scene::plan;
+use crate::scene::plan::{self, Plan};
 use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::{in_words, redistance};
 use crate::scene::remedies::{of_step, with_keys};
@@ -98,7 +98,7 @@ impl<const D: usize> Problem for Advected<D> {
     fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
-    fn plan(&mut self) -> Result<String> {
+    fn plan(&mut self) -> Result<Plan> {
         let (scene, view) = (&self.scene, self.view());
         let velocity = scene.fluid.prescribed_velocity.iter().flatten();
         let velocity: Vec<&str> = velocity.map(Expression::text).collect();
@@ -126,7 +126,7 @@ impl<const D: usize> Problem for Advected<D> {
             );
         }
         left_out.extend(plan::third_dimension(D));
-        Ok(plan::text([
+        Ok(Plan::new([
             plan::mesh(scene, &view, (&self.quality, self.lengths.as_ref())),
             ("Solved", solved.chain(plan::boundaries(scene)).collect()),
             ("Unknowns", unknowns.chain([memory]).collect()),

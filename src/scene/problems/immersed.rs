@@ -16,7 +16,7 @@ use crate::scene::adapt::{self, Lengths};
 use crate::scene::checks::check_flow;
 use crate::scene::measure::{self, Probes, force_columns};
 use crate::scene::pacing::pacing;
-use crate::scene::plan;
+use crate::scene::plan::{self, Plan};
 use crate::scene::points::point;
 use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::redistance;
@@ -241,7 +241,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
-    fn plan(&mut self) -> Result<String> {
+    fn plan(&mut self) -> Result<Plan> {
         with_keys(self.simulation.analyse())?;
         let mesh = plan::mesh(&self.scene, &self.view(), (&self.quality, self.lengths.as_ref()));
         let flow = FlowPlan {
@@ -253,7 +253,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             numbers: self.numbers(),
             velocity_scale: self.velocity_scale,
         };
-        Ok(plan::text(std::iter::once(mesh).chain(flow.sections())))
+        Ok(Plan::new(std::iter::once(mesh).chain(flow.sections())))
     }
     fn limits(&self) -> Limits {
         let ImmersedFlow { thickness, band_edges, explicit_limit, stretched_limit, .. } = *self;

@@ -18,7 +18,7 @@ use super::Scene;
 use super::problem::Problem;
 use super::remedies::with_keys;
 use super::row::Row;
-use crate::base::{Error, Result, Warning};
+use crate::base::{Error, Result};
 use std::collections::HashSet;
 
 /// Builds the problem that a scene describes.
@@ -65,14 +65,4 @@ fn problem_in<const D: usize>(scene: &Scene) -> Result<Box<dyn Problem>> {
     } else {
         Box::new(ImmersedFlow::<D>::new(scene)?)
     })
-}
-
-/// The plan of a scene as plain text, with warnings.
-///
-/// # Errors
-/// Those of [`problem`] and [`Problem::plan`].
-pub fn explain(scene: &Scene) -> Result<(String, Vec<Warning>)> {
-    let mut problem = problem(scene)?;
-    let plan = problem.plan()?;
-    Ok((plan, problem.warnings().to_vec()))
 }

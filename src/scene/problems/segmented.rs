@@ -11,7 +11,7 @@ use crate::mesh::{Mesh, Point, Quality};
 use crate::output::{GreyImage, Pixels, write_file};
 use crate::scene::Scene;
 use crate::scene::measure::{self, Probes};
-use crate::scene::plan;
+use crate::scene::plan::{self, Plan};
 use crate::scene::problem::{Advice, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::remedies::with_keys;
 use crate::scene::row::Row;
@@ -107,7 +107,7 @@ impl<const D: usize> Problem for Segmented<D> {
     fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
-    fn plan(&mut self) -> Result<String> {
+    fn plan(&mut self) -> Result<Plan> {
         let (scene, view, eps) = (&self.scene, self.view(), self.thickness);
         let Some(image) = &scene.image else {
             return Err(Error::internal("no image is segmented"));
@@ -148,7 +148,7 @@ impl<const D: usize> Problem for Segmented<D> {
         ];
         let left_out =
             "flow, pressure and boundary conditions: an image is segmented, and nothing flows";
-        Ok(plan::text([
+        Ok(Plan::new([
             plan::mesh(scene, &view, (&self.quality, None)),
             ("Solved", solved),
             (

@@ -2,7 +2,7 @@
 
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Item, Kind, Many, Opt, Positive, Set, Table, Tabled, Writer, kinds, last,
+    Context, Count, Form, Item, Kind, Many, Opt, Positive, Set, Table, Tabled, Writer, kinds, last,
     table, words,
 };
 use crate::sim::Transfer;
@@ -65,9 +65,9 @@ words! {
 }
 kinds! {
     /// A ratio of lengths that differ.
-    Gradation: f64 = Kind::Value("number > 1"), |i, _| ratio(i, "above 1", |v| v > 1.0);
+    Gradation: f64 = Kind::Value("number > 1", Form::above(1.0)), |i, _| ratio(i, "above 1", |v| v > 1.0);
     /// A ratio of lengths that may be equal.
-    Anisotropy: f64 = Kind::Value("number >= 1"), |i, _| ratio(i, "at least 1", |v| v >= 1.0);
+    Anisotropy: f64 = Kind::Value("number >= 1", Form::least(1.0)), |i, _| ratio(i, "at least 1", |v| v >= 1.0);
 }
 
 impl Adapt {

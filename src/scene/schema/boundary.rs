@@ -3,7 +3,7 @@
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Components, Context, Item, Kind, Tabled, Text, Typed, Writer, key, one_of,
+    Components, Context, Form, Item, Kind, Tabled, Text, Typed, Writer, key, one_of,
 };
 
 /// The name of the whole boundary.
@@ -56,7 +56,7 @@ pub(in crate::scene) struct True;
 
 impl Typed for True {
     type Out = ();
-    const KIND: Kind = Kind::Value("true");
+    const KIND: Kind = Kind::Value("true", Form::True);
     fn read(item: &Item<'_>, _: &Context) -> Result<()> {
         if item.boolean()? {
             return Ok(());

@@ -1,7 +1,7 @@
 //! `[exact]`: a known solution, to which the run is compared.
 
 use crate::scene::expression::Expression;
-use crate::scene::keys::{Kind, Opt, kinds, table};
+use crate::scene::keys::{Form, Kind, Opt, kinds, table};
 
 table! {
     /// A solution that is known: its errors become columns of the series.
@@ -15,7 +15,7 @@ table! {
 
 kinds! {
     /// One expression a component.
-    Velocity: Vec<Expression> = Kind::Value("two expressions of x, y, t"), |i, c| i.components(c);
+    Velocity: Vec<Expression> = Kind::Value("two expressions of x, y, t", Form::EXPRESSIONS), |i, c| i.components(c);
     /// One expression.
-    Pressure: Expression = Kind::Value("expression of x, y, t"), |i, c| i.expression(&c.constants);
+    Pressure: Expression = Kind::Value("expression of x, y, t", Form::Expression), |i, c| i.expression(&c.constants);
 }

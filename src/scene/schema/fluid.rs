@@ -3,8 +3,8 @@
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Components, Context, Direction, Flag, Item, Kind, NonNegative, Number, Opt, Positive, Table,
-    Tabled, Toml, Typed, kinds, optional, table,
+    Components, Context, Direction, Flag, Form, Item, Kind, NonNegative, Number, Opt, Positive,
+    Table, Tabled, Toml, Typed, kinds, optional, table,
 };
 use std::marker::PhantomData;
 
@@ -46,7 +46,7 @@ table! {
 kinds! {
     /// A velocity at time 0.
     InitialVelocity: Vec<Expression> = Kind::Value("vector of numbers or \
-        expressions"), initial, spatial;
+        expressions", Form::EXPRESSIONS), initial, spatial;
 }
 
 /// A number of the kind `K`, or one for each side.
@@ -55,7 +55,7 @@ pub(in crate::scene) struct Contrasted<K>(PhantomData<K>);
 impl<K: Typed<Out = f64>> Typed for Contrasted<K> {
     type Out = Contrast;
     const KIND: Kind = match K::KIND {
-        Kind::Value(words) => Kind::Either(words, Contrast::KEYS),
+        Kind::Value(words, form) => Kind::Either(words, form, Contrast::KEYS),
         other => other,
     };
     fn read(item: &Item<'_>, context: &Context) -> Result<Contrast> {

@@ -1,7 +1,7 @@
 //! Geometry of interfaces in `[output]`: delta functions, curvatures, intersection curves.
 
 use crate::base::Result;
-use crate::scene::keys::{Context, Item, Kind, Table, Words, kinds, table, words};
+use crate::scene::keys::{Context, Form, Item, Kind, Table, Words, kinds, table, words};
 
 /// A delta function for measurements on interfaces, beside the cut one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ table! {
 
 kinds! {
     /// Names of interfaces.
-    TwoNames: Vec<String> = Kind::Value("list of two names"),
+    TwoNames: Vec<String> = Kind::Value("list of two names", Form::List(&Form::Text, [2, 2])),
         |i, _| i.list()?.iter().map(|i| i.text().map(str::to_string)).collect();
 }
 

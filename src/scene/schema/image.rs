@@ -5,7 +5,7 @@ use crate::base::Result;
 use crate::mesh::Diagonals;
 use crate::output::{GreyImage, Pixels};
 use crate::scene::keys::{
-    Context, Count, Item, Kind, NonNegative, Opt, Positive, Table, kinds, table,
+    Context, Count, Form, Item, Kind, NonNegative, Opt, Positive, Table, kinds, table,
 };
 use std::path::PathBuf;
 
@@ -36,7 +36,7 @@ table! {
 
 kinds! {
     /// A PNG file, as an absolute path.
-    File: PathBuf = Kind::Value("path"), file;
+    File: PathBuf = Kind::Value("path", Form::Text), file;
 }
 
 /// Maximum number of pixels for an automatic mesh: its matrix has as many unknowns as the image has

@@ -5,8 +5,8 @@ use super::shape::Shape;
 use crate::base::{Error, Result};
 use crate::mesh::{self, Diagonals, Mesh, gmsh};
 use crate::scene::keys::{
-    Absent, Context, Count, Counts, Item, Keys, Kind, Opt, Positive, Table, Tabled, Toml, Vector,
-    Writer, key, row, table, words,
+    Absent, Context, Count, Counts, Form, Item, Keys, Kind, Opt, Positive, Table, Tabled, Toml,
+    Vector, Writer, key, row, table, words,
 };
 use std::path::{Path, PathBuf};
 
@@ -111,7 +111,7 @@ pub(in crate::scene) static KEYS: Keys = Keys {
     keys: &[
         row(
             "file",
-            Kind::Value("path"),
+            Kind::Value("path", Form::Text),
             "",
             Absent::OneOf,
             "A mesh of gmsh (MSH 2.2, 4.0 or 4.1), relative to the folder of the scene.",
@@ -157,7 +157,10 @@ pub(in crate::scene) static KEYS: Keys = Keys {
         ),
         row(
             "geometry",
-            Kind::Value("shapes with names, each as in `membrane.shape`"),
+            Kind::Value(
+                "shapes with names, each as in `membrane.shape`",
+                Form::Names(&Form::Like("membrane.shape")),
+            ),
             "",
             Absent::Optional,
             "Curves (in space: surfaces) that new points on named boundaries of a mesh file are \

@@ -38,7 +38,7 @@ pub(in crate::scene) use boundary::read as read_boundaries;
 pub(in crate::scene) use image::check as check_image;
 
 use super::expression::is_reserved;
-use super::keys::{Absent::*, Item, Key, Kind::*, Tabled, Writer, number, row, text};
+use super::keys::{Absent::*, Form, Item, Key, Kind::*, Tabled, Writer, number, row, text};
 use crate::base::Result;
 use crate::flow;
 use std::collections::BTreeMap;
@@ -75,17 +75,23 @@ pub struct Tables {
 /// Keys before the lists of structures; declared by hand, as these lists are between them and the
 /// rest.
 pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
-    row("title", Value("text"), "", Derived("the name of the file"), "What the scene is called."),
+    row(
+        "title",
+        Value("text", Form::Text),
+        "",
+        Derived("the name of the file"),
+        "What the scene is called.",
+    ),
     row(
         "units",
-        Value("text"),
+        Value("text", Form::Text),
         "",
         Default("\"\""),
         "The units of the scene, in words; nothing is converted.",
     ),
     row(
         "constants",
-        Value("table of numbers or expressions"),
+        Value("table of numbers or expressions", Form::Names(&Form::Expression)),
         "",
         Optional,
         "Names that expressions may use; each may use those before it.",

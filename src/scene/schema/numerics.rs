@@ -6,8 +6,8 @@ use crate::elastic::Band;
 use crate::fem::Element;
 use crate::levelset::{Kernel, Norm};
 use crate::scene::keys::{
-    Auto, Context, Count, Flag, Item, Kind, Nested, NonNegative, Opt, Positive, Table, Tabled,
-    Writer, kinds, table, words,
+    Auto, Context, Count, Flag, Form, Item, Kind, Nested, NonNegative, Opt, Positive, Table,
+    Tabled, Writer, kinds, table, words,
 };
 use crate::sim::{Coupling, SolverKind, SolverOptions};
 use crate::transport::Method;
@@ -116,7 +116,10 @@ words! {
 }
 kinds! {
     /// A relative residual.
-    SolveTolerance: f64 = Kind::Value("number from 0 to 1e-6"), solve_tolerance;
+    SolveTolerance: f64 = Kind::Value(
+        "number from 0 to 1e-6",
+        Form::Number { least: 0.0, most: LARGEST_SOLVE_TOLERANCE, open: false },
+    ), solve_tolerance;
 }
 const GIGABYTE: f64 = 1e9;
 const SOLVE_TOLERANCE: f64 = 1e-10;

@@ -5,8 +5,8 @@ use super::given::{Given, Motion, Quantity};
 use super::picture::Picture;
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Flag, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point, Positive,
-    Set, Table, Tabled, Text, Writer, kinds, last, table, words,
+    Context, Count, Flag, Form, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point,
+    Positive, Set, Table, Tabled, Text, Writer, kinds, last, table, words,
 };
 
 table! {
@@ -113,7 +113,10 @@ words! {
 }
 kinds! {
     /// Times, not yet in any order.
-    Times: Vec<f64> = Kind::Value("list of rising numbers >= 0"),
+    Times: Vec<f64> = Kind::Value(
+        "list of rising numbers >= 0",
+        Form::List(&Form::least(0.0), [0, usize::MAX]),
+    ),
         |i, _| i.list()?.iter().map(Item::non_negative).collect();
 }
 

@@ -1,7 +1,7 @@
 //! Polygons given by their corners.
 
 use crate::base::Result;
-use crate::scene::keys::{Context, Item, Kind, kinds, table};
+use crate::scene::keys::{Context, Form, Item, Kind, kinds, table};
 use robust::{Coord, orient2d};
 
 table! {
@@ -14,7 +14,10 @@ table! {
 
 kinds! {
     /// The corners of a simple polygon.
-    Points: Vec<[f64; 2]> = Kind::Value("list of at least three points"), corners;
+    Points: Vec<[f64; 2]> = Kind::Value(
+        "list of at least three points",
+        Form::List(&Form::List(&Form::NUMBER, [2, 2]), [3, usize::MAX]),
+    ), corners;
 }
 
 const REMEDY: &str = "give at least three corners: points = [[0, 0], [1, 0], [0, 1]]";

@@ -2,7 +2,9 @@
 
 use crate::base::Result;
 use crate::levelset;
-use crate::scene::keys::{Context, Count, Flag, Kind, Opt, Positive, Table, kinds, table, words};
+use crate::scene::keys::{
+    Context, Count, Flag, Form, Kind, Opt, Positive, Table, kinds, table, words,
+};
 use crate::sim::When;
 
 table! {
@@ -41,7 +43,7 @@ words! {
 }
 kinds! {
     /// A number of time steps.
-    Steps: usize = Kind::Value("whole number from 1"), |i, _| i.count(1, MOST_STEPS);
+    Steps: usize = Kind::Value("whole number from 1", Form::Whole([1, MOST_STEPS])), |i, _| i.count(1, MOST_STEPS);
 }
 const ITERATIONS: usize = 5;
 const MOST_STEPS: usize = 1_000_000_000;

@@ -4,8 +4,8 @@ use super::polygon::Polygon;
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Item, Kind, Nested, NonNegative, Number, Numbers, Positive, Table, Tabled, Typed,
-    Vector, kinds, list, one_of, table,
+    Context, Form, Item, Kind, Nested, NonNegative, Number, Numbers, Positive, Table, Tabled,
+    Typed, Vector, kinds, list, one_of, table,
 };
 
 /// A closed curve (in space: a closed surface) and its inside.
@@ -138,14 +138,17 @@ kinds! {
     /// Lengths along the axes of the shape.
     Lengths<const N>: [f64; N] = Kind::Lengths(N), |i, _| lengths(i, N).and_then(|_| i.vector());
     /// A point, in a list that may be of the other number of dimensions.
-    Coordinates: Vec<f64> = Kind::Value("point"), |i, c| i.numbers(c.dimension);
+    Coordinates: Vec<f64> = Kind::Value("point", Form::POINT), |i, c| i.numbers(c.dimension);
     /// Lengths along the axes of a shape of the plane or of space.
     HalfSizes: Vec<f64> =
-        Kind::Value("two, in space three, numbers > 0"), |i, c| lengths(i, c.dimension);
+        Kind::Value(
+        "two, in space three, numbers > 0",
+        Form::List(&Form::POSITIVE, [2, 3]),
+    ), |i, c| lengths(i, c.dimension);
     /// A direction in space.
-    Axis: [f64; 3] = Kind::Value("vector of numbers"), axis;
+    Axis: [f64; 3] = Kind::Value("vector of numbers", Form::List(&Form::NUMBER, [3, 3])), axis;
     /// A function that is negative inside.
-    LevelFunction: Expression = Kind::Value("expression"), level_function;
+    LevelFunction: Expression = Kind::Value("expression", Form::Expression), level_function;
 }
 
 /// Parts of a union.
@@ -153,7 +156,8 @@ pub(in crate::scene) struct Shapes;
 
 impl Typed for Shapes {
     type Out = Vec<Shape>;
-    const KIND: Kind = Kind::Value("list of shapes");
+    const KIND: Kind =
+        Kind::Value("list of shapes", Form::List(&Form::Like("membrane.shape"), [1, usize::MAX]));
     fn read(item: &Item<'_>, context: &Context) -> Result<Vec<Shape>> {
         let (parts, depth) =
             (item.list()?, item.key.split('.').filter(|key| *key == "union").count());

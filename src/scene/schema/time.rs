@@ -1,7 +1,7 @@
 //! `[time]`: end time and steps.
 
 use crate::base::Result;
-use crate::scene::keys::{Context, Count, Item, Kind, Opt, Positive, Table, kinds, table};
+use crate::scene::keys::{Context, Count, Form, Item, Kind, Opt, Positive, Table, kinds, table};
 
 table! {
     /// How long, in which steps.
@@ -26,7 +26,10 @@ table! {
 
 kinds! {
     /// Bound of the sum of relative errors.
-    Tolerance: f64 = Kind::Value("number > 0, at most 0.1"), tolerance;
+    Tolerance: f64 = Kind::Value(
+        "number > 0, at most 0.1",
+        Form::Number { least: 0.0, most: MOST_TOLERANCE, open: true },
+    ), tolerance;
 }
 
 /// Relative rounding error allowed for a multiple of the step.

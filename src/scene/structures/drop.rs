@@ -12,8 +12,8 @@ use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Identifier, Item, Kind, Named, Nested, NonNegative, Opt, Positive, Tabled, Writer,
-    kinds, table,
+    Context, Form, Identifier, Item, Kind, Named, Nested, NonNegative, Opt, Positive, Tabled,
+    Writer, kinds, table,
 };
 use crate::scene::points::coordinates;
 use crate::scene::row::Row;
@@ -77,7 +77,7 @@ table! {
 
 kinds! {
     /// A concentration at time 0.
-    Concentration: Expression = Kind::Value("number or expression"), read_concentration;
+    Concentration: Expression = Kind::Value("number or expression", Form::Expression), read_concentration;
 }
 
 fn read_concentration(item: &Item, context: &Context) -> Result<Expression> {

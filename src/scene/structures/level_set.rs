@@ -7,7 +7,9 @@ use crate::mesh::Point;
 use crate::output::Figure;
 use crate::scene::charts::Columns;
 use crate::scene::cuts::Cuts;
-use crate::scene::keys::{Context, Identifier, Kind, Nested, Table, Tabled, Writer, kinds, table};
+use crate::scene::keys::{
+    Context, Form, Identifier, Kind, Nested, Table, Tabled, Writer, kinds, table,
+};
 use crate::scene::row::Row;
 use crate::scene::schema::Shape;
 use crate::scene::view::View;
@@ -39,7 +41,7 @@ table! {
 
 kinds! {
     /// A number of markers: a polygon has three corners.
-    Markers: usize = Kind::Value("whole number from 3, or 0 for none"),
+    Markers: usize = Kind::Value("whole number from 3, or 0 for none", Form::Whole([0, MOST_MARKERS])),
         |i, _| if i.is_zero() { Ok(0) } else { i.count(3, MOST_MARKERS) };
 }
 

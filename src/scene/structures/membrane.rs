@@ -13,7 +13,7 @@ use crate::scene::charts::Columns;
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Identifier, Item, Kind, Many, Named, Nested, NonNegative, Opt, Positive, Table,
+    Context, Form, Identifier, Item, Kind, Many, Named, Nested, NonNegative, Opt, Positive, Table,
     Tabled, Writer, kinds, optional, table, words,
 };
 use crate::scene::points::coordinates;
@@ -88,7 +88,7 @@ words! {
 words! { LevelSetWords: bool { "carried" = false, "mapped" = true } }
 kinds! {
     /// A place at rest.
-    Map: Vec<Expression> = Kind::Value("three expressions"), read_map;
+    Map: Vec<Expression> = Kind::Value("three expressions", Form::EXPRESSIONS), read_map;
 }
 
 /// Keys of a smeared membrane alone.

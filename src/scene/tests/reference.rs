@@ -44,7 +44,7 @@ fn described(
                 let tables = tables.iter().map(|t| t.as_table().unwrap());
                 tables.for_each(|t| described(t, inner, &path, check_defaults, seen));
             }
-            (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(table)) => {
+            (Kind::Table(inner) | Kind::Either(_, _, inner), toml::Value::Table(table)) => {
                 described(table, inner, &path, check_defaults, seen);
             }
             _ => (),
@@ -187,7 +187,7 @@ fn the_reference_has_the_keys_that_reading_allows() {
         for (name, value) in value.as_table().unwrap() {
             let path = format!("{path}{dot}{name}");
             match (keys.get(name).unwrap().kind, value) {
-                (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(_)) => {
+                (Kind::Table(inner) | Kind::Either(_, _, inner), toml::Value::Table(_)) => {
                     tables.push((path, inner, value.clone()));
                 }
                 (Kind::List(inner), toml::Value::Array(list)) => {
