@@ -1,4 +1,5 @@
-//! Tells the program its version, with the commit where the sources are in a repository.
+//! Tells the program its version, with the commit: that of the repository of the sources, or the one
+//! that cargo writes into a package for a registry.
 
 use std::process::Command;
 
@@ -8,13 +9,20 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_string())
 }
 
+/// The commit of a package; its folder may lie in a repository of something else.
+fn packaged() -> Option<String> {
+    let about = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
+    let commit = about.split("\"sha1\": \"").nth(1)?.get(..10)?;
+    Some(commit.to_string())
+}
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
         println!("cargo::rerun-if-changed={log}");
     }
     let version = env!("CARGO_PKG_VERSION");
-    let version = match git(&["rev-parse", "--short=10", "HEAD"]) {
+    let version = match packaged().or_else(|| git(&["rev-parse", "--short=10", "HEAD"])) {
         Some(commit) => format!("{version} ({commit})"),
         None => version.to_string(),
     };

@@ -49,6 +49,13 @@
 //! # }
 //! ```
 //!
+//! # Manual
+//!
+//! The user guide is the folder `book` of the sources and of the package: a tutorial, the methods
+//! with their formulas, and a reference of all keys of a scene. `mdbook build book --open` makes
+//! pages of it; its Markdown can be read as it is, from `book/src/SUMMARY.md`. `immersa reference`
+//! prints the keys, [`scene::reference::reference`] returns them.
+//!
 //! # Modules
 //!
 //! [`mesh`] and [`linalg`] are independent of each other; [`fem`] uses both. [`transport`] moves

@@ -48,14 +48,7 @@ fn write(case: &Case, out: Option<PathBuf>) -> Result<()> {
         create(&path, content).map_err(|e| failed(&path, &e))?;
     }
     let known = schema::write_into(folder)?;
-    let mut said = format!("{} is written", path.display());
-    for (file, _) in files {
-        said += &format!(", and {} beside it", file.display());
-    }
-    if !case.before.is_empty() {
-        said += &format!(";\nmake its mesh with: {}", case.before);
-    }
-    said += &format!(";\ncompute it with: immersa run {}\n", path.display());
+    let mut said = next(case, &path, folder);
     if !known {
         said += &format!(
             "{} is of another version and left alone; write it anew with: immersa schema > {0}\n",
@@ -63,6 +56,21 @@ fn write(case: &Case, out: Option<PathBuf>) -> Result<()> {
         );
     }
     super::print(&said)
+}
+
+/// What was written, and what to do next.
+fn next(case: &Case, path: &Path, folder: &Path) -> String {
+    let (path, mut before) = (path.display(), case.before.to_string());
+    let mut said = format!("{path} is written");
+    for (name, _) in case.files {
+        let file = folder.join(name).display().to_string();
+        said += &format!(", and {file} beside it");
+        before = before.replace(name, &file);
+    }
+    if !before.is_empty() {
+        said += &format!("\nmake its mesh: {before}");
+    }
+    said + &format!("\ncompute it: immersa run {path}\n")
 }
 
 /// Writes a file that must not exist.

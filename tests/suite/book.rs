@@ -284,7 +284,7 @@ fn known(table: &toml::Table, keys: &Keys, place: &str) {
     for (name, value) in table {
         let key = keys.get(name).unwrap_or_else(|| panic!("{name} is no key of a scene; {place}"));
         match (key.kind, value) {
-            (Kind::Table(inner) | Kind::Either(_, inner), toml::Value::Table(t)) => {
+            (Kind::Table(inner) | Kind::Either(_, _, inner), toml::Value::Table(t)) => {
                 known(t, inner, place)
             }
             (Kind::Named(inner), toml::Value::Table(t)) => {

@@ -21,7 +21,7 @@ const WITHOUT_TWIN: [(&str, &str); 8] = [
     ("active-contours", "shapes-mask.png"),
     // Linear theory in tests/convergence/drop_modes.rs; Fig. 1.4 of the source book.
     ("oscillating-drop", "data/as_shipped.csv"),
-    ("merging-bubbles", "figures/with_t12.png"),
+    ("merging-bubbles", "README.md"),
     ("capillary-wave", "README.md"),
     ("static-drop", "README.md"),
 ];

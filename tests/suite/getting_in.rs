@@ -95,6 +95,12 @@ fn a_new_case_overwrites_nothing() {
     new(&["cavity"]).expect(0, &[]);
     new(&["cavity"]).expect(3, &["cavity.toml", "--out"]);
     new(&["cavity", "--out", "nowhere/a.toml"]).expect(3, &["nowhere/a.toml"]);
+    fs::create_dir(folder.path().join("flow")).unwrap();
+    let told = new(&["obstacle", "--out", "flow/mine.toml"]).stdout;
+    for part in ["flow/mine.toml is", "gmsh -2 flow/obstacle.geo", "immersa run flow/mine.toml"] {
+        assert!(told.contains(part), "{told}");
+    }
+    assert!(folder.path().join("flow/immersa.schema.json").exists());
     fs::write(folder.path().join("obstacle.geo"), "mine").unwrap();
     new(&["obstacle"]).expect(3, &["obstacle.geo", "--out"]);
     assert!(!folder.path().join("obstacle.toml").exists(), "half of a case was written");

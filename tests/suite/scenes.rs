@@ -5,7 +5,6 @@ use assert_cmd::Command;
 use immersa::scene::Scene;
 use proptest::prelude::*;
 use std::path::Path;
-use tempfile::TempDir;
 
 const GOOD: &str = r#"title = "A membrane"
 [constants]
