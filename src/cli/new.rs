@@ -1,10 +1,10 @@
 //! `immersa new`: a commented scene to start from.
 
 use super::cases::{CASES, Case};
-use super::schema;
 use crate::base::{Error, Result};
+use crate::scene::json_schema;
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -18,6 +18,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE", requires = "case")]
     out: Option<PathBuf>,
 }
+
+/// The file to which the first line of every case refers.
+const SCHEMA: &str = "immersa.schema.json";
 
 pub(super) fn new(arguments: &Arguments) -> Result<()> {
     let named = |name: &String| CASES.iter().find(|c| c.name == name);
@@ -42,20 +45,32 @@ fn write(case: &Case, out: Option<PathBuf>) -> Result<()> {
     let scene = (path.clone(), case.scene.as_bytes());
     let all = std::iter::once(scene).chain(files.clone());
     if let Some((there, _)) = all.clone().find(|(path, _)| path.exists()) {
-        return Err(failed(&there, &std::io::ErrorKind::AlreadyExists.into()));
+        return Err(failed(&there, &ErrorKind::AlreadyExists.into()));
     }
     for (path, content) in all {
         create(&path, content).map_err(|e| failed(&path, &e))?;
     }
-    let known = schema::write_into(folder)?;
+    let known = write_schema(folder)?;
     let mut said = next(case, &path, folder);
     if !known {
         said += &format!(
             "{} is of another version and left alone; write it anew with: immersa schema > {0}\n",
-            folder.join(schema::FILE).display()
+            folder.join(SCHEMA).display()
         );
     }
     super::print(&said)
+}
+
+/// Writes the schema for the scenes of a folder. A file that exists is left alone; true if it is the
+/// schema of this version.
+fn write_schema(folder: &Path) -> Result<bool> {
+    let (path, text) = (folder.join(SCHEMA), json_schema());
+    match create(&path, text.as_bytes()) {
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => {
+            Ok(std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()))
+        }
+        done => done.map(|()| true).map_err(|e| failed(&path, &e)),
+    }
 }
 
 /// What was written, and what to do next.
@@ -74,12 +89,12 @@ fn next(case: &Case, path: &Path, folder: &Path) -> String {
 }
 
 /// Writes a file that must not exist.
-pub(super) fn create(path: &Path, content: &[u8]) -> std::io::Result<()> {
+fn create(path: &Path, content: &[u8]) -> std::io::Result<()> {
     std::fs::File::create_new(path)?.write_all(content)
 }
 
 /// The error for a file that cannot be written.
-pub(super) fn failed(path: &Path, e: &std::io::Error) -> Error {
+fn failed(path: &Path, e: &std::io::Error) -> Error {
     Error::input(format!("the file cannot be written: {e}"))
         .at(path.display().to_string())
         .value(path.display())
