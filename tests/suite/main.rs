@@ -23,6 +23,7 @@ mod fluid;
 mod folders;
 mod geometry;
 mod getting_in;
+mod hostile;
 mod jumps;
 mod krylov;
 mod layers;

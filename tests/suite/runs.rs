@@ -292,3 +292,95 @@ fn the_book_s_case_without_grad_div_raises_the_alarm() {
     assert_eq!(right["alarms"].as_array().unwrap().len(), 0);
     assert!(right["balance"]["largest_energy"].as_f64().unwrap() < 0.01);
 }
+
+/// A run of each kind, short and on coarse meshes.
+fn kinds() -> [(&'static str, String); 8] {
+    let rest = "[output]\nevery = 0.01\nfields = 0.05\npictures = false\ncheckpoint = 0\n";
+    let steps = "[time]\nend = 0.4\nstep = 0.01\n";
+    let square = "mesh.rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16] }\n";
+    let circle = "shape.circle = { centre = [1, 1], radius = 0.4 }\n";
+    let lid = "fluid = { density = 1, viscosity = 0.05 }\n\
+        boundary = { walls.no_slip = true, top.velocity = [1, 0] }\n";
+    let drop = format!(
+        "{square}{lid}{steps}{rest}[[drop]]\n{circle}tension = 1\nviscosity = 0.1\n\
+         surfactant = {{ concentration = 0.3, elasticity = 0.2 }}\n[numerics]\nthickness = 0.25\n"
+    );
+    let vortex = format!(
+        "{square}fluid.prescribed_velocity = [\"1-y\", \"x-1\"]\n{steps}{rest}[[level_set]]\n{circle}"
+    );
+    let space = format!(
+        "mesh.box = {{ min = [0, 0, 0], max = [2, 2, 2], cells = [4, 4, 4] }}\n\
+         fluid = {{ density = 1, viscosity = 0.05, initial_velocity = [\"y-1\", \"1-x\", \"0\"] }}\n\
+         boundary.walls.no_slip = true\n[[membrane]]\n\
+         shape.sphere = {{ centre = [1, 1, 1], radius = 0.6 }}\nstretch = 1.2\n\
+         area.linear = {{ modulus = 1 }}\nshear.linear = {{ modulus = 1 }}\n{steps}{rest}"
+    );
+    let backflow = format!(
+        "{square}fluid = {{ density = 1, viscosity = 1e-3, \
+         initial_velocity = [\"4*(y-1)*(2-y)*y\", \"4*(1.6-x)\"] }}\n\
+         boundary = {{ right.open = true, walls.slip = true }}\n{steps}{rest}"
+    );
+    let paced = format!("{square}{lid}{steps}tolerance = 1e-3\n{rest}");
+    [
+        ("membrane", SCENE.into()),
+        ("adapted", adapted()),
+        ("moving", MOVING.into()),
+        ("drop", drop),
+        ("vortex", vortex),
+        ("space", space),
+        ("backflow", backflow),
+        ("paced", paced),
+    ]
+}
+
+/// Two hundred kills at random moments of runs of all kinds, and fifty races for one folder.
+#[test]
+#[ignore = "takes minutes: a measurement by hand, recorded in CONTRIBUTING.md"]
+fn two_hundred_kills_and_fifty_races_leave_no_trace() {
+    let mut seed = 3;
+    let (mut kills, mut idle) = (0, 0);
+    for (name, scene) in kinds() {
+        let folder = folder_with(&scene);
+        let start_of = |out: &'static str, how: &'static str| {
+            start(folder.path(), &["run", "scene.toml", how, "--out", out])
+        };
+        let begin = Instant::now();
+        immersa(folder.path(), &["run", "scene.toml", "--out", "whole"]).expect(0, &[]);
+        let time = begin.elapsed();
+        let [whole, run] = ["whole", "killed"].map(|out| folder.path().join(out));
+        let mut of_kind = 0;
+        while of_kind < 25 {
+            let mut child = start_of("killed", "--resume");
+            std::thread::sleep(time.mul_f64(0.7 * random(&mut seed)));
+            child.kill().unwrap();
+            match wait(child).code {
+                0 => idle += 1,
+                _ => of_kind += 1,
+            }
+            if summary_of(&run).is_some_and(|s| s["status"] == "finished") && of_kind < 25 {
+                assert_same(&whole, &run);
+                fs::remove_dir_all(&run).unwrap();
+            }
+        }
+        resume(folder.path(), "killed").expect(0, &[]);
+        assert_same(&whole, &run);
+        kills += of_kind;
+        println!("{name}: {of_kind} kills, the same bits");
+    }
+    let folder = folder_with(&SCENE.replace("end = 0.4", "end = 0.1"));
+    for k in 0..50 {
+        let out = format!("run-{}", k / 2);
+        let how = if k % 2 == 0 { "--quiet" } else { "--resume" };
+        let both = [0, 1].map(|_| start(folder.path(), &["run", "scene.toml", how, "--out", &out]));
+        let codes = both.map(|child| wait(child).code);
+        assert!(codes.contains(&0) && codes.iter().all(|c| [0, 3].contains(c)), "{codes:?}");
+        // One that began after the other had ended is no race: it has drawn the run again.
+        assert!(k % 2 == 1 || codes.contains(&3), "{codes:?}");
+        assert_eq!(rows(&folder.path().join(&out)), 11);
+    }
+    println!("{kills} kills of runs at work ({idle} came too late), 50 races");
+}
+
+fn summary_of(run: &Path) -> Option<serde_json::Value> {
+    serde_json::from_slice(&fs::read(run.join("summary.json")).ok()?).ok()
+}

@@ -17,7 +17,9 @@ pub(super) fn advice(scene: &Scene) -> Advice {
         let sides = open.join(" and ");
         format!("a domain with {sides} farther away where fluid comes back in there")
     });
-    let order = (scene.time.order == 1).then(|| "time.order = 2".to_string());
+    let of_first = [Coupling::FullyExplicit, Coupling::SemiImplicit];
+    let free = !of_first.contains(&scene.numerics.coupling);
+    let order = (scene.time.order == 1 && free).then(|| "time.order = 2".to_string());
     let choices = |lists: [&[String]; 4]| -> Vec<String> { lists.concat() };
     let away = away.as_slice();
     if scene.acting().next().is_none() {
