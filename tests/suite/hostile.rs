@@ -55,10 +55,10 @@ const EDGES: [&str; 20] = [
     "\"1/x\"",
 ];
 
-/// The bytes with one to four random changes.
+/// The bytes with one or two random changes.
 fn damaged(good: &[u8], others: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
     let mut bytes = good.to_vec();
-    for _ in 0..=dice.below(4) {
+    for _ in 0..=dice.below(2) {
         let (a, b) = (dice.below(bytes.len() + 1), dice.below(60));
         let b = (a + b).min(bytes.len());
         match dice.below(7) {
