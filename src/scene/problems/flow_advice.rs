@@ -10,45 +10,52 @@ use crate::transport::Method;
 
 /// Remedies of alarms and failures.
 pub(super) fn advice(scene: &Scene) -> Advice {
-    let (finer, shorter) = ("a finer mesh".to_string(), "a smaller time.step".to_string());
-    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
-    let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
-    let away = (!open.is_empty()).then(|| {
-        let sides = open.join(" and ");
-        format!("a domain with {sides} farther away where fluid comes back in there")
-    });
-    let of_first = [Coupling::FullyExplicit, Coupling::SemiImplicit];
-    let free = !of_first.contains(&scene.numerics.coupling);
-    let order = (scene.time.order == 1 && free).then(|| "time.order = 2".to_string());
-    let choices = |lists: [&[String]; 4]| -> Vec<String> { lists.concat() };
-    let away = away.as_slice();
+    let (finer, shorter, weight) =
+        ("a finer mesh", "a smaller time.step", "a larger numerics.grad_div");
+    let coupling = scene.numerics.coupling;
+    let of_first = matches!(coupling, Coupling::FullyExplicit | Coupling::SemiImplicit);
+    let order: &[&str] =
+        if scene.time.order == 1 && !of_first { &["time.order = 2"] } else { &[] };
+    let away = outlets_farther_away(scene);
+    let away: Vec<&str> = away.iter().map(String::as_str).collect();
+    let choices = |lists: &[&[&str]]| lists.concat().into_iter().map(String::from).collect();
     if scene.acting().next().is_none() {
-        let flow = choices([&[shorter.clone()], &[finer.clone()], away, &[]]);
         return Advice {
-            loss: choices([order.as_slice(), &[shorter], &[finer.clone()], away]),
-            energy: flow.clone(),
-            area: vec![finer],
-            blow_up: flow,
+            energy: choices(&[&[shorter, finer], &away]),
+            loss: choices(&[order, &[shorter, finer], &away]),
+            area: choices(&[&[finer]]),
+            blow_up: choices(&[&[shorter, finer], &away]),
         };
     }
-    let (forces, weight) = (of_forces(scene), "a larger numerics.grad_div".to_string());
-    let sharp = of_bands(scene);
-    let is_implicit = |f: &&String| f.starts_with("numerics.coupling");
-    let implicit: Vec<String> = forces.iter().filter(is_implicit).cloned().collect();
-    // Sharp forces have a large weight by default; steps and cells are what is left.
-    let banded = scene.acting().any(|s| !s.traits().on_interface);
-    let energy = match banded {
-        true => choices([&sharp, &[weight.clone()], &forces, &[shorter.clone()]]),
-        false => choices([&forces, &[shorter.clone()], &[finer.clone()], &[weight.clone()]]),
+    let [sharp, forces] = [of_bands(scene), of_forces(scene)];
+    let [sharp, forces] = [&sharp, &forces].map(|f| f.iter().map(String::as_str).collect());
+    let (sharp, forces): (Vec<&str>, Vec<&str>) = (sharp, forces);
+    let is_implicit = |f: &&str| f.starts_with("numerics.coupling");
+    let implicit: Vec<&str> = forces.iter().copied().filter(is_implicit).collect();
+    let slower = match coupling.is_explicit() {
+        true => "a smaller time.step (`immersa explain` prints the step limit)",
+        false => shorter,
     };
-    let limit = "a smaller time.step (`immersa explain` prints the step limit)".to_string();
-    let slower = if scene.numerics.coupling.is_explicit() { limit } else { shorter.clone() };
+    let banded = scene.acting().any(|s| !s.traits().on_interface);
     Advice {
-        energy: choices([&energy, away, &[], &[]]),
-        loss: choices([&sharp, order.as_slice(), &[shorter.clone(), finer.clone()], away]),
-        area: vec![weight.clone(), finer.clone()],
-        blow_up: choices([&[slower], &implicit, &[weight, finer], away]),
+        energy: match banded {
+            true => choices(&[&sharp, &[weight], &forces, &[shorter], &away]),
+            // Sharp forces have a large weight by default; steps and cells are what is left.
+            false => choices(&[&forces, &[shorter, finer, weight], &away]),
+        },
+        loss: choices(&[&sharp, order, &[shorter, finer], &away]),
+        area: choices(&[&[weight, finer]]),
+        blow_up: choices(&[&[slower], &implicit, &[weight, finer], &away]),
     }
+}
+
+/// A longer domain, if the scene has open sides.
+fn outlets_farther_away(scene: &Scene) -> Option<String> {
+    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
+    let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
+    let sides = open.join(" and ");
+    let away = format!("a domain with {sides} farther away where fluid comes back in there");
+    (!open.is_empty()).then_some(away)
 }
 
 /// The sharp force, for each structure that stretches in a band.
