@@ -1,12 +1,13 @@
 //! Figures of a page: charts, pictures and films with their words.
 
-use super::markup::{escape, prose};
+use super::markup::{address, escape, prose};
 use std::fmt::Write;
 
 /// A figure with its words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// Name of its file, without ending; empty if it has none of its own.
+    /// Name of its file, without ending; empty if it has none of its own. Charts are beside the
+    /// page, in `charts`.
     pub name: String,
     /// Title.
     pub title: String,
@@ -66,8 +67,14 @@ impl Figure {
         };
         let stop = if self.title.is_empty() || self.title.ends_with('.') { "" } else { "." };
         let caption = prose(&self.caption);
+        let file = match self.file() {
+            Some((file, _)) if !self.name.is_empty() => {
+                format!(" <a href=\"charts/{}\">SVG</a>", address(&file))
+            }
+            _ => String::new(),
+        };
         format!(
-            "<figure>{content}\n<figcaption><b>{name}{stop}</b> {caption}</figcaption></figure>"
+            "<figure>{content}\n<figcaption><b>{name}{stop}</b> {caption}{file}</figcaption></figure>"
         )
     }
 }

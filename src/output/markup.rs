@@ -1,5 +1,7 @@
 //! Escaping, common to XML and HTML.
 
+use std::fmt::Write;
+
 /// `text` with the five characters that XML and HTML reserve replaced, safe as content and inside
 /// quoted attributes. Control characters that XML forbids become the replacement character.
 pub(super) fn escape(text: &str) -> String {
@@ -14,6 +16,19 @@ pub(super) fn escape(text: &str) -> String {
             '\n' | '\t' | '\r' => out.push(c),
             c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
             c => out.push(c),
+        }
+    }
+    out
+}
+
+/// The path of a file as a relative address, safe inside quoted attributes.
+pub(super) fn address(path: &str) -> String {
+    let mut out = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        match byte {
+            b if b.is_ascii_alphanumeric() || b"-._~/,=+".contains(&b) => out.push(char::from(b)),
+            // Writing to a String cannot fail.
+            b => drop(write!(out, "%{b:02X}")),
         }
     }
     out
@@ -74,6 +89,11 @@ pub(super) mod tests {
             rest = &rest[at..];
             if let Some(comment) = rest.strip_prefix("<!--") {
                 rest = &comment[comment.find("-->").expect("end of comment") + 3..];
+                continue;
+            }
+            // Text in scripts is as it is.
+            if rest.starts_with("<script") {
+                rest = &rest[rest.find("</script>").expect("end of script") + 9..];
                 continue;
             }
             let end = rest.find('>').unwrap_or_else(|| panic!("no end of tag: {rest:.80}"));

@@ -3,7 +3,7 @@
 
 use super::figure::Figure;
 use super::markup::{escape, prose};
-use super::table::Table;
+use super::table::{Cell, Table};
 
 /// Content of a page. All texts are plain; the page escapes them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,6 +12,8 @@ pub struct Page {
     pub title: String,
     /// One line under it: mesh, steps, order.
     pub subtitle: String,
+    /// How and when it was made: names and what they stand for.
+    pub origin: Vec<(String, String)>,
     /// Doubts about the results: to be read before the rest.
     pub alarms: Vec<String>,
     /// The most important numbers.
@@ -28,6 +30,8 @@ pub struct Page {
     pub tables: Vec<Table>,
     /// Texts with their titles, such as the settings; they are shown as they are, line by line.
     pub texts: Vec<(String, String)>,
+    /// A table of many rows of numbers, which a page shows where it may run its script.
+    pub sheet: Option<Table>,
     /// Long tables, folded at the end of the page and left out on a terminal.
     pub details: Vec<Table>,
     /// Origin and references; blank lines separate paragraphs.
@@ -78,6 +82,7 @@ impl Page {
         out.line("<header>");
         out.element("h1", &self.title);
         out.element("p", &self.subtitle);
+        out.origin(&self.origin);
         out.line("</header><main>");
         self.alarms.iter().for_each(|a| {
             out.line(&format!("<div class=\"alarm\" role=\"alert\">{}</div>", escape(a)))
@@ -88,6 +93,7 @@ impl Page {
         out.figures("Pictures", "pictures", &self.pictures);
         out.figures("Charts", "charts", &self.charts);
         self.tables.iter().for_each(|t| out.table(t));
+        self.sheet.iter().for_each(|t| out.sheet(t));
         self.texts.iter().for_each(|(title, text)| out.text(title, text));
         self.details.iter().for_each(|t| out.details(t));
         out.line("</main><footer>");
@@ -95,7 +101,11 @@ impl Page {
             .split("\n\n")
             .filter(|p| !p.trim().is_empty())
             .for_each(|p| out.element("p", p));
-        out.line("</footer></body></html>");
+        out.line("</footer>");
+        if !self.pictures.is_empty() || !self.charts.is_empty() || self.sheet.is_some() {
+            out.line(&format!("<script>\n{}</script>", include_str!("page.js")));
+        }
+        out.line("</body></html>");
         out.0
     }
 }
@@ -129,6 +139,28 @@ impl Html {
             self.line("</div>");
         }
         self.line("</dl>");
+    }
+    fn origin(&mut self, entries: &[(String, String)]) {
+        if entries.is_empty() {
+            return;
+        }
+        self.line("<dl class=\"origin\">");
+        for (name, what) in entries {
+            self.line(&format!("<dt>{}</dt><dd>{}</dd>", escape(name), escape(what)));
+        }
+        self.line("</dl>");
+    }
+    /// The numbers of a table as data for the script, and where they are without it.
+    fn sheet(&mut self, table: &Table) {
+        self.line("<details class=\"sheet\">");
+        self.line(&format!("<summary>{}</summary>", escape(&table.title)));
+        self.element("p", &table.caption);
+        let file = Cell::file(format!("{}.csv", table.name)).html();
+        self.line(&format!("<p>All rows and digits: {file}</p>"));
+        // `<` ends no text in JSON, but would begin a tag here.
+        let data = table.numbers().to_string().replace('<', "\\u003c");
+        self.line(&format!("<script type=\"application/json\">{data}</script>"));
+        self.line("</details>");
     }
     fn list(&mut self, title: &str, class: &str, items: &[String]) {
         if items.is_empty() {
@@ -180,7 +212,6 @@ impl Html {
 mod tests {
     use super::super::figure::Content;
     use super::super::markup::tests::assert_well_formed;
-    use super::super::table::Cell;
     use super::*;
 
     #[test]
@@ -194,6 +225,7 @@ mod tests {
         let page = Page {
             title: text(),
             subtitle: text(),
+            origin: vec![(text(), text())],
             alarms: vec![text()],
             key_numbers: vec![KeyNumber { label: text(), value: text(), note: text() }],
             notes: vec![text()],
@@ -206,17 +238,20 @@ mod tests {
             ))],
             tables: vec![table()],
             texts: vec![(text(), text())],
+            sheet: Some(table()),
             details: vec![table()],
             footer: format!("{evil}\n\n{evil}"),
         }
         .html();
         assert_well_formed(&page);
         assert!(
-            !page.contains("<script") && !page.contains("src=\"http") && !page.contains("url(")
+            !page.contains("<script>alert")
+                && !page.contains("src=\"http")
+                && !page.contains("url(h")
         );
         assert_eq!(
             page.matches("&lt;script&gt;").count(),
-            3 + 1 + 3 + 2 + 3 * 3 + 2 + 4 + 2 + 4 + 2
+            3 + 2 + 1 + 3 + 2 + 3 * 3 + 2 + 4 + 3 + 2 + 4 + 2
         );
         for kind in
             ["image/gif;base64,AQID", "image/png;base64,BA==", "video/mp4;base64,BQ==", "<svg"]
@@ -227,10 +262,26 @@ mod tests {
     }
 
     #[test]
+    fn a_sheet_is_data_for_the_script_and_a_file() {
+        let columns = ["time", "</script> & speed"].map(super::super::table::Column::from);
+        let sheet = Table::new("series", "Series", columns)
+            .with_unit("time", "ms")
+            .with_rows([vec![Cell::number(0.5, 3), Cell::number(f64::NAN, 3)]]);
+        let page = Page { sheet: Some(sheet), ..Page::default() }.html();
+        assert_well_formed(&page);
+        let data = page.split("application/json\">").nth(1).unwrap();
+        let data: serde_json::Value =
+            serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
+        assert_eq!(data["columns"], serde_json::json!(["time (ms)", "</script> & speed"]));
+        assert_eq!(data["rows"], serde_json::json!([[0.5, null]]));
+        assert!(page.contains("<a href=\"series.csv\">series.csv</a>"));
+    }
+
+    #[test]
     fn an_empty_page_has_no_empty_parts() {
         let page = Page { title: "Run".into(), ..Page::default() }.html();
         assert_well_formed(&page);
-        for part in ["<h2>", "<table>", "<figure>", "<ul", "<details"] {
+        for part in ["<h2>", "<table>", "<figure>", "<ul", "<details", "<dl", "<script"] {
             assert!(!page.contains(part), "{part}");
         }
     }

@@ -2,10 +2,10 @@
 
 use super::csv;
 use super::file::write_file;
-use super::markup::{escape, prose};
+use super::markup::{address, escape, prose};
 use super::numbers::{per_cent, rounded};
 use crate::base::Result;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// A cell of a [`Table`].
@@ -13,6 +13,8 @@ use std::path::Path;
 pub enum Cell {
     /// A text.
     Text(String),
+    /// A file beside the page, by its path.
+    File(String),
     /// A number and its notation for readers; files hold all of its digits. NaN stands for no
     /// value.
     Number(f64, Notation),
@@ -31,6 +33,10 @@ impl Cell {
     /// A text.
     pub fn text(text: impl Into<String>) -> Cell {
         Cell::Text(text.into())
+    }
+    /// A file beside the page.
+    pub fn file(path: impl Into<String>) -> Cell {
+        Cell::File(path.into())
     }
     /// A number of which readers see `digits` significant digits.
     pub fn number(v: f64, digits: usize) -> Cell {
@@ -51,7 +57,7 @@ impl Cell {
     /// The text for readers; a dash for a missing number.
     pub fn shown(&self) -> String {
         match self {
-            Cell::Text(text) => text.clone(),
+            Cell::Text(text) | Cell::File(text) => text.clone(),
             Cell::Number(v, _) if v.is_nan() => "-".into(),
             Cell::Number(v, Notation::Digits(digits)) => rounded(*v, *digits),
             Cell::Number(v, Notation::PerCent(digits)) => per_cent(*v, *digits),
@@ -60,8 +66,15 @@ impl Cell {
     /// The entry of a CSV file.
     fn stored(&self) -> String {
         match self {
-            Cell::Text(text) => csv::quoted(text),
+            Cell::Text(text) | Cell::File(text) => csv::quoted(text),
             Cell::Number(v, _) => csv::number(*v),
+        }
+    }
+    /// The content of a cell of a page.
+    pub(super) fn html(&self) -> String {
+        match self {
+            Cell::File(path) => format!("<a href=\"{}\">{}</a>", address(path), escape(path)),
+            cell => prose(&cell.shown()),
         }
     }
     /// The number in it, if it is one.
@@ -74,7 +87,7 @@ impl From<&Cell> for Value {
     /// A number that is not finite is `null`.
     fn from(cell: &Cell) -> Value {
         match cell {
-            Cell::Text(text) => Value::from(text.as_str()),
+            Cell::Text(text) | Cell::File(text) => Value::from(text.as_str()),
             Cell::Number(v, _) => Value::from(*v),
         }
     }
@@ -215,6 +228,22 @@ impl Table {
         self.rows.iter().map(object).collect()
     }
 
+    /// Names of the columns, and the rows as lists of numbers with at most six digits.
+    pub(super) fn numbers(&self) -> Value {
+        let short = |v: f64| rounded(v, 6).parse::<f64>().map_or(Value::Null, Value::from);
+        let row = |row: &Vec<Cell>| {
+            row.iter().map(|c| c.value().map_or(Value::Null, short)).collect::<Value>()
+        };
+        let heading = |c: &Column| match c.unit.as_str() {
+            "" => c.heading.clone(),
+            unit => format!("{} ({unit})", c.heading),
+        };
+        json!({
+            "columns": self.columns.iter().map(heading).collect::<Value>(),
+            "rows": self.rows.iter().map(row).collect::<Value>(),
+        })
+    }
+
     /// The element `table` of HTML, without title and caption.
     pub(super) fn html(&self) -> String {
         let class = |i: usize| if self.is_numeric(i) { " class=\"number\"" } else { "" };
@@ -226,11 +255,11 @@ impl Table {
             format!("<th{}>{}{unit}</th>", class(i), escape(&c.heading))
         };
         let headings: String = self.columns.iter().enumerate().map(heading).collect();
-        let row = |cells: Vec<String>| {
-            let cell = |(i, c): (usize, &String)| format!("<td{}>{}</td>", class(i), prose(c));
+        let row = |cells: &Vec<Cell>| {
+            let cell = |(i, c): (usize, &Cell)| format!("<td{}>{}</td>", class(i), c.html());
             format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
         };
-        let rows: String = self.shown().map(row).collect();
+        let rows: String = self.rows.iter().map(row).collect();
         let head = if headings.is_empty() {
             headings
         } else {

@@ -55,6 +55,10 @@ impl Axis {
         let within = |v: f64| v.clamp(f64::MIN, f64::MAX);
         Some(Axis { low: within(low - room), high: within(high + room), log })
     }
+    /// The values at its ends.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.low, self.high].map(|v| if self.log { 10f64.powf(v) } else { v })
+    }
     /// The position of a value as a fraction of the axis.
     pub fn fraction(&self, value: f64) -> f64 {
         self.along(if self.log { value.log10() } else { value })

@@ -7,20 +7,23 @@ use super::style::{NEUTRAL, Style};
 use super::svg::{Anchor, Canvas, Pen};
 use super::text::{Label, width, wrap};
 
-/// Width of the drawing.
-pub const WIDTH: f64 = 620.0;
+/// Width of the drawing,
+/// such that texts can be read where it is 370 pixels wide, on a telephone.
+pub const WIDTH: f64 = 460.0;
 /// Height of the drawing without a legend below the plot.
-pub const HEIGHT: f64 = 350.0;
+pub const HEIGHT: f64 = 300.0;
 /// Font size of the title.
-pub const TITLE: f64 = 16.0;
+pub const TITLE: f64 = 15.0;
 /// Font size of the labels of axes.
 pub const LABEL: f64 = 13.0;
+/// Font size of the note under the title.
+const NOTE: f64 = 12.0;
 /// Font size of the numbers on axes.
 const NUMBER: f64 = 12.0;
 /// Distance of baselines over the font size.
 pub const LEADING: f64 = 1.3;
 /// Empty border of the drawing, and distance between what stands side by side.
-const BORDER: f64 = 12.0;
+const BORDER: f64 = 8.0;
 /// Length of a tick, and of a minor one.
 const TICK: [f64; 2] = [5.0, 3.0];
 /// Distance between a tick and its number, and between numbers and the label of the axis.
@@ -45,6 +48,14 @@ impl Frame {
     pub fn place(&self, point: [f64; 2]) -> [f64; 2] {
         [self.x(self.axes[0].fraction(point[0])), self.y(self.axes[1].fraction(point[1]))]
     }
+    /// Its axes.
+    pub fn axes(&self) -> &[Axis; 2] {
+        &self.axes
+    }
+    /// Left and right end, upper and lower end.
+    pub fn ends(&self) -> [f64; 4] {
+        [self.left, self.right, self.top, self.bottom]
+    }
     fn x(&self, fraction: f64) -> f64 {
         self.left + fraction * (self.right - self.left)
     }
@@ -62,6 +73,7 @@ pub struct Layout {
     pub size: [f64; 2],
     ticks: [Vec<Tick>; 2],
     title: Vec<String>,
+    note: Vec<String>,
     labels: [Vec<String>; 2],
     legend: Legend,
     /// Upper left corner of the legend.
@@ -69,10 +81,18 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The layout for the axes, the title, the labels of the axes and the curves with a name.
-    pub fn new(axes: [Axis; 2], title: &str, labels: [&str; 2], names: &[(&str, Style)]) -> Layout {
+    /// The layout for the axes, the title and the note under it, the labels of the axes and the
+    /// curves with a name.
+    pub fn new(
+        axes: [Axis; 2],
+        [title, note]: [&str; 2],
+        labels: [&str; 2],
+        names: &[(&str, Style)],
+    ) -> Layout {
         let title = wrap(title, TITLE, WIDTH - 2.0 * BORDER);
-        let top = BORDER + height(&title, TITLE) + if title.is_empty() { 0.0 } else { GAP };
+        let note = wrap(note, NOTE, WIDTH - 2.0 * BORDER);
+        let above = height(&title, TITLE) + height(&note, NOTE);
+        let top = BORDER + above + if above > 0.0 { GAP } else { 0.0 };
         let x_label = wrap(labels[0], LABEL, 0.6 * WIDTH);
         let bottom = HEIGHT - BORDER - height(&x_label, LABEL) - under_axis();
         let y_label = wrap(labels[1], LABEL, bottom - top);
@@ -95,6 +115,7 @@ impl Layout {
             size: [WIDTH, height],
             ticks: [x_ticks, y_ticks],
             title,
+            note,
             labels: [x_label, y_label],
             legend,
             corner,
@@ -103,13 +124,20 @@ impl Layout {
     /// Draws grid, axes, texts and legend.
     pub fn draw(&self, canvas: &mut Canvas) {
         let Frame { left, right, top, bottom, .. } = self.frame;
-        self.ticks[0].iter().for_each(|tick| self.draw_x_tick(tick, canvas));
-        self.ticks[1].iter().for_each(|tick| self.draw_y_tick(tick, canvas));
+        canvas.group("ticks", |canvas| {
+            self.ticks[0].iter().for_each(|tick| self.draw_x_tick(tick, canvas));
+            self.ticks[1].iter().for_each(|tick| self.draw_y_tick(tick, canvas));
+        });
         canvas.line(&[[left, top], [left, bottom], [right, bottom]], AXIS);
         for (k, line) in self.title.iter().enumerate() {
             let y = BORDER + baseline(k, TITLE);
             let x = centred(line, TITLE, 0.5 * (left + right), WIDTH);
             canvas.text(line, [x, y], Anchor::Middle, TITLE);
+        }
+        for (k, line) in self.note.iter().enumerate() {
+            let y = BORDER + height(&self.title, TITLE) + baseline(k, NOTE);
+            let x = centred(line, NOTE, 0.5 * (left + right), WIDTH);
+            canvas.text(line, [x, y], Anchor::Middle, NOTE);
         }
         for (k, line) in self.labels[0].iter().enumerate() {
             let x = centred(line, LABEL, 0.5 * (left + right), WIDTH);

@@ -11,14 +11,14 @@ const LINE: f64 = 15.0;
 /// Distance of entries, added to that of lines.
 const BETWEEN: f64 = 4.0;
 /// Length of the line or room of the mark before a name.
-const KEY: f64 = 22.0;
+const KEY: f64 = 20.0;
 /// Distance between a key and its name.
-const GAP: f64 = 7.0;
+const GAP: f64 = 6.0;
 /// Distance between columns.
 const COLUMN_GAP: f64 = 20.0;
 /// Longest line of a name right of the plot; a legend with longer ones would take the room of the
 /// data.
-const LONGEST: f64 = 165.0;
+const LONGEST: f64 = 92.0;
 
 /// A legend with its extent.
 #[derive(Clone, Debug, Default)]

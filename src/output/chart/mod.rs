@@ -5,6 +5,8 @@
 //! light and a dark page.
 
 mod axis;
+mod cut;
+mod data;
 mod layout;
 mod legend;
 mod slope;
@@ -73,6 +75,9 @@ pub struct Chart<'a> {
     pub log_y: bool,
     /// The curves.
     pub curves: Vec<Curve<'a>>,
+    /// True if the range is that without the beginning of the curves, where it dwarfs the rest;
+    /// a note then says what is cut off. For lines on linear axes.
+    pub cut_start: bool,
     /// Slope triangles; drawn where both axes are logarithmic.
     pub slopes: Vec<Slope>,
 }
@@ -89,24 +94,34 @@ impl<'a> Chart<'a> {
         let (curves, parts) = self.drawn();
         let has_place = |s: &&Slope| self.log_x && self.log_y && s.is_sound();
         let slopes: Vec<&Slope> = self.slopes.iter().filter(has_place).collect();
-        let Some(axes) = self.axes(&parts, &slopes) else { return self.empty() };
+        let cut = self.cut_start.then(|| cut::start(&parts)).flatten();
+        let Some(axes) = self.axes(&parts, &slopes, cut.as_ref()) else { return self.empty() };
         let styles = style::styles(&curves);
         let named = curves.iter().zip(&styles).filter(|(c, _)| !c.name.is_empty());
         let mut names: Vec<(&str, Style)> = named.map(|(c, s)| (c.name, *s)).collect();
         if self.curves.len() < 2 {
             names.clear();
         }
-        let layout = Layout::new(axes, self.title, [self.x_label, self.y_label], &names);
+        let note = cut.as_ref().map_or("", |c| &c.note);
+        let layout = Layout::new(axes, [self.title, note], [self.x_label, self.y_label], &names);
         let mut canvas = Canvas::default();
         layout.draw(&mut canvas);
+        let ends = axes[1].ends();
         for (style, pieces) in styles.iter().zip(&parts) {
-            for piece in pieces {
-                let points: Piece = piece.iter().map(|p| layout.frame.place(*p)).collect();
-                style.draw(&mut canvas, &points);
-            }
+            canvas.group("curve", |canvas| {
+                let shown = |piece: &Piece| match cut {
+                    Some(_) => cut::clipped(piece, ends),
+                    None => vec![piece.clone()],
+                };
+                for piece in pieces.iter().flat_map(shown) {
+                    let points: Piece = piece.iter().map(|p| layout.frame.place(*p)).collect();
+                    style.draw(canvas, &points);
+                }
+            });
         }
         slopes.iter().for_each(|s| s.draw(&mut canvas, &layout.frame));
-        canvas.document(layout.size, &self.name())
+        let data = data::json(self, &layout.frame, &curves, (&styles, &parts));
+        canvas.document(layout.size, &self.name(), &data)
     }
     /// The curves that have a point, with their colours, and the runs of points of each.
     fn drawn(&self) -> (Vec<Curve<'a>>, Vec<Vec<Piece>>) {
@@ -114,13 +129,19 @@ impl<'a> Chart<'a> {
         let all = self.curves.iter().enumerate().map(coloured).map(|c| (c, self.pieces(&c)));
         all.filter(|(_, pieces)| !pieces.is_empty()).unzip()
     }
-    fn axes(&self, parts: &[Vec<Piece>], slopes: &[&Slope]) -> Option<[Axis; 2]> {
+    fn axes(
+        &self,
+        parts: &[Vec<Piece>],
+        slopes: &[&Slope],
+        cut: Option<&cut::Cut>,
+    ) -> Option<[Axis; 2]> {
         let corners: Piece = slopes.iter().flat_map(|s| s.corners()).collect();
         let all = |k: usize| parts.iter().flatten().flatten().chain(&corners).map(move |p| p[k]);
+        let y: Vec<f64> = cut.map_or_else(|| all(1).collect(), |cut| cut.range.to_vec());
         // Lines may touch the ends of the plot, marks would pass them.
         let only_lines = self.curves.iter().all(|c| !c.stroke.has_marks());
         let margin = if only_lines && !self.log_x { 0.0 } else { 0.04 };
-        Some([Axis::of(all(0), self.log_x, margin)?, Axis::of(all(1), self.log_y, 0.05)?])
+        Some([Axis::of(all(0), self.log_x, margin)?, Axis::of(y.into_iter(), self.log_y, 0.05)?])
     }
     /// The name for readers who cannot see the drawing.
     fn name(&self) -> String {
@@ -153,7 +174,7 @@ impl<'a> Chart<'a> {
             y += LEADING * size;
             canvas.text(&line, [0.5 * WIDTH, y], Anchor::Middle, size);
         }
-        canvas.document([WIDTH, 0.35 * HEIGHT], &self.name())
+        canvas.document([WIDTH, 0.35 * HEIGHT], &self.name(), "")
     }
 }
 

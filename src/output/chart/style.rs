@@ -26,7 +26,7 @@ const RADIUS: f64 = 3.8;
 /// Radius of the marks by which full lines differ.
 const SMALL: f64 = 2.8;
 /// Distance of the marks on a full line.
-const APART: f64 = 100.0;
+const APART: f64 = 75.0;
 
 /// Appearance of a curve.
 #[derive(Clone, Copy, Debug)]
@@ -104,6 +104,10 @@ impl Style {
             let radius = if self.stroke == Stroke::Line { SMALL } else { RADIUS };
             canvas.mark(shape, [0.5 * (left + right), y], radius, self.colour);
         }
+    }
+    /// Its colour and its dashes, and whether values have marks that are not joined.
+    pub fn words(&self) -> (&'static str, &'static str, bool) {
+        (self.colour, self.dash, self.stroke == Stroke::Points)
     }
     fn pen(&self) -> Pen<'static> {
         Pen { colour: self.colour, width: WIDTH, dash: self.dash, opacity: 1.0 }

@@ -85,6 +85,12 @@ pub struct Canvas {
 }
 
 impl Canvas {
+    /// What `draw` draws, as a group that scripts find by its class.
+    pub fn group(&mut self, class: &str, draw: impl FnOnce(&mut Canvas)) {
+        self.element(&format!("<g class=\"{class}\">"));
+        draw(self);
+        self.element("</g>");
+    }
     /// A polyline; a single point becomes a dot.
     pub fn line(&mut self, points: &[[f64; 2]], pen: Pen<'_>) {
         let mut d = path(points);
@@ -151,11 +157,15 @@ impl Canvas {
         self.body.push('\n');
     }
     /// The document, which scales to the width of its page; `name` is for readers who cannot see
-    /// it.
-    pub fn document(self, [width, height]: [f64; 2], name: &str) -> String {
+    /// it, `data` for scripts.
+    pub fn document(self, [width, height]: [f64; 2], name: &str, data: &str) -> String {
+        let data = match data {
+            "" => String::new(),
+            data => format!(" data-chart=\"{}\"", escape(data)),
+        };
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" \
-             aria-label=\"{}\" font-family=\"{TYPEFACES}\" fill=\"currentColor\">\n{}</svg>\n",
+             aria-label=\"{}\" font-family=\"{TYPEFACES}\" fill=\"currentColor\"{data}>\n{}</svg>\n",
             px(width),
             px(height),
             escape(name),

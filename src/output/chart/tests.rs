@@ -86,6 +86,79 @@ fn thinning_keeps_ends_and_peaks() {
     assert!(thin.contains(&first) && thin.contains(&last) && thin.contains(&peak));
 }
 
+/// A residual that is large while a motion is set in at once, and then a thousandth of that.
+fn impulsive() -> ([f64; 40], [f64; 40]) {
+    let x = std::array::from_fn(|i| 0.1 * i as f64);
+    let mut y = std::array::from_fn(|i| 0.01 * (i as f64).sin());
+    (y[0], y[1]) = (0.0, -83.0);
+    (x, y)
+}
+
+#[test]
+fn a_beginning_that_dwarfs_the_rest_is_cut_off_and_said() {
+    let (x, mut y) = impulsive();
+    let draw = |y: &[f64], cut_start| {
+        let curves = vec![curve("a", &x, y, Stroke::Line)];
+        Chart { cut_start, curves, title: "Balance", ..Chart::default() }.svg()
+    };
+    let (whole, cut) = (draw(&y, false), draw(&y, true));
+    assert_well_formed(&cut);
+    assert!(!whole.contains("Cut off"));
+    let said: Vec<String> = texts(&cut).into_iter().filter(|t| t.contains("Cut off")).collect();
+    assert_eq!(said, ["Cut off: the value −83 at 0.1"]);
+    // The rest of the curve is as high as the plot, and nothing is drawn outside of it.
+    let heights = |svg: &str| {
+        let group = svg.split("class=\"curve\"").nth(1).unwrap().split("</g>").next().unwrap();
+        let lines = group.split("<path d=\"M").skip(1).map(|d| d.split('"').next().unwrap());
+        let y = lines.flat_map(|d| d.split('L')).map(|p| p.split(' ').nth(1).unwrap());
+        y.map(|y| y.parse::<f64>().unwrap())
+            .fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)))
+    };
+    let ((top, bottom), (high, low)) = (heights(&cut), heights(&whole));
+    assert!(bottom - top > 0.8 * (low - high) && bottom <= HEIGHT, "{top} {bottom}");
+    // A beginning that fades in steps is cut off as a whole.
+    y[2] = -0.5;
+    assert!(draw(&y, true).contains("Cut off: 2 values, the largest −83 at 0.1"));
+    y[2] = 0.005;
+    // Without such a beginning nothing is cut off, nor is what comes later.
+    y[1] = 0.005;
+    assert_eq!(draw(&y, true), draw(&y, false));
+    y[20] = 50.0;
+    assert_eq!(draw(&y, true), draw(&y, false));
+}
+
+#[test]
+fn lines_end_at_the_range() {
+    let line = [[0.0, 0.0], [1.0, -4.0], [2.0, 0.0], [3.0, 0.5]];
+    let parts = cut::clipped(&line, [-1.0, 1.0]);
+    assert_eq!(parts, [vec![[0.0, 0.0], [0.25, -1.0]], vec![[1.75, -1.0], [2.0, 0.0], [3.0, 0.5]]]);
+    let across = cut::clipped(&[[0.0, -3.0], [1.0, 3.0]], [-1.5, 1.5]);
+    assert_eq!(across, [vec![[0.25, -1.5], [0.75, 1.5]]]);
+    assert!(cut::clipped(&[[0.0, 5.0], [1.0, 7.0]], [-1.0, 1.0]).is_empty());
+}
+
+#[test]
+fn the_numbers_for_the_script_are_those_of_the_curves() {
+    let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.123456789, f64::NAN, 2e-9, -1.0]);
+    let curves = vec![curve("a \"b\"", &x, &y, Stroke::Line), curve("c", &x, &x, Stroke::Points)];
+    let svg = Chart { x_label: "time (s)", curves, ..Chart::default() }.svg();
+    let data = svg.split("data-chart=\"").nth(1).unwrap().split('"').next().unwrap();
+    let data = super::super::markup::unescape(data);
+    let data: serde_json::Value = serde_json::from_str(&data).unwrap();
+    assert_eq!(data["curves"][0]["name"], "a \"b\"");
+    assert_eq!(data["curves"][0]["x"], serde_json::json!([0.0, 2.0, 2.0, 3.0]));
+    assert_eq!(data["curves"][0]["y"], serde_json::json!([0.1234568, null, 2e-9, -1.0]));
+    assert_eq!(data["curves"][1]["points"], true);
+    assert_eq!(
+        (&data["labels"][0], &data["x"]),
+        (&"time (s)".into(), &serde_json::json!([-0.12, 3.12]))
+    );
+    // Abscissas are there once.
+    let twice = vec![curve("a", &x, &x, Stroke::Line), curve("b", &x, &[1.0; 4], Stroke::Line)];
+    let svg = Chart { curves: twice, ..Chart::default() }.svg();
+    assert_eq!(svg.matches("&quot;x&quot;:").count(), 1 + 1, "of the axis and of the first curve");
+}
+
 #[test]
 fn slopes_are_triangles_with_their_order_beside_them() {
     let (x, y) = ([0.1, 0.2, 0.4], [1e-3, 4e-3, 1.6e-2]);
@@ -152,7 +225,8 @@ fn a_legend_with_many_or_long_names_is_below_the_plot() {
         let svg = Chart { curves, ..Chart::default() }.svg();
         assert_well_formed(&svg);
         assert!(names.len() < 2 || svg.matches("stroke-width=\"1.8\"").count() == 2 * names.len());
-        let (bottom, lowest) = (svg.split("viewBox=\"0 0 620 ").nth(1).unwrap(), values(&svg, "y"));
+        let (bottom, lowest) =
+            (svg.split(&format!("viewBox=\"0 0 {WIDTH} ")).nth(1).unwrap(), values(&svg, "y"));
         let bottom: f64 = bottom.split('"').next().unwrap().parse().unwrap();
         assert!(lowest.iter().all(|y| *y < bottom));
         bottom
@@ -168,7 +242,7 @@ fn a_legend_with_many_or_long_names_is_below_the_plot() {
 fn key(style: &Style) -> String {
     let mut canvas = Canvas::default();
     style.draw_key(&mut canvas, [0.0, 20.0], 0.0);
-    canvas.document([1.0; 2], "")
+    canvas.document([1.0; 2], "", "")
 }
 
 #[test]

@@ -38,6 +38,7 @@ impl Study<'_> {
                 log_y: true,
                 curves: curves.collect(),
                 slopes: slopes(self.sizes, &y, rows.iter().map(|r| r.order())),
+                ..Chart::default()
             };
             let caption = "Errors against the exact solution; of other quantities the change from \
                 the level before, which falls with the same order and needs no limit. The \
