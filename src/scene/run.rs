@@ -6,11 +6,13 @@ mod lock;
 mod log;
 mod physics;
 mod record;
+mod session;
 mod solves;
 
 pub(in crate::scene) use contents::check_links;
 pub use folder::Folder;
 pub(in crate::scene) use lock::Lock;
+pub use session::Session;
 pub use solves::Solves;
 
 use super::Scene;
@@ -100,7 +102,8 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     // Created only now: an invalid scene or mesh leaves no folder behind, and the run can be
     // repeated after the correction.
     folder.make(scene)?;
-    let mut log = Log::open(&folder.log(), &options.command, observer)?;
+    let session = Session::begin(&options.command);
+    let mut log = Log::open(&folder.log(), &session, observer)?;
     log.plan(&plan);
     for w in problem.warnings() {
         log.warning(w);
@@ -108,6 +111,8 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     let resume = options.earlier == Earlier::Resume;
     let result = Run::start(scene, &folder, resume, (problem, plan), &mut log);
     let ended = result.and_then(|mut run| {
+        run.record.sessions.push(session);
+        folder.remove_report()?;
         run.record.spent("setup", &start);
         let result = run.all_steps(options.stop, &mut log);
         run.finish(result)
@@ -216,7 +221,7 @@ impl<'a> Run<'a> {
                 return Err(Error::interrupted("the run was interrupted; its state is kept")
                     .at(format!("time {:.6}", self.problem.moment().time))
                     .remedy(format!(
-                        "go on with --resume --out {}",
+                        "go on with --resume --out {0}, or look at it: immersa render {0}",
                         self.folder.path().display()
                     )));
             }
@@ -314,6 +319,7 @@ impl<'a> Run<'a> {
 
     fn save(&mut self) -> Result<()> {
         self.record.note_costs(&mut *self.problem);
+        self.record.note_time();
         self.folder.save(self.scene, &self.record, &*self.problem)?;
         self.saved = Instant::now();
         Ok(())
@@ -330,6 +336,7 @@ impl<'a> Run<'a> {
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
         let alarms = self.alarms();
         let steps = self.problem.moment().steps as usize;
+        self.record.note_time();
         let told = ((&self.record, &self.plan[..]), (&result, &alarms[..]));
         let written = self.folder.write_summary(self.scene, &*self.problem, told.0, told.1);
         // The error of the run has priority: a full disk also prevents the summary.

@@ -135,7 +135,7 @@ fn read_folder(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>
 /// A summary without what depends on the clock, the machine and the version.
 fn timeless(json: &[u8]) -> Result<Vec<u8>> {
     let mut value: Value = serde_json::from_slice(json)?;
-    for key in ["seconds", "cpu_seconds", "step_seconds", "bandwidth", "version"] {
+    for key in ["seconds", "cpu_seconds", "step_seconds", "bandwidth", "version", "sessions"] {
         value.as_object_mut().and_then(|all| all.remove(key));
     }
     Ok(serde_json::to_vec_pretty(&value)?)

@@ -2,7 +2,7 @@
 
 use crate::base::{Error, Result};
 use crate::output::read_text;
-use crate::scene::run::Solves;
+use crate::scene::run::{Session, Solves};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,6 +20,8 @@ pub struct Summary {
     pub status: String,
     /// Reason of its failure.
     pub error: Option<String>,
+    /// What computed the run, the last one last.
+    pub sessions: Vec<Session>,
     /// Steps made.
     pub steps: Option<u64>,
     /// The time reached.

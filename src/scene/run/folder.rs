@@ -103,6 +103,18 @@ impl Folder {
         self.path.join("series.csv")
     }
 
+    /// Removes the report of a run that goes on: it would tell of an earlier end.
+    pub(super) fn remove_report(&self) -> Result<()> {
+        match std::fs::remove_file(self.path.join("report.html")) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                Err(Error::input(format!("the report of the earlier end cannot be removed: {e}"))
+                    .at(self.path.join("report.html").display().to_string())
+                    .remedy("check the permissions of the run folder"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     pub(super) fn log(&self) -> PathBuf {
         self.path.join("log.txt")
     }
@@ -236,7 +248,8 @@ impl Folder {
         let energies = problem.energies();
         let summary = json!({
             "title": scene.title,
-            "version": env!("CARGO_PKG_VERSION"),
+            "version": crate::base::VERSION,
+            "sessions": record.sessions,
             "status": status,
             "error": result.as_ref().err().filter(|e| e.kind() != Kind::Interrupted).map(ToString::to_string),
             "steps": moment.steps,

@@ -1,11 +1,11 @@
 //! The log of a run: what was told while it ran, with times.
 
+use super::session::{Session, now};
 use super::{Observer, is_told};
 use crate::base::{Error, Result, Warning};
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::Path;
-use std::time::SystemTime;
 
 /// Writes to a file what it hands on to another observer. A log that cannot be written is no reason
 /// to end a run.
@@ -15,37 +15,28 @@ pub(super) struct Log<'a> {
 }
 
 impl<'a> Log<'a> {
-    /// Goes on with the log of a run folder; `command` started the run.
+    /// Goes on with the log of a run folder, in a session that begins.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn open(path: &Path, command: &str, to: &'a mut dyn Observer) -> Result<Log<'a>> {
+    pub fn open(path: &Path, session: &Session, to: &'a mut dyn Observer) -> Result<Log<'a>> {
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(|e| {
             Error::input(format!("the log cannot be written: {e}"))
                 .at(path.display().to_string())
                 .remedy("choose a folder that can be written with --out")
         })?;
         let mut log = Log { file, to };
-        log.note(&format!("immersa {}: {command}", crate::base::VERSION));
-        log.note(&format!("{} threads on {}", rayon::current_num_threads(), machine()));
+        log.note(&format!("immersa {}: {}", session.version, session.command));
+        log.note(&session.machine);
         Ok(log)
     }
     /// Notes a text, each line with the time.
     pub fn note(&mut self, text: &str) {
-        let now = humantime::format_rfc3339_seconds(SystemTime::now());
+        let now = now();
         for line in text.lines() {
             let _ = writeln!(self.file, "{now} {line}");
         }
     }
-}
-
-/// The machine in words.
-fn machine() -> String {
-    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": "));
-    let processor = name.map_or(std::env::consts::ARCH, |(_, name)| name);
-    format!("{cores} cores, {processor}, {}", std::env::consts::OS)
 }
 
 impl Observer for Log<'_> {

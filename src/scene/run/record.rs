@@ -1,6 +1,7 @@
 //! Record of the output of a run so far; a checkpoint contains it beside the state.
 
 use super::Clock;
+use super::session::{Session, now};
 use super::solves::Solves;
 use crate::base::{PHASES, Result, Warning};
 use crate::scene::Scene;
@@ -17,6 +18,9 @@ pub(super) type Column = (String, Vec<f64>);
 pub(super) struct Record {
     /// Rows of the series.
     pub rows: usize,
+    /// What computed the run, the last one last.
+    #[serde(default)]
+    pub sessions: Vec<Session>,
     /// Hashes of the files that the scene reads, by their keys.
     #[serde(default)]
     pub inputs: BTreeMap<String, u64>,
@@ -115,6 +119,10 @@ pub(super) struct MeshRecord {
 }
 
 impl Record {
+    /// Records the time until which this process has computed the run.
+    pub(super) fn note_time(&mut self) {
+        self.sessions.iter_mut().last().into_iter().for_each(|session| session.ended = now());
+    }
     /// Records the current mesh of a run with adaptation.
     pub(super) fn note_mesh(&mut self, problem: &dyn Problem) {
         let facts = problem.facts();
