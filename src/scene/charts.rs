@@ -1,13 +1,68 @@
 //! Charts of columns of a series, each with a caption.
 
+use super::schema::Units;
 use super::words::{Words, words};
 use crate::output::{Chart, Curve, Figure, Series, Stroke};
 
+/// A chart with its data and its words.
+#[derive(Clone, Debug)]
+pub struct Plot {
+    /// Name of its file, without ending.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// Labels of the axes, with their units.
+    pub labels: [String; 2],
+    /// The curves.
+    pub curves: Vec<PlotCurve>,
+    /// Explanation.
+    pub caption: String,
+    /// True if a beginning that dwarfs the rest is cut off.
+    pub cut_start: bool,
+}
+
+/// A curve of a plot.
+#[derive(Clone, Debug)]
+pub struct PlotCurve {
+    /// Name in the legend.
+    pub name: String,
+    /// Abscissas.
+    pub x: Vec<f64>,
+    /// Ordinates.
+    pub y: Vec<f64>,
+    /// Line, dashes or marks.
+    pub stroke: Stroke,
+    /// Number of its colour; its place among the curves without it.
+    pub colour: Option<usize>,
+}
+
+impl Plot {
+    /// The chart, drawn.
+    pub fn figure(&self) -> Figure {
+        let curves = self.curves.iter().map(|c| Curve {
+            name: &c.name,
+            x: &c.x,
+            y: &c.y,
+            stroke: c.stroke,
+            colour: c.colour,
+        });
+        let curves = curves.collect();
+        let [x_label, y_label] = self.labels.each_ref().map(String::as_str);
+        let (title, cut_start) = (self.title.as_str(), self.cut_start);
+        let chart = Chart { title, x_label, y_label, curves, cut_start, ..Chart::default() };
+        Figure::chart(&self.name, title, chart.svg(), &self.caption)
+    }
+}
+
 /// A chart under construction, as a list of curves.
 pub struct Sheet<'a> {
-    pub x_label: &'static str,
     pub x: &'a [f64],
     pub curves: Vec<(String, Vec<f64>, Stroke)>,
+    /// True if a beginning that dwarfs the rest is cut off.
+    pub cut_start: bool,
+    x_label: &'static str,
+    units: &'a Units,
+    dimension: usize,
 }
 
 impl<'a> Sheet<'a> {
@@ -23,31 +78,26 @@ impl<'a> Sheet<'a> {
     pub fn dashed(&mut self, name: impl Into<String>, y: Option<Vec<f64>>) {
         self.add(name, y, Stroke::Dashed);
     }
-    /// The chart, if it has any data.
+    /// The chart, if it has any data. Labels that name a quantity get its unit.
     pub fn draw(
         self,
         name: impl Into<String>,
         [title, y_label]: [&str; 2],
         caption: impl Into<String>,
-    ) -> Option<Figure> {
+    ) -> Option<Plot> {
         if self.curves.is_empty() {
             return None;
         }
-        let curves = self.curves.iter().map(|(name, y, stroke)| Curve {
-            name,
-            x: self.x,
-            y,
-            stroke: *stroke,
-            colour: None,
-        });
-        let chart = Chart {
-            title,
-            x_label: self.x_label,
-            y_label,
-            curves: curves.collect(),
-            ..Chart::default()
-        };
-        Some(Figure::chart(name, title, chart.svg(), caption))
+        let x = self.x.to_vec();
+        let curve = |(name, y, stroke)| PlotCurve { name, x: x.clone(), y, stroke, colour: None };
+        Some(Plot {
+            name: name.into(),
+            title: title.into(),
+            labels: [self.x_label, y_label].map(|label| self.units.label(label, self.dimension)),
+            curves: self.curves.into_iter().map(curve).collect(),
+            caption: caption.into(),
+            cut_start: self.cut_start,
+        })
     }
 }
 
@@ -58,12 +108,19 @@ pub struct Columns<'a> {
     pub series: &'a Series,
     /// Dimensions of space.
     pub dimension: usize,
+    /// Units of the scene.
+    pub units: &'a Units,
 }
 
 impl<'a> Columns<'a> {
     /// An empty chart over time.
     pub fn sheet(&self) -> Sheet<'a> {
-        Sheet { x_label: "time", x: self.column("time").unwrap_or_default(), curves: Vec::new() }
+        self.sheet_over("time", self.column("time").unwrap_or_default())
+    }
+    /// An empty chart over another quantity.
+    pub fn sheet_over(&self, x_label: &'static str, x: &'a [f64]) -> Sheet<'a> {
+        let Columns { dimension, units, .. } = *self;
+        Sheet { x, curves: Vec::new(), cut_start: false, x_label, units, dimension }
     }
     /// Vocabulary for the dimension.
     pub fn words(&self) -> &'static Words {
@@ -85,7 +142,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Semi-axes of a structure, which is round when at rest or not.
-    pub fn axes(&self, name: &str, round_at_rest: bool) -> Option<Figure> {
+    pub fn axes(&self, name: &str, round_at_rest: bool) -> Option<Plot> {
         let (words, mut sheet) = (self.words(), self.sheet());
         words
             .axes
@@ -119,7 +176,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Half-chords of a structure, or else its extents.
-    pub fn chords<'b>(&self, name: &str, chords: impl Iterator<Item = &'b str>) -> Option<Figure> {
+    pub fn chords<'b>(&self, name: &str, chords: impl Iterator<Item = &'b str>) -> Option<Plot> {
         let (words, mut sheet) = (self.words(), self.sheet());
         chords.for_each(|c| sheet.line(c, self.column_of(name, c)));
         let title = format!("Half-chords of {name}");

@@ -1,10 +1,10 @@
 //! Reading and writing of a scene: its tables, its structures, and the consistency checks between
 //! them.
 
-use super::keys::{Context, Item, Keys, Table, Tabled, Writer, distinct};
+use super::keys::{Context, Item, Keys, Table, Tabled, Typed, Writer, distinct};
 use super::schema::{
-    Adapt, Exact, Fluid, Given, Image, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion, Numerics,
-    Output, Tables, Time, check_image, constants, read_boundaries,
+    Adapt, Exact, Fluid, Given, Image, InUnits, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion,
+    Numerics, Output, Tables, Time, check_image, constants, read_boundaries,
 };
 use super::structures::{KINDS, StructureKind, Traits};
 use crate::base::{Error, Result};
@@ -81,7 +81,7 @@ fn read_as(
     let text = |i: &Item| i.text().map(str::to_string);
     let tables = Tables {
         title: scene.optional("title", text)?.unwrap_or_else(|| name.to_string()),
-        units: scene.optional("units", text)?.unwrap_or_default(),
+        units: scene.optional("units", |i| InUnits::read(i, &context))?.unwrap_or_default(),
         boundaries: read_boundaries(scene.get("boundary"), fluid.is_prescribed(), &context)?,
         numerics,
         output,

@@ -2,9 +2,9 @@
 //! phase.
 
 use super::folder::RunFolder;
-use super::segmentation;
+use super::{segmentation, units};
 use crate::base::{PHASES, Phase};
-use crate::output::{Cell, Table, rounded};
+use crate::output::{Cell, Column, Table, rounded};
 
 /// A fraction in per cent.
 pub(super) fn per_cent(v: f64) -> String {
@@ -127,16 +127,41 @@ fn largest(values: &[f64]) -> Option<f64> {
 
 /// The columns of the series: last, least and greatest value.
 pub(super) fn columns(run: &RunFolder) -> Table {
+    let with_units = run.series.names.iter().any(|name| !units::of_column(run, name).is_empty());
     let finite = |c: &[f64], pick: fn(f64, f64) -> f64| {
         c.iter().copied().filter(|v| v.is_finite()).reduce(pick)
     };
     let row = |(name, column): (&String, &Vec<f64>)| {
         let values = [run.last(name), finite(column, f64::min), finite(column, f64::max)];
         let [end, least, greatest] = values.map(|v| Cell::optional(v, 6));
-        vec![Cell::text(name), end, least, greatest]
+        let unit = with_units.then(|| Cell::text(units::of_column(run, name)));
+        [Cell::text(name)].into_iter().chain(unit).chain([end, least, greatest]).collect()
     };
-    Table::new("", "Numbers", ["column of series.csv", "at the end", "least", "greatest"])
+    let unit = with_units.then_some("unit");
+    let columns = ["column of series.csv"].into_iter().chain(unit);
+    Table::new("", "Numbers", columns.chain(["at the end", "least", "greatest"]))
         .with_rows(run.series.names.iter().zip(&run.series.columns).skip(1).map(row))
+}
+
+/// Most rows of the series on the page.
+const MOST_ROWS: usize = 1000;
+
+/// The rows of the series, of a long one every so many and the last.
+pub(super) fn rows(run: &RunFolder) -> Option<Table> {
+    let (series, count) = (&run.series, run.series.rows());
+    let every = count.div_ceil(MOST_ROWS).max(1);
+    let names = series
+        .names
+        .iter()
+        .map(|name| Column { heading: name.clone(), unit: units::of_column(run, name) });
+    let shown = (0..count).filter(|k| k % every == 0 || k + 1 == count);
+    let row = |k: usize| series.columns.iter().map(|c| Cell::number(c[k], 6)).collect();
+    let caption = match every {
+        1 => String::new(),
+        n => format!("One of {n} rows, and the last."),
+    };
+    let table = Table::new("series", "Table of the series", names).with_caption(caption);
+    (count > 0).then(|| table.with_rows(shown.map(row)))
 }
 
 /// Seconds by phase, the longest first.

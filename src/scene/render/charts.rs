@@ -3,20 +3,20 @@
 
 use super::folder::RunFolder;
 use super::segmentation;
-use crate::output::{Figure, Series, Stroke, rounded};
-use crate::scene::charts::Sheet;
+use crate::output::{Series, Stroke, rounded};
+use crate::scene::charts::{Plot, Sheet};
 use crate::scene::keys::Named;
 use crate::scene::schema::{Probe, Profile, Quantity};
 
 /// All charts that the folder has values for, in the order of the page.
-pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
+pub(super) fn draw(run: &RunFolder) -> Vec<Plot> {
     let mut charts = Vec::new();
     if run.scene.image.is_some() {
         return segmentation::draw(run);
     }
-    if let Some(time) = run.column("time") {
-        let sheet = || Sheet { x_label: "time", x: time, curves: Vec::new() };
-        let columns = run.columns();
+    let columns = run.columns();
+    if run.column("time").is_some() {
+        let sheet = || columns.sheet();
         charts.extend(run.scene.structures().iter().flat_map(|s| s.charts(&columns)));
         let common = [stretch, area, map, energies, balance, speed, steps, fluxes];
         charts.extend(common.iter().filter_map(|chart| chart(run, sheet())));
@@ -29,7 +29,7 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
 
 /// Perimeters (in space: surfaces) over the length (area) at rest, which is that at the start over
 /// the stretch there.
-fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     let (alone, words) = (run.scene.acting().count() == 1, run.words());
     // For a passive level set the length itself is drawn. With a map the area at rest is not the
     // initial area over a constant.
@@ -63,7 +63,7 @@ fn stretch(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
 }
 
 /// The error of the backward map, by its determinant.
-fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     sheet.line("rms(det grad Y - 1)", run.column("map_error"));
     sheet.draw(
         "map",
@@ -74,7 +74,7 @@ fn map(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     )
 }
 
-fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     let enclosed = run.words().enclosed;
     for name in run.scene.interfaces() {
         let change = |a: &[f64]| a.iter().map(|v| 100.0 * (v / a[0] - 1.0)).collect();
@@ -89,7 +89,7 @@ fn area(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     )
 }
 
-fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn energies(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     let kinetic = run.column("energy_kinetic")?;
     let elastic = run.column("energy_elastic").filter(|e| e.iter().any(|v| *v != 0.0));
     let total: Vec<f64> = match elastic {
@@ -128,20 +128,23 @@ fn cumulative(x: &[f64], rate: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn balance(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     let residual = run.column("energy_balance").map(|b| b.iter().map(|v| 100.0 * v).collect());
     sheet.add("balance", residual, Stroke::Line);
+    sheet.cut_start = true;
     sheet.draw(
         "energy-balance",
         ["Energy balance", "residual (%)"],
         "Spurious energy since the start, the residual of (3.23), over the energy in play, which \
          is little while a flow starts from rest. The truth is zero; a fraction of a per cent is \
          the error of the scheme, which a smaller step or a finer mesh lessens. Several per cent \
-         and rising faster and faster would be an instability: then believe nothing on this page.",
+         and rising faster and faster would be an instability: then believe nothing on this page. \
+         Where a flow is set in motion at once, the first values can dwarf all others; they are \
+         then cut off, and the chart says so.",
     )
 }
 
-fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     sheet.line("speed", run.column("velocity_max"));
     sheet.draw(
         "speed",
@@ -151,7 +154,7 @@ fn speed(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     )
 }
 
-fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     sheet.line("Courant number", run.column("cfl"));
     let mut caption =
         "How many cells the fluid crosses in a step; more than about 1 costs accuracy.".to_string();
@@ -167,7 +170,7 @@ fn steps(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     sheet.draw("step", ["Time step", "ratio"], caption)
 }
 
-fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
+fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Plot> {
     for flux in &run.scene.output.fluxes {
         sheet.line(flux.name.as_str(), run.column(&flux.name));
     }
@@ -179,7 +182,7 @@ fn fluxes(run: &RunFolder, mut sheet: Sheet) -> Option<Figure> {
     )
 }
 
-fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Figure> {
+fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Plot> {
     let (name, of) = (&probe.name, quantity_name(probe.of));
     sheet.line(of, run.column(name));
     for component in ["x", "y", "z"] {
@@ -190,7 +193,7 @@ fn probe(run: &RunFolder, probe: &Named<Probe>, mut sheet: Sheet) -> Option<Figu
     sheet.draw(format!("probe-{name}"), [&title, of], format!("The {of} at ({}).", at.join(", ")))
 }
 
-fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
+fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Plot> {
     for component in ["x", "y", "z"] {
         sheet.line(component, run.column(&format!("{name}_{component}")));
         let stress = run.column(&format!("{name}_stress_{component}")).map(<[f64]>::to_vec);
@@ -209,7 +212,7 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
 /// Maximum number of curves in a chart: more colours cannot be distinguished.
 const MOST_CURVES: usize = 6;
 
-fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<Figure> {
+fn profile<'a>(run: &'a RunFolder, profile: &Named<Profile>, table: &'a Series) -> Option<Plot> {
     let (name, of) = (&profile.name, quantity_name(profile.of));
     let distance = table.column("distance").ok()?;
     let place = ["distance", "x", "y", "z"];
@@ -222,7 +225,7 @@ fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<
     let every = columns.len().div_ceil(MOST_CURVES).max(1);
     // Counted from the end, so that the last time is included.
     let first = columns.len().saturating_sub(1) % every;
-    let mut sheet = Sheet { x_label: "distance", x: distance, curves: Vec::new() };
+    let mut sheet = run.columns().sheet_over("distance", distance);
     columns.iter().skip(first).step_by(every).for_each(|(n, c)| sheet.line(n.as_str(), Some(c)));
     let point = |x: &[f64]| x.iter().map(|v| rounded(*v, 6)).collect::<Vec<_>>().join(", ");
     let mut caption = format!(
@@ -240,7 +243,8 @@ fn profile(run: &RunFolder, profile: &Named<Profile>, table: &Series) -> Option<
     sheet.draw(format!("profile-{name}"), [&format!("Profile {name}"), of], caption)
 }
 
-fn quantity_name(of: Quantity) -> &'static str {
+/// The name of a quantity, as axes have it.
+pub(super) fn quantity_name(of: Quantity) -> &'static str {
     match of {
         Quantity::Pressure => "pressure",
         Quantity::Velocity => "velocity",

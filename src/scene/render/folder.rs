@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::scene::charts::Columns;
 use crate::scene::keys::Named;
 use crate::scene::run::{Lock, check_links};
-use crate::scene::schema::Profile;
+use crate::scene::schema::{Profile, Units};
 use crate::scene::words::Words;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,8 @@ pub(super) struct RunFolder {
     /// Nothing else writes to the folder while its pages are made.
     _lock: Lock,
     pub scene: Scene,
+    /// Units of its numbers.
+    pub units: Units,
     pub summary: Summary,
     pub series: Series,
     /// Stored fields, in the order of time.
@@ -56,6 +58,7 @@ impl RunFolder {
             frames: frames(path)?,
             profiles: Vec::new(),
             warnings: Vec::new(),
+            units: units(&scene),
             scene,
         };
         run.series
@@ -100,7 +103,18 @@ impl RunFolder {
 
     /// The columns over time.
     pub fn columns(&self) -> Columns<'_> {
-        Columns { series: &self.series, dimension: self.scene.dimension() }
+        Columns { series: &self.series, dimension: self.scene.dimension(), units: &self.units }
+    }
+    /// The unit of a quantity; empty if it has none, or none is known.
+    pub fn unit(&self, quantity: &str) -> String {
+        self.units.of(quantity, self.scene.dimension())
+    }
+    /// A number and its unit, if it has one.
+    pub fn measured(&self, number: String, quantity: &str) -> String {
+        match self.unit(quantity).as_str() {
+            "" => number,
+            unit => format!("{number} {unit}"),
+        }
     }
     /// Vocabulary for the dimension of the scene.
     pub fn words(&self) -> &'static Words {
@@ -116,6 +130,15 @@ impl RunFolder {
         let said = self.summary.last.get(name).copied().flatten();
         said.or_else(|| self.column(name)?.last().copied())
     }
+}
+
+/// The units of a scene. A segmentation has lengths only: its time and its energies are none.
+fn units(scene: &Scene) -> Units {
+    let mut units = scene.units.clone();
+    if scene.image.is_some() {
+        (units.base.time, units.base.mass) = (None, None);
+    }
+    units
 }
 
 /// The resolved scene of a run folder.

@@ -5,17 +5,21 @@
 mod balances;
 mod charts;
 mod folder;
+mod overlay;
 mod page;
 mod pictures;
 mod segmentation;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod units;
 
+pub use overlay::overlay;
 pub use summary::{Balance, Summary};
 
 use crate::base::{Result, Warning};
 use crate::output::{Figure, write_file};
+use crate::scene::charts::Plot;
 use folder::RunFolder;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +54,7 @@ pub fn render(folder: &Path) -> Result<Rendered> {
 pub fn render_with(folder: &Path, overrides: &[String]) -> Result<Rendered> {
     let mut run = RunFolder::open(folder, overrides)?;
     let gallery = pictures::draw(&mut run)?;
-    let charts = charts::draw(&run);
+    let charts: Vec<Figure> = charts::draw(&run).iter().map(Plot::figure).collect();
     let mut files = gallery.files.clone();
     if !charts.is_empty() {
         run.folder("charts")?;

@@ -1,13 +1,14 @@
 //! The report page of a run.
 
 use super::balances::{
-    area_change, balances, columns, energy_balance, per_cent, phases, solves, steps,
+    area_change, balances, columns, energy_balance, per_cent, phases, rows, solves, steps,
 };
 use super::folder::RunFolder;
 use super::pictures::Gallery;
 use crate::base::Warning;
 use crate::output::{Cell, Figure, KeyNumber, Page, Table, rounded};
 use crate::scene::StructureKind;
+use crate::scene::run::Session;
 
 /// The page.
 pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) -> Page {
@@ -15,6 +16,7 @@ pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) ->
     Page {
         title: title(run),
         subtitle: subtitle(run),
+        origin: origin(run),
         alarms: ending(run).into_iter().chain(run.summary.alarms.iter().cloned()).collect(),
         notes: run
             .summary
@@ -29,6 +31,7 @@ pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) ->
             ("What was computed".into(), run.summary.plan.clone()),
             ("Settings".into(), run.scene.to_toml()),
         ],
+        sheet: rows(run),
         details: vec![files(run, &gallery)],
         pictures: gallery.figures,
         charts,
@@ -36,7 +39,7 @@ pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) ->
             "Made by immersa {} from the files in this folder; `immersa render` makes it again. \
              The equations are those of G.-H. Cottet, E. Maitre and T. Milcent, Level Set Methods \
              for Fluid-Structure Interaction, Springer 2022; numbers such as (3.23) are theirs.",
-            env!("CARGO_PKG_VERSION")
+            crate::base::VERSION
         ),
         ..Page::default()
     }
@@ -51,28 +54,55 @@ fn subtitle(run: &RunFolder) -> String {
     let time = &run.scene.time;
     let mut parts = Vec::new();
     parts.extend(run.summary.cells.map(|n| format!("{} cells", grouped(n))));
+    let step = run.measured(rounded(time.step, 6), "time");
     let steps = |n| match time.tolerance {
         Some(tolerance) => format!(
             "{} steps that follow the error, tolerance {}",
             grouped(n),
             rounded(tolerance, 6)
         ),
-        None => format!("{} steps of {}", grouped(n), rounded(time.step, 6)),
+        None => format!("{} steps of {step}", grouped(n)),
     };
     parts.extend(run.summary.steps.map(steps));
     if !run.scene.fluid.is_prescribed() {
         parts.push(format!("order {} in time", time.order));
     }
     if !run.scene.units.is_empty() {
-        parts.push(format!("units: {}", run.scene.units));
+        parts.push(format!("units: {}", run.scene.units.words()));
     }
     parts.join(" · ")
+}
+
+/// When, by which command, program and machine the run was computed; each of them, where it was
+/// continued.
+fn origin(run: &RunFolder) -> Vec<(String, String)> {
+    let sessions = &run.summary.sessions;
+    let of = |name: &str, text: &dyn Fn(&Session) -> String| {
+        let mut all: Vec<String> = sessions.iter().map(text).collect();
+        all.dedup();
+        (name.to_string(), all.join("\n"))
+    };
+    let day = |time: &str| time.replace('T', " ").replace('Z', " UTC");
+    let dates = |s: &Session| match s.started.split_once('T').zip(s.ended.split_once('T')) {
+        Some((from, to)) if from.0 == to.0 => {
+            day(&format!("{} {} to {}", from.0, from.1.trim_end_matches('Z'), to.1))
+        }
+        _ => format!("{} to {}", day(&s.started), day(&s.ended)),
+    };
+    let entries = [
+        of("Computed", &dates),
+        of("Command", &|s| s.command.clone()),
+        of("Version", &|s| format!("immersa {}", s.version)),
+        of("Machine", &|s| s.machine.clone()),
+    ];
+    entries.into_iter().filter(|(_, text)| !text.is_empty()).collect()
 }
 
 /// The alarm for a run that did not come to its end.
 fn ending(run: &RunFolder) -> Option<String> {
     let reached = run.summary.end_time.or_else(|| run.last("time")).map_or_else(String::new, |t| {
-        format!(" at t = {} of {}", rounded(t, 6), rounded(run.scene.time.end, 6))
+        let end = run.measured(rounded(run.scene.time.end, 6), "time");
+        format!(" at t = {} of {end}", rounded(t, 6))
     });
     let why = run.summary.error.as_deref().unwrap_or("no reason is given");
     match run.summary.status.as_str() {
@@ -118,13 +148,15 @@ fn of_interface(run: &RunFolder, structure: &dyn StructureKind) -> Vec<KeyNumber
     if let Some(length) = last(words.own).filter(|_| !elastic) {
         let note = last("markers_length")
             .map_or_else(String::new, |l| format!("by markers: {}", rounded(l, 4)));
-        numbers.push(number(&format!("{}{of}", capitalised(words.size)), rounded(length, 4), note));
+        let length = run.measured(rounded(length, 4), words.own);
+        numbers.push(number(&format!("{}{of}", capitalised(words.size)), length, note));
     } else if let Some(axes) = axes {
         let radius = last(enclosed).map(words.radius);
         let note = radius.map_or_else(String::new, |r| {
             format!("{round} of the same {enclosed}: {}", rounded(r, 4))
         });
-        numbers.push(number(&format!("Semi-axes{of}"), side_by_side(&axes), note));
+        let axes = run.measured(side_by_side(&axes), "length");
+        numbers.push(number(&format!("Semi-axes{of}"), axes, note));
     }
     if let Some(area) = last(enclosed) {
         let note = area_change(run, name)
@@ -132,7 +164,7 @@ fn of_interface(run: &RunFolder, structure: &dyn StructureKind) -> Vec<KeyNumber
             .map_or_else(String::new, |c| format!("changed by {}; exact: 0", per_cent(c)));
         numbers.push(number(
             &format!("{} inside{of}", capitalised(enclosed)),
-            rounded(area, 5),
+            run.measured(rounded(area, 5), enclosed),
             note,
         ));
     }
@@ -169,12 +201,13 @@ fn of_flow(run: &RunFolder) -> Vec<KeyNumber> {
         let note = rise.map_or_else(String::new, |r| {
             format!("largest rise in a step: {} of the first", per_cent(r))
         });
-        numbers.push(number("Energy at the end", rounded(energy, 4), note));
+        let energy = run.measured(rounded(energy, 4), "energy");
+        numbers.push(number("Energy at the end", energy, note));
     }
     if let Some(speed) = run.last("velocity_max") {
         numbers.push(number(
             "Largest speed at the end",
-            rounded(speed, 4),
+            run.measured(rounded(speed, 4), "speed"),
             peak(run).unwrap_or_default(),
         ));
     }
@@ -268,12 +301,12 @@ fn files(run: &RunFolder, gallery: &Gallery) -> Table {
         ("series.csv", true, "one row a sample, for a spreadsheet or pandas.read_csv".to_string()),
         ("contours.csv", segmented, "the contours, in columns and rows of the image".into()),
         (
-            "segmented.png, mask.png",
+            "segmented.png",
             segmented,
-            "the image in its two levels, and the inside in white".into(),
+            "the image in its two levels; the inside in white is in mask.png".into(),
         ),
         ("profiles/", !run.profiles.is_empty(), "values along lines, a column a time".to_string()),
-        ("fields.pvd, fields/", !run.frames.is_empty(), fields),
+        ("fields.pvd", !run.frames.is_empty(), fields),
         (
             "pictures/",
             !gallery.figures.is_empty(),
@@ -290,8 +323,13 @@ fn files(run: &RunFolder, gallery: &Gallery) -> Table {
             true,
             "how the run ended, its balances and times, for other programs".to_string(),
         ),
+        (
+            "log.txt",
+            run.path.join("log.txt").is_file(),
+            "what the terminal showed, with times".to_string(),
+        ),
     ];
-    let row = |(name, _, what): (&str, bool, String)| vec![Cell::text(name), Cell::text(what)];
+    let row = |(name, _, what): (&str, bool, String)| vec![Cell::file(name), Cell::text(what)];
     Table::new("", "Files in this folder", ["file", "what it holds"])
         .with_rows(rows.into_iter().filter(|r| r.1).map(row))
 }

@@ -1,16 +1,17 @@
 //! Charts of a run that has segmented an image.
 
 use super::folder::RunFolder;
-use crate::output::Figure;
-use crate::scene::charts::Sheet;
+use crate::scene::charts::Plot;
 
 /// All charts of a segmentation.
-pub(super) fn draw(run: &RunFolder) -> Vec<Figure> {
-    let Some(time) = run.column("time") else { return Vec::new() };
+pub(super) fn draw(run: &RunFolder) -> Vec<Plot> {
+    if run.column("time").is_none() {
+        return Vec::new();
+    }
     let name = run.scene.interfaces().map(str::to_string).next().unwrap_or_default();
     let (area, perimeter) = (format!("{name}.area"), format!("{name}.perimeter"));
     let chart = |file: &str, words: [&str; 2], curves: &[(&str, &str)], caption: &str| {
-        let mut sheet = Sheet { x_label: "time", x: time, curves: Vec::new() };
+        let mut sheet = run.columns().sheet();
         curves.iter().for_each(|(label, column)| sheet.line(*label, run.column(column)));
         sheet.draw(file, words, caption)
     };

@@ -330,3 +330,157 @@ fn a_level_set_that_the_fields_do_not_have_is_named() {
         "{error}"
     );
 }
+
+const SESSIONS: &str = r#"{ "status": "finished", "sessions": [
+    { "started": "2026-01-31T12:00:00Z", "ended": "2026-01-31T13:00:00Z", "version": "0.1.0 (abcdef)",
+      "command": "immersa run <scene>.toml", "machine": "4 threads" },
+    { "started": "2026-02-01T23:00:00Z", "ended": "2026-02-02T01:00:00Z", "version": "0.1.0 (abcdef)",
+      "command": "immersa run scene.toml --resume", "machine": "4 threads" }] }"#;
+
+#[test]
+fn a_page_says_when_and_by_what_its_run_was_computed() {
+    let dir = tempfile::tempdir().unwrap();
+    write(&Case { summary: SESSIONS, frames: 1, ..PAIR }, dir.path());
+    let page = page(dir.path());
+    for text in [
+        "2026-01-31 12:00:00 to 13:00:00 UTC\n2026-02-01 23:00:00 UTC to 2026-02-02 01:00:00 UTC<",
+        "immersa run &lt;scene&gt;.toml\nimmersa run scene.toml --resume<",
+        ">immersa 0.1.0 (abcdef)<",
+        ">4 threads<",
+    ] {
+        assert!(page.contains(text), "{text} is missing");
+    }
+}
+
+#[test]
+fn units_are_on_axes_and_in_tables() {
+    let dir = tempfile::tempdir().unwrap();
+    write(&CAVITY, dir.path());
+    let with = |units: &str| {
+        let set = [format!("units={units}"), "output.pictures=false".into()];
+        let report = render_with(dir.path(), &set).unwrap().report;
+        let chart = |name: &str| fs::read_to_string(dir.path().join("charts").join(name)).unwrap();
+        let charts =
+            ["speed.svg", "energy.svg", "force-lid.svg", "fluxes.svg", "energy-balance.svg"];
+        (fs::read_to_string(report).unwrap(), charts.map(chart).join(""))
+    };
+    let (page, charts) = with("{ length = \"mm\", time = \"ms\", mass = \"g\" }");
+    for label in [
+        ">time (ms)<",
+        ">speed (mm/ms)<",
+        ">energy (g·mm/ms²)<",
+        ">force (g/ms²)<",
+        ">volume per time (mm²/ms)<",
+        ">residual (%)<",
+    ] {
+        assert!(charts.contains(label), "{label} is missing");
+    }
+    for (column, unit) in [
+        ("velocity_max", "mm/ms"),
+        ("middle_x", "mm/ms"),
+        ("lid_stress_y", "g/ms²"),
+        ("left", "mm²/ms"),
+        ("energy_balance", ""),
+    ] {
+        let row = format!("<td>{column}</td><td>{unit}</td>");
+        assert!(page.contains(&row), "{row} is missing");
+    }
+    assert!(page.contains("steps of 0.1 ms") || page.contains("units: mm, ms, g"));
+    assert_eq!(with("\"mm, ms, g\"").1, charts, "the text names the same");
+    // What is no unit is said once.
+    let (page, charts) = with("\"diameters of the cell\"");
+    assert_eq!(page.matches("diameters of the cell").count(), 2, "under the title, in the scene");
+    assert!(charts.contains(">speed<") && !page.contains("<th>unit</th>"));
+}
+
+#[test]
+fn a_scene_keeps_its_units() {
+    let text = |units: &str| format!("units = {units}\n{}", scene(&CAVITY));
+    let read = |text: &str| crate::scene::Scene::parse(text, Path::new("a/scene.toml"));
+    for units in
+        ["\"SI\"", "{ length = \"µm\" }", "{ length = \"mm\", time = \"s\", mass = \"g\" }"]
+    {
+        let first = read(&text(units)).unwrap();
+        assert_eq!(read(&first.to_toml()).unwrap().units, first.units, "{units}");
+    }
+    for (wrong, said) in
+        [("3", "units"), ("{ lenght = \"mm\" }", "length"), ("{ mass = 2 }", "mass")]
+    {
+        let error = read(&text(wrong)).unwrap_err();
+        assert!(error.kind() == Kind::Scene && error.to_string().contains(said), "{error}");
+    }
+}
+
+/// Two runs of one scene whose viscosities differ, and one of another scene.
+fn three_runs(dir: &Path) -> [PathBuf; 3] {
+    let folders = ["thin", "thick", "pair"].map(|name| dir.join("runs").join(name));
+    write(&CAVITY, &folders[0]);
+    write(&CAVITY, &folders[1]);
+    write(&PAIR, &folders[2]);
+    let thick = scene(&CAVITY).replace("viscosity = 1\n", "viscosity = 2\n");
+    fs::write(folders[1].join("scene.toml"), thick).unwrap();
+    folders
+}
+
+/// The names in the legend of the chart of this title.
+fn curves(page: &str, title: &str) -> Vec<String> {
+    let svg = page.split("<svg").find(|svg| svg.contains(&format!("aria-label=\"{title}\"")));
+    let data = svg.unwrap_or_else(|| panic!("no chart {title}"));
+    let data = data.split("data-chart=\"").nth(1).unwrap().split('"').next().unwrap();
+    let data: serde_json::Value = serde_json::from_str(&data.replace("&quot;", "\"")).unwrap();
+    let names = data["curves"].as_array().unwrap().iter();
+    names.map(|c| c["name"].as_str().unwrap().to_string()).collect()
+}
+
+#[test]
+fn runs_are_drawn_over_each_other_by_what_differs() {
+    let dir = tempfile::tempdir().unwrap();
+    let [thin, thick, pair] = three_runs(dir.path());
+    let path = overlay(&[thin.clone(), thick.clone()], &[], None).unwrap();
+    assert_eq!(path, dir.path().canonicalize().unwrap().join("runs/overlay.html"));
+    let page = fs::read_to_string(&path).unwrap();
+    assert_eq!(curves(&page, "Largest speed"), ["fluid.viscosity = 1", "fluid.viscosity = 2"]);
+    // One line a run: of two components there are two charts; references are left out.
+    for title in ["Force lid: x", "Force lid: y", "Energy: dissipated"] {
+        assert_eq!(curves(&page, title).len(), 2, "{title}");
+    }
+    assert!(!page.contains("Force lid: x, by stress") && !page.contains("Not shown"));
+    assert!(page.contains("<a href=\"thick/report.html\">"), "links from the page to the runs");
+
+    let out = dir.path().join("all.html");
+    overlay(&[thin, thick, pair], &[], Some(&out)).unwrap();
+    let page = fs::read_to_string(&out).unwrap();
+    assert_eq!(curves(&page, "Energy: kinetic"), ["thin", "thick"]);
+    assert_eq!(curves(&page, "Largest speed"), ["thin", "thick"]);
+    assert!(page.contains("Not in: pair.") && page.contains("Semi-axes of one: larger"));
+    assert!(page.contains("pair: the run has failed\nfirst &amp; last"));
+    assert!(page.contains("<a href=\"runs/pair/series.csv\">"));
+}
+
+#[test]
+fn an_overlay_replaces_nothing_but_an_overlay() {
+    let dir = tempfile::tempdir().unwrap();
+    let [thin, thick, _] = three_runs(dir.path());
+    let runs = [thin.clone(), thick.clone()];
+    let out = dir.path().join("mine.html");
+    fs::write(&out, "mine").unwrap();
+    let refused = [
+        overlay(&runs, &[], Some(&out)).unwrap_err(),
+        overlay(&runs, &[], Some(&thin.join("scene.toml"))).unwrap_err(),
+    ];
+    for error in refused {
+        assert!(error.what().contains("is not replaced") && error.kind() == Kind::Input, "{error}");
+    }
+    assert_eq!(fs::read(&out).unwrap(), b"mine");
+    for (folders, said) in [
+        (vec![thin.clone()], "nothing to be compared"),
+        (vec![thin.clone(), dir.path().join("runs/../runs/thin")], "given twice"),
+        (vec![thin.clone(), dir.path().join("none")], "cannot be opened"),
+        (vec![thin, dir.path().join("runs")], "no scene.toml"),
+    ] {
+        let error = overlay(&folders, &[], None).unwrap_err();
+        assert!(error.to_string().contains(said) && !error.advice().is_empty(), "{error}");
+    }
+    let first = overlay(&runs, &[], None).unwrap();
+    assert_eq!(overlay(&runs, &[], None).unwrap(), first, "an overlay is made again");
+}

@@ -16,6 +16,7 @@ mod polygon;
 mod redistance;
 pub(in crate::scene) mod shape;
 mod time;
+mod units;
 
 pub use adapt::{Adapt, AdaptField};
 pub use boundary::{Boundary, Condition, WALLS};
@@ -33,12 +34,14 @@ pub use polygon::Polygon;
 pub use redistance::Redistance;
 pub use shape::{Circle, Ellipse, Ellipsoid, RoundedBox, Shape, Sphere, Torus};
 pub use time::Time;
+pub use units::{BaseUnits, Units};
 
 pub(in crate::scene) use boundary::read as read_boundaries;
 pub(in crate::scene) use image::check as check_image;
+pub(in crate::scene) use units::InUnits;
 
 use super::expression::is_reserved;
-use super::keys::{Absent::*, Form, Item, Key, Kind::*, Tabled, Writer, number, row, text};
+use super::keys::{Absent::*, Form, Item, Key, Kind::*, Tabled, Typed, Writer, number, row, text};
 use crate::base::Result;
 use crate::flow;
 use std::collections::BTreeMap;
@@ -48,8 +51,8 @@ use std::collections::BTreeMap;
 pub struct Tables {
     /// Title of the scene.
     pub title: String,
-    /// Units of the scene, as text; may be empty.
-    pub units: String,
+    /// Units of the scene; may be none.
+    pub units: Units,
     /// Names for expressions, beside x, y, z, t and pi.
     pub constants: BTreeMap<String, f64>,
     /// Source of the mesh.
@@ -84,10 +87,12 @@ pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
     ),
     row(
         "units",
-        Value("text", Form::Text),
+        InUnits::KIND,
         "",
-        Default("\"\""),
-        "The units of the scene, in words; nothing is converted.",
+        InUnits::ABSENT,
+        "The units of the scene; nothing is converted. A text such as \"SI\", \"cgs\" or \"mm, ms, \
+            g\", or { length = \"mm\", time = \"ms\", mass = \"g\" }, gives units to the axes and \
+            tables of the report; any other text is written on it.",
     ),
     row(
         "constants",
@@ -146,7 +151,7 @@ impl Tables {
     /// Writes the tables before the lists of structures.
     pub(in crate::scene) fn write_before(&self, out: &mut Writer) {
         out.entry("title", text(&self.title));
-        out.entry("units", text(&self.units));
+        out.entry("units", InUnits::toml(&self.units));
         if !self.constants.is_empty() {
             out.header("[constants]");
             self.constants.iter().for_each(|(name, value)| out.entry(name, number(*value)));

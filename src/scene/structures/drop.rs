@@ -7,8 +7,7 @@ use crate::base::{Error, Result};
 use crate::elastic::{AreaLaw, Band, Force, SharpMembrane};
 use crate::levelset::surface;
 use crate::mesh::Point;
-use crate::output::Figure;
-use crate::scene::charts::Columns;
+use crate::scene::charts::{Columns, Plot};
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
@@ -240,7 +239,7 @@ impl StructureKind for Drop {
     fn chords(&self) -> Vec<String> {
         self.cuts().names().map(str::to_string).collect()
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Plot> {
         let name = &self.name;
         let charts = [
             of.axes(name, true),

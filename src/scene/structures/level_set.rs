@@ -4,8 +4,7 @@ use super::build::Build;
 use super::{KindIn, Registered, StructureKind, Traits};
 use crate::base::{Error, Result};
 use crate::mesh::Point;
-use crate::output::Figure;
-use crate::scene::charts::Columns;
+use crate::scene::charts::{Columns, Plot};
 use crate::scene::cuts::Cuts;
 use crate::scene::keys::{
     Context, Form, Identifier, Kind, Nested, Table, Tabled, Writer, kinds, table,
@@ -115,7 +114,7 @@ impl StructureKind for LevelSet {
         };
         vec![format!("level set `{}`: carried by (1.2), acts on nothing{markers}", self.name)]
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Plot> {
         length_chart(of, &self.name).into_iter().collect()
     }
     fn write(&self, out: &mut Writer) {
@@ -130,7 +129,7 @@ impl StructureKind for LevelSet {
 }
 
 /// Length of a passive interface (in space: area), and that of the polygon of its markers.
-fn length_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
+fn length_chart(of: &Columns<'_>, name: &str) -> Option<Plot> {
     let mut sheet = of.sheet();
     if of.dimension == 3 {
         sheet.line("interface", of.column_of(name, "surface"));

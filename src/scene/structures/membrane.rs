@@ -8,8 +8,7 @@ use crate::elastic::{
     SurfaceLaw,
 };
 use crate::mesh::Point;
-use crate::output::Figure;
-use crate::scene::charts::Columns;
+use crate::scene::charts::{Columns, Plot};
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
@@ -419,7 +418,7 @@ impl StructureKind for Membrane {
     fn chords(&self) -> Vec<String> {
         self.cuts().names().map(str::to_string).collect()
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Plot> {
         let cuts = self.cuts();
         let (axes, chords) =
             (of.axes(&self.name, self.surface().is_none()), of.chords(&self.name, cuts.names()));

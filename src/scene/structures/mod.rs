@@ -14,13 +14,12 @@ pub use membrane::Membrane;
 
 pub(super) use build::{Build, band_of};
 
-use super::charts::Columns;
+use super::charts::{Columns, Plot};
 use super::keys::{Absent::Optional, Context, Item, Key, Keys, Kind, Writer, row};
 use super::row::Row;
 use super::schema::{Numerics, Shape, Tables};
 use super::view::View;
 use crate::base::{Error, Result, same};
-use crate::output::Figure;
 use crate::structure::Structure;
 use std::fmt::Debug;
 
@@ -162,7 +161,7 @@ pub trait StructureKind: KindIn<2> + KindIn<3> + Debug + Send + Sync {
         Vec::new()
     }
     /// Its charts.
-    fn charts(&self, of: &Columns<'_>) -> Vec<Figure>;
+    fn charts(&self, of: &Columns<'_>) -> Vec<Plot>;
     /// Writes its table.
     fn write(&self, out: &mut Writer);
     /// A copy.

@@ -2,8 +2,7 @@
 
 use crate::base::Result;
 use crate::mesh::Point;
-use crate::output::Figure;
-use crate::scene::charts::Columns;
+use crate::scene::charts::{Columns, Plot};
 use crate::scene::row::Row;
 use crate::scene::view::View;
 use std::f64::consts::PI;
@@ -62,7 +61,7 @@ fn measured<'a>(of: &Columns<'a>, name: &str, column: &str) -> Option<&'a [f64]>
 }
 
 /// The mean velocity of a drop over time.
-pub(super) fn velocity_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
+pub(super) fn velocity_chart(of: &Columns<'_>, name: &str) -> Option<Plot> {
     let mut sheet = of.sheet();
     for axis in &AXES[..of.dimension] {
         sheet.line(*axis, measured(of, name, &format!("velocity_{axis}")));
@@ -73,7 +72,7 @@ pub(super) fn velocity_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
 }
 
 /// Roundness of a drop over time.
-pub(super) fn roundness_chart(of: &Columns<'_>, name: &str) -> Option<Figure> {
+pub(super) fn roundness_chart(of: &Columns<'_>, name: &str) -> Option<Plot> {
     let (words, mut sheet) = (of.words(), of.sheet());
     let column = roundness(of.dimension);
     sheet.line(column, measured(of, name, column));

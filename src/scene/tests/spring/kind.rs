@@ -2,8 +2,7 @@
 
 use super::physics::Spring as Pulled;
 use crate::base::Result;
-use crate::output::Figure;
-use crate::scene::charts::Columns;
+use crate::scene::charts::{Columns, Plot};
 use crate::scene::cuts::Cuts;
 use crate::scene::keys::{Identifier, Nested, Point as Place, Positive, Tabled, Writer, table};
 use crate::scene::points::point;
@@ -77,7 +76,7 @@ impl StructureKind for Spring {
             self.name, self.stiffness, self.anchor
         )]
     }
-    fn charts(&self, of: &Columns<'_>) -> Vec<Figure> {
+    fn charts(&self, of: &Columns<'_>) -> Vec<Plot> {
         let mut sheet = of.sheet();
         sheet.line("path", of.column_of(&self.name, "path"));
         let title = format!("Path of {}", self.name);
