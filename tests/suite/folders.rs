@@ -34,9 +34,19 @@ fn a_folder_has_one_writer() {
     fs::write(run.join("summary.json"), "{}").unwrap();
     immersa(folder.path(), &["render", "run"]).expect(3, &refused);
     interrupt(&child);
-    wait(child).expect(130, &["go on with --resume"]);
+    wait(child).expect(130, &["go on with --resume", "immersa render run"]);
     // A lock ends with its process.
     immersa(folder.path(), &["render", "run"]).expect(0, &[]);
+    assert!(
+        fs::read_to_string(run.join("report.html")).unwrap().contains("was interrupted at t =")
+    );
+    // The report of an interruption is not that of the run that goes on.
+    let mut child = start(folder.path(), &with(&["--resume"]));
+    let before = rows(&run);
+    wait_until(&mut child, || rows(&run) > before + 2);
+    assert!(!run.join("report.html").exists());
+    interrupt(&child);
+    wait(child).expect(130, &[]);
 }
 
 /// Of two runs that begin at the same time in one folder, one is refused.
@@ -241,6 +251,15 @@ fn a_run_keeps_a_log() {
     assert!(first.lines().all(dated), "{first}");
     immersa(folder.path(), &with(&["--resume", "--set", "time.end=0.2"])).expect(0, &[]);
     assert!(log().starts_with(&first) && log().contains("done: 20 steps"));
+    // The summary and the report know both commands.
+    let run = folder.path().join("run");
+    let sessions = summary(&run)["sessions"].as_array().unwrap().clone();
+    let commands: Vec<&str> = sessions.iter().map(|s| s["command"].as_str().unwrap()).collect();
+    assert!(commands.len() == 2 && commands[1].ends_with("--resume --set time.end=0.2"));
+    assert!(sessions.iter().all(|s| s["ended"].as_str() >= s["started"].as_str()));
+    assert!(sessions[0]["started"].as_str().is_some_and(dated));
+    let page = fs::read_to_string(run.join("report.html")).unwrap();
+    assert!(commands.iter().all(|command| page.contains(command)), "{commands:?}");
 }
 
 /// The folder of a scene with changes has them in its name.

@@ -63,10 +63,11 @@ fn a_run_is_rendered_whole_and_the_same_every_time() {
         assert!(*bytes == second[name], "{name} differs the second time");
     }
 
-    report_is_complete(std::str::from_utf8(&first["report.html"]).unwrap());
+    report_is_complete(std::str::from_utf8(&first["report.html"]).unwrap(), &run);
+    nothing_is_on_the_page_twice(&first);
 }
 
-fn report_is_complete(page: &str) {
+fn report_is_complete(page: &str, folder: &Path) {
     let alarm = page.find(run_folder::ALARM).expect("the alarm is on the page");
     assert!(alarm < page.find("class=\"numbers\"").unwrap(), "the alarm comes first");
     let headings = [
@@ -86,17 +87,41 @@ fn report_is_complete(page: &str) {
     ]) {
         assert!(page.contains(text), "{text} is missing");
     }
-    // Nothing is fetched: every address is one that holds its data, and names of drawings are on
-    // the page itself.
-    for at in ["src=\"", "href=\"", "url("] {
-        for address in page.split(at).skip(1) {
-            assert!(address.starts_with("data:") || address.starts_with('#'), "{at}{address:.60}");
-        }
+    // Nothing is fetched: every address is one that holds its data, and links lead to files of the
+    // folder.
+    for address in page.split("src=\"").skip(1) {
+        assert!(address.starts_with("data:"), "src={address:.60}");
+    }
+    for address in page.split("url(").skip(1) {
+        assert!(address.starts_with('#'), "url({address:.60}");
+    }
+    let links: Vec<&str> =
+        page.split("<a href=\"").skip(1).map(|a| a.split('"').next().unwrap()).collect();
+    assert_eq!(page.matches("href=").count(), links.len(), "only links have addresses");
+    for file in ["series.csv", "charts/energy.svg", "charts/profile-pressure.svg"] {
+        assert!(links.contains(&file), "no link to {file}");
+    }
+    for file in links {
+        assert!(folder.join(file).exists(), "a link to {file}, which is not there");
     }
     for (i, _) in page.match_indices("http") {
         assert!(page[..i].ends_with("xmlns=\""), "an address: {:.80}", &page[i..]);
     }
-    assert!(!page.contains("<script") && !page.contains("<link") && !page.contains("@import"));
+    assert!(!page.contains("<script src") && !page.contains("<link") && !page.contains("@import"));
+    for call in ["fetch(", "XMLHttpRequest", "import(", "eval("] {
+        assert!(!page.contains(call), "{call}");
+    }
+}
+
+/// The page holds the film and three pictures once, and little else.
+fn nothing_is_on_the_page_twice(files: &BTreeMap<String, Vec<u8>>) {
+    let shown = ["film.gif", "pictures/000000.png", "pictures/000002.png", "pictures/000004.png"];
+    let size = |name: &str| files[name].len();
+    let pictures: usize = shown.iter().map(|name| size(name)).sum();
+    let page = size("report.html");
+    let more = page - pictures * 4 / 3;
+    let charts: usize = files.keys().filter(|n| n.ends_with(".svg")).map(|n| size(n)).sum();
+    assert!(more < charts + size("series.csv") + 150_000, "{more} of {page} bytes");
 }
 
 #[test]
@@ -113,6 +138,18 @@ fn the_program_renders_a_run_and_refuses_what_is_none() {
         .code(0);
     let said = String::from_utf8_lossy(&good.get_output().stdout).into_owned();
     assert!(said.contains("report.html") && run.join("report.html").is_file(), "{said}");
+    let other = dir.path().join("other");
+    run_folder::write(&other, 8, 4, 2);
+    let both = program()
+        .arg("render")
+        .args([&run, &other])
+        .arg("--out")
+        .arg(dir.path().join("two.html"))
+        .assert()
+        .code(0);
+    let said = String::from_utf8_lossy(&both.get_output().stdout).into_owned();
+    assert!(said.contains("two.html") && dir.path().join("two.html").is_file(), "{said}");
+    program().arg("render").arg(&run).args(["--out", "one.html"]).assert().code(2);
 
     fs::write(
         run.join("fields/000001.vtu"),

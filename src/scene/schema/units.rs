@@ -1,7 +1,7 @@
 //! `units`: what the numbers of a scene are measured in. Nothing is converted.
 
 use crate::base::Result;
-use crate::scene::keys::{Absent, Context, Item, Kind, Opt, Tabled, Text, Typed, table, text};
+use crate::scene::keys::{Form, Absent, Context, Item, Kind, Opt, Tabled, Text, Typed, table, text};
 
 table! {
     /// Units of length, time and mass, each as it shall be written: with them the report gives a
@@ -39,7 +39,7 @@ pub(in crate::scene) struct InUnits;
 
 impl Typed for InUnits {
     type Out = Units;
-    const KIND: Kind = Kind::Either("text", BaseUnits::KEYS);
+    const KIND: Kind = Kind::Either("text", Form::Text, BaseUnits::KEYS);
     const ABSENT: Absent = Absent::Default("\"\"");
     fn read(item: &Item<'_>, context: &Context) -> Result<Units> {
         if item.is_table() {
