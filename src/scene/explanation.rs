@@ -22,6 +22,8 @@ pub struct Explanation {
     pub limits: Limits,
     /// The slowest elastic wave of each structure that has one.
     pub waves: Vec<ElasticWave>,
+    /// Numbers without units, by their names.
+    pub numbers: Vec<(String, f64)>,
     /// Values of `[numerics]` that were derived or given, by their keys.
     pub derived: Vec<(&'static str, f64)>,
     /// Names of the columns of the series.
@@ -41,6 +43,7 @@ pub fn explain(scene: &Scene) -> Result<Explanation> {
         facts: problem.facts(),
         limits: problem.limits(),
         waves: problem.waves(),
+        numbers: problem.numbers(),
         derived: problem.derived(),
         columns: problem.row()?.names().to_vec(),
     })
@@ -61,7 +64,7 @@ impl Explanation {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
             "title": scene.title,
-            "units": scene.units,
+            "units": scene.units.words(),
             "scene": scene.path().display().to_string(),
             "problem": self.problem(),
             "dimension": scene.dimension(),
@@ -96,6 +99,7 @@ impl Explanation {
                 .iter()
                 .map(|w| json!({ "name": w.name, "period": w.period }))
                 .collect::<Vec<_>>(),
+            "numbers": self.numbers.iter().cloned().collect::<BTreeMap<_, _>>(),
             "numerics": self.derived.iter().copied().collect::<BTreeMap<_, _>>(),
             "columns": std::iter::once("time")
                 .chain(self.columns.iter().map(String::as_str))

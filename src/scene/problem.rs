@@ -190,6 +190,12 @@ pub trait Problem {
     fn waves(&self) -> Vec<ElasticWave> {
         Vec::new()
     }
+    /// Numbers without units that characterise the problem, as far as it defines them: `reynolds`,
+    /// `cell_reynolds`, `courant`, and of each structure `capillary`, `weber`, `laplace`, `bond`
+    /// after its name and a dot.
+    fn numbers(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
     /// Names of the structures that leave the domain now, whose areas need not be kept.
     fn leaving(&self) -> Vec<String> {
         Vec::new()

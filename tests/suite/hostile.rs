@@ -98,6 +98,7 @@ fn cases(share: usize, here: usize) -> usize {
 }
 
 /// Feeds damaged inputs to `read`, and reports what became of them.
+#[allow(clippy::print_stdout, reason = "the counts are what a run by hand is for")]
 fn feed(name: &str, seeds: &[Vec<u8>], count: usize, mut read: impl FnMut(&[u8]) -> Result<()>) {
     let (mut dice, mut refused, mut slowest) = (Dice(7), 0, Duration::ZERO);
     for case in 0..count {

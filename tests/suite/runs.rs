@@ -336,6 +336,7 @@ fn kinds() -> [(&'static str, String); 8] {
 /// Two hundred kills at random moments of runs of all kinds, and fifty races for one folder.
 #[test]
 #[ignore = "takes minutes: a measurement by hand, recorded in CONTRIBUTING.md"]
+#[allow(clippy::print_stdout, reason = "the counts are what a run by hand is for")]
 fn two_hundred_kills_and_fifty_races_leave_no_trace() {
     let mut seed = 3;
     let (mut kills, mut idle) = (0, 0);

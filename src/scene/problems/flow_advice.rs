@@ -14,8 +14,7 @@ pub(super) fn advice(scene: &Scene) -> Advice {
         ("a finer mesh", "a smaller time.step", "a larger numerics.grad_div");
     let coupling = scene.numerics.coupling;
     let of_first = matches!(coupling, Coupling::FullyExplicit | Coupling::SemiImplicit);
-    let order: &[&str] =
-        if scene.time.order == 1 && !of_first { &["time.order = 2"] } else { &[] };
+    let order: &[&str] = if scene.time.order == 1 && !of_first { &["time.order = 2"] } else { &[] };
     let away = outlets_farther_away(scene);
     let away: Vec<&str> = away.iter().map(String::as_str).collect();
     let choices = |lists: &[&[&str]]| lists.concat().into_iter().map(String::from).collect();

@@ -250,7 +250,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             view: self.view(),
             limits: self.limits(),
             waves: self.elastic_waves(),
-            numbers: self.numbers(),
+            numbers: self.find_numbers().into_iter().map(|n| n.line).collect(),
             velocity_scale: self.velocity_scale,
         };
         Ok(Plan::new(std::iter::once(mesh).chain(flow.sections())))
@@ -377,6 +377,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn waves(&self) -> Vec<ElasticWave> {
         self.elastic_waves()
+    }
+    fn numbers(&self) -> Vec<(String, f64)> {
+        self.find_numbers().into_iter().flat_map(|n| n.values).collect()
     }
     fn leaving(&self) -> Vec<String> {
         self.simulation.leaving().map(str::to_string).collect()

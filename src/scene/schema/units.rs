@@ -1,7 +1,9 @@
 //! `units`: what the numbers of a scene are measured in. Nothing is converted.
 
 use crate::base::Result;
-use crate::scene::keys::{Form, Absent, Context, Item, Kind, Opt, Tabled, Text, Typed, table, text};
+use crate::scene::keys::{
+    Absent, Context, Form, Item, Kind, Opt, Tabled, Text, Typed, table, text,
+};
 
 table! {
     /// Units of length, time and mass, each as it shall be written: with them the report gives a

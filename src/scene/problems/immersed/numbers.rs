@@ -5,9 +5,15 @@ use crate::base::length;
 use crate::output::rounded;
 use crate::scene::problems::scales::Given;
 
+/// A line of the plan: numbers with their definitions; and their names and values.
+pub(super) struct Numbers {
+    pub line: String,
+    pub values: Vec<(String, f64)>,
+}
+
 impl<const D: usize> ImmersedFlow<D> {
-    /// Lines of the plan: each number with its definition. `given` are the velocities of the scene.
-    pub(super) fn numbers(&self) -> Vec<String> {
+    /// The numbers that are defined: of the flow, then of each structure.
+    pub(super) fn find_numbers(&self) -> Vec<Numbers> {
         let Given { speed, difference, side } = self.given;
         let (sim, fluid) = (&self.simulation, self.simulation.settings().fluid);
         let [h, finest] = [self.quality.greatest_diameter, self.quality.smallest_diameter];
@@ -16,19 +22,24 @@ impl<const D: usize> ImmersedFlow<D> {
         let (speed_in_words, side_in_words) = (length(speed), length(side));
         let mut lines = Vec::new();
         if speed > 0.0 && inertial {
-            let reynolds = |size: f64| fluid.density * speed * size / fluid.viscosity;
-            lines.push(format!(
+            let [of_domain, of_cell] =
+                [side, h.value].map(|size| fluid.density * speed * size / fluid.viscosity);
+            let values = vec![("reynolds".into(), of_domain), ("cell_reynolds".into(), of_cell)];
+            let line = format!(
                 "Reynolds number rho U L/mu = {}, of a cell {}: U = {speed_in_words} is the \
                  largest velocity given, L = {side_in_words} the shorter side of the domain",
-                rounded(reynolds(side), 3),
-                rounded(reynolds(h.value), 3)
-            ));
+                rounded(of_domain, 3),
+                rounded(of_cell, 3)
+            );
+            lines.push(Numbers { line, values });
         }
         if speed > 0.0 {
-            let courant = rounded(speed * dt / finest.value, 3);
-            lines.push(format!(
-                "Courant number U dt/h = {courant} with U = {speed_in_words} in the smallest cell"
-            ));
+            let courant = speed * dt / finest.value;
+            let line = format!(
+                "Courant number U dt/h = {} with U = {speed_in_words} in the smallest cell",
+                rounded(courant, 3)
+            );
+            lines.push(Numbers { line, values: vec![("courant".into(), courant)] });
         }
         let rate = difference / side;
         for (k, (kind, s)) in self.scene.structures().iter().zip(sim.structures()).enumerate() {
@@ -36,27 +47,28 @@ impl<const D: usize> ImmersedFlow<D> {
             if !radius.is_finite() || modulus <= 0.0 {
                 continue;
             }
-            let mut numbers = Vec::new();
+            let (mut numbers, mut values) = (Vec::new(), Vec::new());
+            let mut add = |name: &str, definition: &str, per: &str, value: f64| {
+                values.push((format!("{}.{name}", kind.name()), value));
+                numbers.push(format!("{definition}{per} = {}", rounded(value, 3)));
+            };
             let per = if kind.traits().constant_tension { "tension" } else { "modulus" };
             if rate > 0.0 {
                 let capillary = fluid.viscosity * rate * radius / modulus;
-                numbers.push(format!("Ca = mu G R/{per} = {}", rounded(capillary, 3)));
+                add("capillary", "Ca = mu G R/", per, capillary);
             }
             if rate > 0.0 && inertial {
                 let weber = fluid.density * rate.powi(2) * radius.powi(3) / modulus;
-                numbers.push(format!("We = rho G^2 R^3/{per} = {}", rounded(weber, 3)));
+                add("weber", "We = rho G^2 R^3/", per, weber);
             } else if inertial {
                 let laplace = fluid.density * modulus * radius / fluid.viscosity.powi(2);
-                numbers.push(format!("La = rho R {per}/mu^2 = {}", rounded(laplace, 3)));
+                add("laplace", "La = rho R/mu^2 times the ", per, laplace);
             }
             let [inside, outside] = [s.held().and_then(|held| held.fluid), Some(fluid)]
                 .map(|f| f.map_or(fluid.density, |f| f.density));
             let bond = (inside - outside).abs() * sim.settings().gravity.norm() * radius.powi(2);
             if bond > 0.0 {
-                numbers.push(format!(
-                    "Bo = |rho_in - rho_out| g R^2/{per} = {}",
-                    rounded(bond / modulus, 3)
-                ));
+                add("bond", "Bo = |rho_in - rho_out| g R^2/", per, bond / modulus);
             }
             if !numbers.is_empty() {
                 let of = match rate > 0.0 {
@@ -67,7 +79,8 @@ impl<const D: usize> ImmersedFlow<D> {
                     ),
                     false => format!("R = {}", length(radius)),
                 };
-                lines.push(format!("`{}`: {}, with {of}", kind.name(), numbers.join(", ")));
+                let line = format!("`{}`: {}, with {of}", kind.name(), numbers.join(", "));
+                lines.push(Numbers { line, values });
             }
         }
         lines
