@@ -7,12 +7,17 @@ use super::quadrature::Rule;
 use super::space::{Space, Value};
 use super::supermesh::Supermesh;
 use crate::base::{Error, Result};
-use crate::mesh::{Location, Locator, Mesh};
+use crate::mesh::{Location, Locator, Mesh, Point};
 use nalgebra::SVector;
 use std::sync::Arc;
 
 /// Largest distance of a new node from the old domain, relative to the extent of the domain.
 const OFF: f64 = 1e-6;
+
+/// Distance of a new node from the old domain, over the longest edge of the nearest cell, up to
+/// which a side is the same and only divided in another way: a chord of length `h` of a circle of
+/// radius `R` is `h^2/8R` from it.
+const CHORD: f64 = 0.1;
 
 /// Locations of the nodes of a space in another mesh, for any number of fields.
 #[derive(Clone, Debug)]
@@ -49,11 +54,79 @@ impl Interpolation {
         Ok(Interpolation(places))
     }
 
+    /// Locates the nodes of `to` in `from`, a mesh of the same domain or of a larger one. Curved
+    /// sides may be divided in another way: a node outside by less than a tenth of an edge takes
+    /// the value at a point of the boundary near it.
+    ///
+    /// # Errors
+    /// Input, if nodes lie farther outside: their number, and the farthest.
+    pub fn within<const D: usize>(from: &Mesh<D>, to: &Space<D>) -> Result<Interpolation> {
+        let (locator, used) = (Locator::new(from), to.used_nodes());
+        let mut border = None;
+        let (mut outside, mut farthest) = (0, (0.0, Point::<D>::zeros()));
+        let mut places = Vec::with_capacity(to.len());
+        for (x, used) in to.nodes().iter().zip(used) {
+            places.push(match locator.locate(from, x) {
+                Some(place) => place,
+                None => {
+                    let border = border.get_or_insert_with(|| Border::new(from));
+                    let (place, off) = border.nearest(from, x);
+                    let is_far = off.is_nan() || off > CHORD * from.diameter(place.cell as usize);
+                    if used && is_far {
+                        outside += 1;
+                        farthest = if off > farthest.0 { (off, *x) } else { farthest };
+                    }
+                    place
+                }
+            });
+        }
+        let (off, x) = farthest;
+        match outside {
+            0 => Ok(Interpolation(places)),
+            n => Err(Error::input("a field is carried to a mesh that covers more than its own")
+                .value(format!(
+                    "{n} of {} nodes are outside, the farthest at {:.4?} by {off:.3e}",
+                    to.len(),
+                    x.as_slice()
+                ))),
+        }
+    }
+
     /// Values of a function of `from` (a space on the old mesh) at the new nodes. Exact for
     /// functions in both spaces, of order 3 for P2 and smooth functions; integrals are not
     /// conserved.
     pub fn apply<const D: usize, T: Value>(&self, from: &Space<D>, f: &[T]) -> Vec<T> {
         self.0.iter().map(|at| from.value(f, at.cell as usize, &at.barycentric)).collect()
+    }
+}
+
+/// The cells at the boundary of a mesh, each with its first point and its longest edge.
+struct Border<const D: usize>(Vec<(u32, Point<D>, f64)>);
+
+impl<const D: usize> Border<D> {
+    fn new(mesh: &Mesh<D>) -> Border<D> {
+        let of = |cell: u32| {
+            let c = cell as usize;
+            (cell, mesh.points()[mesh.cell(c)[0] as usize], mesh.diameter(c))
+        };
+        let mut cells: Vec<u32> = mesh.facets().iter().map(|f| f.cell).collect();
+        cells.dedup();
+        Border(cells.into_iter().map(of).collect())
+    }
+
+    /// A location near `x`, a point outside, and its distance.
+    fn nearest(&self, mesh: &Mesh<D>, x: &Point<D>) -> (Location, f64) {
+        let mut best = (Location { cell: self.0[0].0, barycentric: [f64::NAN; 4] }, f64::INFINITY);
+        for (cell, corner, size) in &self.0 {
+            if (corner - x).norm() - size < best.1 {
+                let place = mesh.nearby(*cell, x);
+                let off = (mesh.point_at(&place) - x).norm();
+                if off < best.1 {
+                    best = (place, off);
+                }
+            }
+        }
+        best
     }
 }
 

@@ -84,6 +84,12 @@ impl<const D: usize> Mesh<D> {
         (self.on_segment(cell, from, to, reached), false)
     }
 
+    /// A point of `cell` near `x`: `x` itself if the cell holds it, or else on the boundary of the
+    /// cell.
+    pub fn nearby(&self, cell: u32, x: &Point<D>) -> Location {
+        Location { cell, barycentric: clamped::<D>(self.map(cell as usize).barycentric(x)) }
+    }
+
     /// The point `from + t (to - from)` of `cell`.
     fn on_segment(&self, cell: usize, from: &Point<D>, to: &Point<D>, t: f64) -> Location {
         let p = from + (to - from) * t;

@@ -1,7 +1,7 @@
 //! The mesh of a scene before it is adapted.
 
 use super::refined::refined;
-use super::schema::MeshSource;
+use super::schema::{MeshSource, WALLS};
 use super::script::Script;
 use crate::base::{Error, Result, Warning, available_memory, readable_bytes, same};
 use crate::mesh::{self, Mesh, gmsh};
@@ -61,4 +61,13 @@ pub(super) fn mesh<const D: usize>(script: &Script) -> Result<(Mesh<D>, Vec<Warn
     };
     let mesh = found.ok_or_else(|| Error::internal("a mesh of another number of dimensions"))?;
     Ok((mesh, Vec::new()))
+}
+
+/// Adds the name `walls` for the whole boundary if the mesh does not have it.
+pub(super) fn with_walls<const D: usize>(mut mesh: Mesh<D>) -> Mesh<D> {
+    if !mesh.boundaries().contains_key(WALLS) {
+        let all = (0..mesh.facets().len() as u32).collect();
+        mesh.set_boundary(WALLS, all);
+    }
+    mesh
 }

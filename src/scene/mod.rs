@@ -10,7 +10,9 @@ mod explanation;
 pub mod expression;
 mod geometry;
 mod images;
+mod initial;
 mod json_schema;
+mod kept;
 pub mod keys;
 mod measure;
 mod meshing;
@@ -140,7 +142,11 @@ impl Scene {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let (tables, structures) = read::read(&Item::root(&document), folder, &scene_name(path))?;
-        Ok(Scene { script: Script { tables, document }, structures, path: path.to_path_buf() })
+        Ok(Scene {
+            script: Script { tables, document, start: None },
+            structures,
+            path: path.to_path_buf(),
+        })
     }
 
     /// Reads the scene file `path` and overrides single values.
@@ -157,6 +163,13 @@ impl Scene {
         })?;
         let text = String::from_utf8(bytes).map_err(|e| not_utf8(path, &e))?;
         Scene::parse_with(&text, path, overrides)
+    }
+
+    /// The scene with the start in a field file in place of the run in `initial.from`.
+    pub(in crate::scene) fn begun(&self, start: PathBuf) -> Scene {
+        let mut scene = self.clone();
+        scene.script.start = Some(start);
+        scene
     }
 
     /// The scene as TOML with all defaults; parses to an equal scene in any folder.

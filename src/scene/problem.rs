@@ -159,6 +159,18 @@ pub trait Problem {
     }
     /// Hash of the mesh: points, cells, names.
     fn mesh_hash(&self) -> u64;
+    /// Hash of the flow that was taken from another run, if it was.
+    fn start_hash(&self) -> Option<u64> {
+        None
+    }
+    /// Writes the flow that was taken from another run, if it was, to a field file. To be called
+    /// before the first step.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn write_start(&self, _path: &Path) -> Result<()> {
+        Ok(())
+    }
     /// Mesh (empty if not adapted) and state as bytes, the latter marked with `tag`.
     fn save(&self, tag: u64) -> [Vec<u8>; 2];
     /// Restores the result of [`save`](Self::save); `band_edges` are those when the mesh was built.

@@ -3,8 +3,8 @@
 
 use super::keys::{Context, Item, Keys, Table, Tabled, Typed, Writer, distinct};
 use super::schema::{
-    Adapt, Exact, Fluid, Given, Image, InUnits, KEYS_AFTER, KEYS_BEFORE, MeshSource, Motion,
-    Numerics, Output, Tables, Time, check_image, constants, read_boundaries,
+    Adapt, Exact, Fluid, Given, Image, InUnits, Initial, KEYS_AFTER, KEYS_BEFORE, MeshSource,
+    Motion, Numerics, Output, Tables, Time, check_image, constants, read_boundaries,
 };
 use super::structures::{KINDS, StructureKind, Traits};
 use crate::base::{Error, Result};
@@ -62,6 +62,7 @@ fn read_as(
             scene.required("fluid", "write [fluid] with viscosity = 0.01", read)?
         }
     };
+    let initial = Initial::read_for(&scene, &fluid, &context)?;
     let time = scene.required("time", "write [time] with end = 1.0 and step = 1e-3", |i| {
         Time::read(i, &context)
     })?;
@@ -90,6 +91,7 @@ fn read_as(
         mesh,
         adapt,
         fluid,
+        initial,
         image,
         time,
     };

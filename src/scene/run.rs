@@ -97,6 +97,7 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     let start = Clock::now();
     observer.phase("building the model");
     let mut folder = Folder::open(scene, options)?;
+    let scene = &folder.begun(scene)?;
     let mut problem = problem(scene)?;
     let plan = problem.plan()?.to_string();
     // Created only now: an invalid scene or mesh leaves no folder behind, and the run can be
@@ -127,9 +128,11 @@ pub fn run(scene: &Scene, options: &Options<'_>, observer: &mut dyn Observer) ->
     ended
 }
 
-/// Hashes of the files that a scene reads, by their keys: of a mesh its points, cells and names.
+/// Hashes of what a scene reads, by keys: of a mesh its points, cells and names, of another run the
+/// velocity.
 fn inputs(scene: &Scene, problem: &dyn Problem) -> Result<BTreeMap<String, u64>> {
     let mut inputs = BTreeMap::from([("mesh".to_string(), problem.mesh_hash())]);
+    inputs.extend(problem.start_hash().map(|hash| ("initial.from".to_string(), hash)));
     if let Some(image) = &scene.image {
         let mask = image.mask.as_ref().map(|file| ("image.mask", file));
         for (key, file) in std::iter::once(("image.file", &image.file)).chain(mask) {
@@ -188,6 +191,7 @@ impl<'a> Run<'a> {
         let fresh = record.rows == 0;
         let mut run = Run { scene, folder, problem, series, record, plan, saved: Instant::now() };
         if fresh {
+            run.problem.write_start(&folder.start())?;
             run.record.note_mesh(&*run.problem);
             run.record.note_waves(&*run.problem);
             let told = run.record.note_open_sides(&*run.problem)?;

@@ -3,12 +3,15 @@
 use super::keys::Document;
 use super::schema::Tables;
 use crate::base::Error;
+use std::path::PathBuf;
 
 /// The tables of a scene and their source text, for errors with their position.
 #[derive(Clone, Debug)]
 pub struct Script {
     pub(super) tables: Tables,
     pub(super) document: Document,
+    /// The start that a run which goes on has kept, in place of the run in `initial.from`.
+    pub(super) start: Option<PathBuf>,
 }
 
 impl std::ops::Deref for Script {

@@ -22,29 +22,34 @@ pub(super) struct Start {
     pub impulsive: bool,
 }
 
-/// Compares the initial velocity with the conditions on the boundary, and takes its divergence.
+/// Compares the initial velocity `u` at the nodes with the conditions on the boundary, and takes the
+/// divergence of one that is given by expressions.
 ///
 /// A velocity along a wall that differs from that of the wall makes an impulsive start, but no
 /// warning: a fluid that is set in motion by its walls begins so.
 ///
 /// # Errors
 /// A name that the mesh does not have.
-pub(super) fn start<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Start> {
-    let u = vector(&scene.fluid.initial_velocity);
-    let u = move |x: &Point<D>| u(x, 0.0);
-    let fastest = site.space.nodes().iter().map(|x| u(x).norm()).fold(0.0, f64::max);
+pub(super) fn start<const D: usize>(
+    scene: &Scene,
+    site: &Site<'_, D>,
+    u: &[SVector<f64, D>],
+) -> Result<Start> {
+    let fastest = u.iter().map(SVector::norm).fold(0.0, f64::max);
     if fastest == 0.0 {
         return Ok(Start { warnings: Vec::new(), impulsive: true });
     }
-    let (mut warnings, slides) = at_walls(scene, site, (&u, fastest))?;
-    warnings.extend(at_periodic_sides(site, (&u, fastest)));
-    warnings.extend(divergence(scene, site));
+    let (mut warnings, slides) = at_walls(scene, site, (u, fastest))?;
+    warnings.extend(at_periodic_sides(scene, site, (u, fastest)));
+    if scene.initial.is_none() {
+        warnings.extend(divergence(scene, site));
+    }
     let impulsive = slides || !warnings.is_empty();
     Ok(Start { warnings, impulsive })
 }
 
-/// Velocity as a function of the point, and the largest one.
-type Velocity<'a, const D: usize> = (&'a dyn Fn(&Point<D>) -> SVector<f64, D>, f64);
+/// Velocity at the nodes, and the largest one.
+type Velocity<'a, const D: usize> = (&'a [SVector<f64, D>], f64);
 
 /// A warning for each boundary through which the velocity goes as it should not, and whether it
 /// differs from that of a wall at all.
@@ -70,8 +75,7 @@ fn at_walls<const D: usize>(
         let [vertex, middle] = if D == 2 { [1.0 / 6.0, 4.0 / 6.0] } else { [0.0, 1.0 / 3.0] };
         let mut through = 0.0;
         for (a, node) in site.space.facet_nodes(facet).enumerate() {
-            let x = &nodes[node as usize];
-            let jump = u(x) - wall(x, 0.0);
+            let jump = u[node as usize] - wall(&nodes[node as usize], 0.0);
             through += if a < D { vertex } else { middle } * jump.dot(&n);
             slides |= !slips && jump.norm() > SMALL * fastest;
         }
@@ -88,28 +92,38 @@ fn at_walls<const D: usize>(
             b.name,
             x.as_slice()
         );
-        misfit(what, &format!("fits boundary.{}", b.name))
+        misfit(scene, what, &format!("fits boundary.{}", b.name))
     });
     Ok((warnings.collect(), slides))
 }
 
 /// A warning if the velocity is not the same on both of two periodic sides.
 fn at_periodic_sides<const D: usize>(
+    scene: &Scene,
     site: &Site<'_, D>,
     (u, fastest): Velocity<'_, D>,
 ) -> Option<Warning> {
-    let nodes = |facet: u32| site.space.facet_nodes(&site.mesh.facets()[facet as usize]);
-    let points = |facet: u32| nodes(facet).map(|n| site.space.nodes()[n as usize]);
-    let all = site.pairs.iter().flat_map(|p| points(p.facet).map(|x| (x, x + p.shift)));
-    let jumps = all.map(|(x, y)| (x, y, (u(&x) - u(&y)).norm()));
-    let (x, y, jump) = jumps.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let nodes = site.space.nodes();
+    let on = |facet: u32| {
+        let facet = &site.mesh.facets()[facet as usize];
+        site.space.facet_nodes(facet).map(|n| n as usize).collect::<Vec<_>>()
+    };
+    let jumps = site.pairs.iter().flat_map(|p| {
+        let partners = on(p.partner);
+        on(p.facet).into_iter().filter_map(move |a| {
+            let off = |b: &usize| (nodes[a] + p.shift - nodes[*b]).norm();
+            let b = partners.iter().copied().min_by(|b, c| off(b).total_cmp(&off(c)))?;
+            Some((a, b, (u[a] - u[b]).norm()))
+        })
+    });
+    let (a, b, jump) = jumps.max_by(|a, b| a.2.total_cmp(&b.2))?;
     (jump > SMALL * fastest).then(|| {
         let what = format!(
             "the initial velocity is not periodic: it differs by {jump:.3} at {:.4?} and {:.4?}",
-            x.as_slice(),
-            y.as_slice()
+            nodes[a].as_slice(),
+            nodes[b].as_slice()
         );
-        misfit(what, "is the same on both sides")
+        misfit(scene, what, "is the same on both sides")
     })
 }
 
@@ -131,14 +145,18 @@ fn divergence<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Option<Warni
             "the initial velocity is not free of divergence: div u = {trace:.3} at {:.4?}",
             x.as_slice()
         );
-        misfit(what, "has div u = 0, such as the derivatives (d/dy, -d/dx) of one function")
+        misfit(scene, what, "has div u = 0, such as the derivatives (d/dy, -d/dx) of one function")
     })
 }
 
-fn misfit(what: String, fitting: &str) -> Warning {
+fn misfit(scene: &Scene, what: String, fitting: &str) -> Warning {
+    let other = match scene.initial {
+        Some(_) => "start from a run whose velocity",
+        None => "give a fluid.initial_velocity that",
+    };
     let remedy = format!(
-        "the first step changes it at once, and its energy with it: give a fluid.initial_velocity \
-         that {fitting}, unless such a start is meant"
+        "the first step changes it at once, and its energy with it: {other} {fitting}, unless such \
+         a start is meant"
     );
     Warning::new(what, remedy)
 }

@@ -51,6 +51,18 @@ impl<const D: usize> State<D> {
     /// # Errors
     /// Bytes that are cut off or damaged, or that belong to another scene.
     pub fn from_bytes(bytes: &[u8], tag: u64) -> Result<State<D>> {
+        State::from_some(bytes, Some(tag))
+    }
+
+    /// The state from bytes that [`to_bytes`](Self::to_bytes) made, of whatever scene.
+    ///
+    /// # Errors
+    /// Bytes that are cut off or damaged, or a state of another dimension.
+    pub fn of_any_scene(bytes: &[u8]) -> Result<State<D>> {
+        State::from_some(bytes, None)
+    }
+
+    fn from_some(bytes: &[u8], tag: Option<u64>) -> Result<State<D>> {
         let damaged = || {
             Error::input("the checkpoint is damaged or cut off")
                 .value(format!("{} bytes", bytes.len()))
@@ -74,7 +86,8 @@ impl<const D: usize> State<D> {
             return Err(damaged());
         }
         let mut reader = Reader(&content[MAGIC.len()..]);
-        if reader.integer().ok_or_else(damaged)? != tag {
+        let marked = reader.integer().ok_or_else(damaged)?;
+        if tag.is_some_and(|tag| tag != marked) {
             return Err(Error::input("the checkpoint belongs to another scene")
                 .remedy(
                     "resume with the scene and the settings that the run was started with, or \

@@ -24,6 +24,7 @@ mod folders;
 mod geometry;
 mod getting_in;
 mod hostile;
+mod initial;
 mod jumps;
 mod krylov;
 mod layers;

@@ -24,6 +24,8 @@ pub(super) struct FlowPlan<'a, const D: usize> {
     pub numbers: Vec<String>,
     /// Velocity scale from which grad-div was derived, if it was.
     pub velocity_scale: Option<f64>,
+    /// Where the flow starts from, if another run.
+    pub start: Option<String>,
 }
 
 impl<const D: usize> FlowPlan<'_, D> {
@@ -58,6 +60,7 @@ impl<const D: usize> FlowPlan<'_, D> {
         let mut lines = vec![equations.into(), format!("density {density}, viscosity {viscosity}")];
         lines.extend(plan::structures(scene));
         lines.extend(plan::boundaries(scene));
+        lines.extend(self.start.clone());
         if !sim.flow().numbering().is_open() {
             lines.push("no boundary is open: the pressure has zero mean".into());
         }

@@ -12,7 +12,7 @@ use crate::scene::expression::Expression;
 use crate::scene::keys::Tabled;
 use crate::scene::meshing;
 pub(super) use crate::scene::placing::place;
-use crate::scene::schema::{self, Boundary, Condition, MeshSource};
+use crate::scene::schema::{Boundary, Condition, MeshSource};
 use crate::scene::script::Script;
 use crate::scene::sides;
 use crate::scene::site::{BAND, Placed, Site, vector};
@@ -55,7 +55,7 @@ pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option
     let (mesh, mut warnings) = meshing::mesh::<D>(scene)?;
     // `walls` covers every side. A side without a condition is reported by name and position when
     // the unknowns are numbered.
-    let given = with_walls(mesh);
+    let given = meshing::with_walls(mesh);
     let lengths = scene.adapt.as_ref().map(|a| Lengths::new(scene, a, &given)).transpose()?;
     let mesh = Arc::new(match &lengths {
         Some(lengths) => adapted_start(scene, given, lengths)?,
@@ -235,15 +235,6 @@ fn check_map(scene: &Scene, periodic: bool) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Adds the name `walls` for the whole boundary if the mesh does not have it.
-fn with_walls<const D: usize>(mut mesh: Mesh<D>) -> Mesh<D> {
-    if !mesh.boundaries().contains_key(schema::WALLS) {
-        let all = (0..mesh.facets().len() as u32).collect();
-        mesh.set_boundary(schema::WALLS, all);
-    }
-    mesh
 }
 
 fn check_parts<const D: usize>(script: &Script, quality: &Quality<D>) -> Result<()> {

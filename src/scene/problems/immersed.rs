@@ -14,6 +14,7 @@ use crate::mesh::{self, Mesh, Point, Quality};
 use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
 use crate::scene::checks::check_flow;
+use crate::scene::initial::{self, InitialFlow};
 use crate::scene::measure::{self, Probes, force_columns};
 use crate::scene::pacing::pacing;
 use crate::scene::plan::{self, Plan};
@@ -60,6 +61,8 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub(in crate::scene) scene: Scene,
     /// Target lengths of an adapted mesh.
     pub(in crate::scene) lengths: Option<Lengths>,
+    /// The start, where it is taken from another run.
+    initial: Option<InitialFlow<D>>,
     /// True if the first step changes the velocity at once.
     is_impulsive: bool,
     /// Velocities that the scene gives.
@@ -82,15 +85,15 @@ impl<const D: usize> ImmersedFlow<D> {
         let placed = ground::place(scene, &site)?;
         let thickness = ground::thickness(scene, &site, &placed)?;
         let structures = ground::structures(scene, &mut site, placed, thickness)?;
-        let given = scales::given(scene, &site);
+        let initial = initial::flow(scene, &site)?;
+        let given = scales::given(scene, &site, &initial.flow.u);
         let scales = [scales::velocity(scene, &site, &given), site.size()];
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| scales::grad_div(scene, scales));
         let least_energy = scales::least_energy(scene, &site, scales);
         let settings = settings(scene, &site, grad_div);
         let of_coupling = settings.check_couplings(&structures);
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
-        let initial = vector(&scene.fluid.initial_velocity);
-        let start = start(scene, &site)?;
+        let start = start(scene, &site, &initial.given)?;
         site.warnings.extend(start.warnings);
         let Site { mesh, quality, warnings, .. } = site;
         let bare = |e: &Error| {
@@ -106,8 +109,9 @@ impl<const D: usize> ImmersedFlow<D> {
             (Kind::Scene, _) => scene.blame(&["boundary"], e),
             _ => e,
         };
-        let mut simulation = Simulation::new(&mesh, settings, structures, move |x| initial(x, 0.0))
-            .map_err(of_boundary)?;
+        let flow = initial.flow.clone();
+        let mut simulation =
+            Simulation::from_flow(&mesh, settings, structures, flow).map_err(of_boundary)?;
         redistance(scene, simulation.carried_mut());
         let wall_nodes = closed_nodes(&simulation);
         simulation.keep_reactions(!scene.output.forces.is_empty());
@@ -120,6 +124,7 @@ impl<const D: usize> ImmersedFlow<D> {
             explicit_limit: None,
             stretched_limit: None,
             radii: Vec::new(),
+            initial: scene.initial.is_some().then_some(initial),
             is_impulsive: start.impulsive,
             simulation,
             warnings,
@@ -252,6 +257,10 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             waves: self.elastic_waves(),
             numbers: self.find_numbers().into_iter().map(|n| n.line).collect(),
             velocity_scale: self.velocity_scale,
+            start: self
+                .initial
+                .as_ref()
+                .and_then(|i| i.in_words(&self.scene, self.simulation.space())),
         };
         Ok(Plan::new(std::iter::once(mesh).chain(flow.sections())))
     }
@@ -309,6 +318,12 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn mesh_hash(&self) -> u64 {
         fnv1a(&self.simulation.carried().mesh().to_bytes())
+    }
+    fn start_hash(&self) -> Option<u64> {
+        self.initial.as_ref().map(InitialFlow::hash)
+    }
+    fn write_start(&self, path: &Path) -> Result<()> {
+        self.initial.as_ref().map_or(Ok(()), |start| start.write(path, self.simulation.space()))
     }
     fn save(&self, tag: u64) -> [Vec<u8>; 2] {
         let mesh = adapt::mesh_to_bytes(&self.scene, self.simulation.space().mesh());

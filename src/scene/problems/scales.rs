@@ -37,16 +37,19 @@ pub(super) struct Given {
     pub side: f64,
 }
 
-/// The velocities that a scene gives.
-pub(super) fn given<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Given {
+/// The velocities that a scene gives; `initial` is that at time 0, at the nodes.
+pub(super) fn given<const D: usize>(
+    scene: &Scene,
+    site: &Site<'_, D>,
+    initial: &[SVector<f64, D>],
+) -> Given {
     let (mut speed, mut range) = (0.0f64, [None; 2]);
     let mut see = |u: SVector<f64, D>| {
         speed = speed.max(u.norm());
         let [low, high] = range.map(|v: Option<SVector<f64, D>>| v.unwrap_or(u));
         range = [Some(low.inf(&u)), Some(high.sup(&u))];
     };
-    let initial = vector(&scene.fluid.initial_velocity);
-    site.mesh.points().iter().for_each(|x| see(initial(x, 0.0)));
+    initial.iter().take(site.mesh.points().len()).for_each(|u| see(*u));
     for b in &scene.boundaries {
         let v = match &b.condition {
             Condition::Velocity(v) => v.as_slice(),

@@ -1,17 +1,18 @@
 //! The files of a run folder: which are the program's, links among them, and removing them.
 
-use super::lock::MARK;
 use crate::base::{Error, Result};
+use crate::scene::kept::MARK;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files of a run folder.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "scene.toml",
     "series.csv",
     "summary.json",
     "log.txt",
     "fields.pvd",
+    "start.vtu",
     "report.html",
     "film.gif",
     "film.mp4",

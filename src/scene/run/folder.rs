@@ -4,20 +4,14 @@ use super::lock::Lock;
 use super::physics::{differences, tag};
 use super::record::{Column, Record};
 use super::{Earlier, Options, contents};
-use crate::base::{Error, Kind, Result, Warning, copy_bandwidth, fnv1a};
+use crate::base::{Error, Kind, Result, Warning, copy_bandwidth};
 use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd};
 use crate::scene::Scene;
+use crate::scene::kept::{CHECKPOINTS, Checkpoint};
 use crate::scene::problem::{Facts, Problem};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Content of a checkpoint: the record, and mesh and state from [`Problem::save`].
-struct Kept {
-    record: Record,
-    mesh: Vec<u8>,
-    state: Vec<u8>,
-}
 
 /// The folder of a run, with the resolved scene in it.
 pub struct Folder {
@@ -72,6 +66,26 @@ impl Folder {
         Ok(folder)
     }
 
+    /// The scene of the run: one that starts from another run and goes on has kept its start.
+    ///
+    /// # Errors
+    /// A scene that starts from this very folder.
+    pub(super) fn begun(&self, scene: &Scene) -> Result<Scene> {
+        let Some(initial) = &scene.initial else { return Ok(scene.clone()) };
+        let start = self.start();
+        if self.earlier == Earlier::Resume && start.is_file() {
+            return Ok(scene.begun(start));
+        }
+        let own = self.path.canonicalize().ok();
+        if own.is_some() && own == initial.from.canonicalize().ok() {
+            let e = Error::scene("a run cannot start from its own folder, which it would replace")
+                .value(self.path.display())
+                .remedy("choose another folder with --out");
+            return Err(scene.blame(&["initial", "from"], e));
+        }
+        Ok(scene.clone())
+    }
+
     /// Creates the folder, removes an earlier run that is to be replaced, and writes the scene.
     ///
     /// # Errors
@@ -119,25 +133,22 @@ impl Folder {
         self.path.join("log.txt")
     }
 
+    /// The start of a run that begins with the flow of another one.
+    pub(super) fn start(&self) -> PathBuf {
+        self.path.join("start.vtu")
+    }
+
     fn checkpoint_file(&self, name: &str) -> PathBuf {
         self.path.join("checkpoint").join(name)
     }
 
     /// Writes the state and the record of all output so far to one file, which is replaced as a
-    /// whole: the length of the record and its hash, 8 bytes each, the record as JSON; the same for
-    /// the mesh, which is empty if not adapted; the state. It is on the disk when this returns, and
-    /// the one before is kept.
+    /// whole. It is on the disk when this returns, and the one before is kept.
     pub(super) fn save(&self, scene: &Scene, record: &Record, problem: &dyn Problem) -> Result<()> {
         let record = serde_json::to_vec(record)
             .map_err(|e| Error::internal(format!("the record cannot be kept: {e}")))?;
         let [mesh, state] = problem.save(tag(scene)?);
-        let mut bytes = Vec::new();
-        for part in [record, mesh] {
-            bytes.extend((part.len() as u64).to_le_bytes());
-            bytes.extend(fnv1a(&part).to_le_bytes());
-            bytes.extend(part);
-        }
-        bytes.extend(state);
+        let bytes = Checkpoint { record, mesh, state }.to_bytes();
         let [latest, earlier] = CHECKPOINTS.map(|name| self.checkpoint_file(name));
         if latest.exists() {
             std::fs::rename(&latest, &earlier).map_err(|e| cannot_write(&earlier, &e))?;
@@ -159,7 +170,10 @@ impl Folder {
         let (tag, mut unusable) = (tag(scene)?, None);
         let [latest, earlier] = CHECKPOINTS.map(|name| self.checkpoint_file(name));
         for path in [&latest, &earlier] {
-            let Kept { record, mesh, state } = match read_checkpoint(path) {
+            let read = Checkpoint::read(path).and_then(|kept| {
+                kept.map(|kept| Ok((kept.record::<Record>(path)?, kept))).transpose()
+            });
+            let (record, Checkpoint { mesh, state, .. }) = match read {
                 Ok(Some(kept)) => kept,
                 Ok(None) => continue,
                 Err(e) => {
@@ -285,15 +299,6 @@ impl Folder {
     }
 }
 
-/// The first part written by `Folder::save` with its length and hash, and the rest; `None` if it is
-/// corrupt.
-fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let (size, rest) = bytes.split_first_chunk::<8>()?;
-    let (check, rest) = rest.split_first_chunk::<8>()?;
-    let (part, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*size)).ok()?)?;
-    (fnv1a(part) == u64::from_le_bytes(*check)).then_some((part, rest))
-}
-
 /// Bytes of the factor read per second by the substitutions, and speed of copying a large block of
 /// memory on this machine; null for a run so short that the measurement would affect its time.
 fn bandwidth(facts: &Facts, record: &Record) -> serde_json::Value {
@@ -312,31 +317,6 @@ const LONG_ENOUGH: f64 = 0.5;
 
 fn field_file(step: usize) -> String {
     format!("fields/{step:06}.vtu")
-}
-
-/// The last checkpoint, and the one before.
-const CHECKPOINTS: [&str; 2] = ["latest.bin", "earlier.bin"];
-
-fn read_checkpoint(path: &Path) -> Result<Option<Kept>> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => {
-            return Err(Error::input(format!("the checkpoint cannot be read: {e}"))
-                .at(path.display().to_string())
-                .remedy("check the permissions of the run folder"));
-        }
-    };
-    let damaged = || {
-        Error::input("the checkpoint is damaged")
-            .at(path.display().to_string())
-            .value(format!("{} bytes", bytes.len()))
-            .remedy("start afresh with --overwrite, or in another folder with --out")
-    };
-    let (record, rest) = part(&bytes).ok_or_else(damaged)?;
-    let (mesh, state) = part(rest).ok_or_else(damaged)?;
-    let record = serde_json::from_slice(record).map_err(|_| damaged())?;
-    Ok(Some(Kept { record, mesh: mesh.to_vec(), state: state.to_vec() }))
 }
 
 /// Refuses to go on with other files than those that a run was started with.

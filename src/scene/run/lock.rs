@@ -1,13 +1,10 @@
 //! The mark of a run folder, which is also its lock.
 
 use crate::base::{Error, Result};
+use crate::scene::kept::{self, FIRST, MARK};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::Path;
-
-/// The file that makes a folder a run folder: what wrote it, and the process that last did.
-pub(in crate::scene) const MARK: &str = "immersa.run";
-const FIRST: &str = "run folder of immersa";
 
 /// The right to write to a run folder, which one process has at a time, until it is dropped.
 #[derive(Debug)]
@@ -53,7 +50,6 @@ impl Lock {
 
     /// True if the folder has the mark.
     pub fn is_run(folder: &Path) -> bool {
-        let text = std::fs::read_to_string(folder.join(MARK));
-        text.is_ok_and(|text| text.starts_with(FIRST))
+        kept::is_run(folder)
     }
 }

@@ -106,6 +106,7 @@ pub(in crate::scene) fn check(
     let structures = acting.map(|k| (*k, format!("nothing flows that a {k} could act on")));
     let tables = [
         ("fluid", "nothing flows"),
+        ("initial", "nothing flows"),
         ("boundary", "nothing flows through a boundary"),
         ("exact", "there is no flow to compare"),
     ];

@@ -8,6 +8,7 @@ mod fluid;
 mod geometry;
 mod given;
 mod image;
+mod initial;
 mod mesh;
 mod numerics;
 mod output;
@@ -26,6 +27,7 @@ pub use geometry::{Curve, DeltaName};
 pub use given::Quantity;
 pub(in crate::scene) use given::{Given, Motion};
 pub use image::Image;
+pub use initial::Initial;
 pub use mesh::{BallInBox, Block, Disc, MeshSource, Rectangle};
 pub use numerics::{Numerics, TensionScheme};
 pub use output::{Flux, Force, Output, Probe, Profile};
@@ -61,6 +63,8 @@ pub struct Tables {
     pub adapt: Option<Adapt>,
     /// The fluid; at rest for a segmentation.
     pub fluid: Fluid,
+    /// The run that the flow starts from, if there is one.
+    pub initial: Option<Initial>,
     /// The image to segment, in place of a flow.
     pub image: Option<Image>,
     /// Boundary conditions, in the order of the scene; empty only for a prescribed velocity.
@@ -77,7 +81,7 @@ pub struct Tables {
 
 /// Keys before the lists of structures; declared by hand, as these lists are between them and the
 /// rest.
-pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
+pub(in crate::scene) const KEYS_BEFORE: [Key; 8] = [
     row(
         "title",
         Value("text", Form::Text),
@@ -109,6 +113,13 @@ pub(in crate::scene) const KEYS_BEFORE: [Key; 7] = [
         "Where the mesh comes from.",
     ),
     row("fluid", Table(Fluid::KEYS), "", OneOf, "What flows, and what drives it."),
+    row(
+        "initial",
+        Table(Initial::KEYS),
+        "",
+        Optional,
+        "An earlier run whose flow is the start, in place of `fluid.initial_velocity`.",
+    ),
     row(
         "image",
         Table(Image::KEYS),
@@ -160,8 +171,13 @@ impl Tables {
         self.adapt.iter().for_each(|a| a.write(out));
         match &self.image {
             Some(image) => image.section("[image]", out),
-            None => self.fluid.section("[fluid]", out),
+            None => {
+                let taken = |key: &str| self.initial.is_some() && key == "initial_velocity";
+                out.header("[fluid]");
+                out.entries(self.fluid.entries().into_iter().filter(|(key, _)| !taken(key)));
+            }
         }
+        self.initial.iter().for_each(|i| i.section("[initial]", out));
         boundary::write(&self.boundaries, out);
     }
     /// Writes the tables after the lists of structures.

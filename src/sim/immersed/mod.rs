@@ -16,7 +16,7 @@ use super::carried::{Carried, largest};
 use super::clock::Pacing;
 use super::outlets::Outlets;
 use super::state::State;
-use crate::base::{PHASES, Phases, Result};
+use crate::base::{Error, PHASES, Phases, Result};
 use crate::fem::{Basis, Condition, Element, Rule, Space, condition_of_facets};
 use crate::flow::{Backflow, FlowSolver, FlowState, Fluid};
 use crate::mesh::{Mesh, Point};
@@ -107,13 +107,39 @@ impl<const D: usize> Simulation<D> {
     ) -> Result<Simulation<D>> {
         let mut sim = Simulation::build(mesh, settings, structures, &Fields::default())?;
         sim.state.flow.u = sim.space().interpolate(initial);
+        sim.begin()
+    }
+
+    /// The same with the velocity and the pressure of `flow`, values at the nodes of their spaces.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); values of another number.
+    pub fn from_flow(
+        mesh: &Arc<Mesh<D>>,
+        settings: SimulationSettings<D>,
+        structures: Vec<Box<dyn Structure<D>>>,
+        flow: FlowState<D>,
+    ) -> Result<Simulation<D>> {
+        let mut sim = Simulation::build(mesh, settings, structures, &Fields::default())?;
+        let sizes = |flow: &FlowState<D>| [flow.u.len(), flow.p.len()];
+        if sizes(&flow) != sizes(&sim.state.flow) {
+            return Err(Error::internal("a flow is to start with values of another mesh")
+                .value(format!("{:?} instead of {:?}", sizes(&flow), sizes(&sim.state.flow))));
+        }
+        sim.state.flow = flow;
+        sim.begin()
+    }
+
+    /// Time 0 with the current flow.
+    fn begin(mut self) -> Result<Simulation<D>> {
+        let sim = &mut self;
         sim.flow.impose(0.0, &mut sim.state.flow.u);
         sim.state.earlier_u = sim.state.flow.u.clone();
         sim.set_materials_now();
         sim.prepare_now()?;
         sim.state.energies = sim.measure(Powers::default())?;
         sim.state.balance = EnergyBalance::new(&sim.state.energies);
-        Ok(sim)
+        Ok(self)
     }
 
     /// Energies below `least` are errors of rounding or of the mesh, which the balance does not
