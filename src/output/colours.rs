@@ -10,17 +10,59 @@ pub struct Scale {
     pub low: f64,
     /// The highest value.
     pub high: f64,
+    /// True if the colours begin and end at exactly these values; otherwise they may be widened,
+    /// so that zero is in the middle of two colours or a constant has a range.
+    pub fixed: bool,
+}
+
+/// Colours from the lowest to the highest value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColourMap {
+    /// Viridis of matplotlib.
+    Viridis,
+    /// Cividis, which the colour-blind see alike (Nunez, Anderton and Renslow 2018).
+    Cividis,
+    /// Magma of matplotlib.
+    Magma,
+    /// Inferno of matplotlib.
+    Inferno,
+    /// Plasma of matplotlib.
+    Plasma,
+    /// Blue below zero and red above (ColorBrewer).
+    BlueRed,
+    /// Black to white.
+    Grey,
+}
+
+impl ColourMap {
+    /// The colour at the fraction `s` of the way.
+    fn at(self, s: f64) -> [u8; 3] {
+        let map = match self {
+            ColourMap::Viridis => colorous::VIRIDIS,
+            ColourMap::Cividis => colorous::CIVIDIS,
+            ColourMap::Magma => colorous::MAGMA,
+            ColourMap::Inferno => colorous::INFERNO,
+            ColourMap::Plasma => colorous::PLASMA,
+            ColourMap::BlueRed => colorous::RED_BLUE,
+            ColourMap::Grey => return [(255.0 * s).round() as u8; 3],
+        };
+        let c = map.eval_continuous(if self == ColourMap::BlueRed { 1.0 - s } else { s });
+        [c.r, c.g, c.b]
+    }
 }
 
 impl Scale {
+    /// From `low` to `high`, and widened where it helps.
+    pub fn new(low: f64, high: f64) -> Scale {
+        Scale { low, high, fixed: false }
+    }
     /// From the least to the greatest value at the nodes, of the length for a vector field. Values
     /// that are not finite do not count; without values the range is empty.
     pub fn of<const D: usize>(field: FieldData<D>) -> Scale {
         let range = |values: &mut dyn Iterator<Item = f64>| {
             let finite = values.filter(|v| v.is_finite());
-            finite.fold(Scale { low: f64::INFINITY, high: f64::NEG_INFINITY }, |s, v| {
-                s.with(Scale { low: v, high: v })
-            })
+            finite
+                .fold(Scale::new(f64::INFINITY, f64::NEG_INFINITY), |s, v| s.with(Scale::new(v, v)))
         };
         match field {
             FieldData::Scalar(f) => range(&mut f.iter().copied()),
@@ -32,12 +74,12 @@ impl Scale {
     }
     /// The scale that serves both: for the frames of a film.
     pub fn with(self, other: Scale) -> Scale {
-        Scale { low: self.low.min(other.low), high: self.high.max(other.high) }
+        Scale { low: self.low.min(other.low), high: self.high.max(other.high), ..self }
     }
 }
 
-/// The colours of a scale: viridis, or blue below zero and red above (ColorBrewer) where values
-/// have both signs.
+/// The colours of a scale: those of a map, or viridis, or blue below zero and red above where
+/// values have both signs.
 pub(super) struct Colours {
     /// The lowest and the highest value of the colour bar, never equal.
     pub low: f64,
@@ -51,31 +93,28 @@ pub(super) struct Colours {
 const STEPS: usize = 512;
 
 impl Colours {
-    pub fn new(scale: Scale) -> Colours {
-        Colours::with(scale, false)
-    }
-    /// Greys from black to white where `grey`, else colours.
-    pub fn with(scale: Scale, grey: bool) -> Colours {
-        let Scale { low, high } =
-            if scale.low <= scale.high { scale } else { Scale { low: 0.0, high: 1.0 } };
+    /// Colours by `map`, or by the one that fits the values.
+    pub fn new(scale: Scale, map: Option<ColourMap>) -> Colours {
+        let Scale { low, high, fixed } =
+            if scale.low <= scale.high { scale } else { Scale::new(0.0, 1.0) };
         let largest = low.abs().max(high.abs());
         // A few negative values of a field that is positive by nature do not make it a signed one.
-        let signed = !grey && low < 0.0 && high > 0.0 && low.abs().min(high) > 0.05 * largest;
+        let both = low < 0.0 && high > 0.0 && low.abs().min(high) > 0.05 * largest;
+        let map = map.unwrap_or(if both { ColourMap::BlueRed } else { ColourMap::Viridis });
+        let signed = map == ColourMap::BlueRed;
         let (low, high) = match (signed, largest) {
-            (true, _) => (-largest, largest),
+            _ if fixed && low < high => (low, high),
             (_, 0.0) => (0.0, 1.0),
+            (true, _) => (-largest, largest),
             // Rounding is not worth colours.
             _ if high - low <= 1e-12 * largest => (low, low + 0.05 * largest),
             _ => (low, high),
         };
         let colour = |k: usize| {
             let s = k as f64 / (STEPS - 1) as f64;
-            if grey {
-                return [(255.0 * s).round() as u8; 3];
-            }
-            let map = if signed { colorous::RED_BLUE } else { colorous::VIRIDIS };
-            let c = map.eval_continuous(if signed { 1.0 - s } else { s });
-            [c.r, c.g, c.b]
+            let zero_in_the_middle =
+                0.5 + 0.5 * (low + s * (high - low)) / low.abs().max(high.abs());
+            map.at(if signed { zero_in_the_middle } else { s })
         };
         Colours { low, high, signed, table: (0..STEPS).map(colour).collect() }
     }
@@ -92,7 +131,7 @@ mod tests {
     use nalgebra::SVector;
 
     fn colours(values: &[f64]) -> Colours {
-        Colours::new(Scale::of(FieldData::<2>::Scalar(values)))
+        Colours::new(Scale::of(FieldData::<2>::Scalar(values)), None)
     }
 
     #[test]
@@ -107,14 +146,14 @@ mod tests {
         assert_eq!(of(&[]), (0.0, 1.0, false));
         assert!(of(&[3.0, 3.0]).1 > 3.1 && of(&[-3.0]).1 > -3.0);
         let u = [SVector::<f64, 2>::new(3.0, -4.0)];
-        assert_eq!(Scale::of(FieldData::Vector(&u)), Scale { low: 0.0, high: 5.0 });
+        assert_eq!(Scale::of(FieldData::Vector(&u)), Scale::new(0.0, 5.0));
     }
 
     #[test]
     fn frames_at_rest_do_not_change_the_scale_of_a_film() {
         let of = |values: &[f64]| Scale::of(FieldData::<2>::Scalar(values));
         let film = of(&[]).with(of(&[0.0])).with(of(&[1e-17, -1e-17])).with(of(&[0.0, 0.2]));
-        let colours = Colours::new(film);
+        let colours = Colours::new(film, None);
         assert!(!colours.signed && colours.high == 0.2);
     }
 
@@ -125,5 +164,20 @@ mod tests {
         assert!(b > r && red > blue, "blue to red");
         assert!(c.of(0.0).iter().all(|&x| x > 235), "zero is nearly white");
         assert_eq!(c.of(f64::NAN), [128; 3]);
+    }
+    #[test]
+    fn a_fixed_range_is_kept_and_zero_stays_white() {
+        let fixed = |low, high, map| Colours::new(Scale { low, high, fixed: true }, map);
+        let c = fixed(-1.0, 3.0, None);
+        assert_eq!((c.low, c.high), (-1.0, 3.0));
+        assert!(c.of(0.0).iter().all(|&x| x > 235), "{:?}", c.of(0.0));
+        let end = colorous::RED_BLUE.eval_continuous(0.0);
+        assert_eq!(c.of(7.0), [end.r, end.g, end.b], "beyond the end");
+        let c = fixed(0.0, 1.0, Some(ColourMap::Magma));
+        let middle = colorous::MAGMA.eval_continuous(0.5);
+        assert!(
+            c.of(0.5).iter().zip([middle.r, middle.g, middle.b]).all(|(a, b)| a.abs_diff(b) < 3)
+        );
+        assert_eq!(Colours::new(Scale::new(0.0, 1.0), Some(ColourMap::Grey)).of(1.0), [255; 3]);
     }
 }

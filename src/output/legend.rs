@@ -2,7 +2,7 @@
 
 use super::colours::Colours;
 use super::lettering::{self, Align};
-use super::numbers::{short, tick_text, ticks};
+use super::numbers::{short, tick_text, ticks_for_reading};
 use super::raster::{Image, Ink};
 
 pub(super) const TEXT: Ink = Ink::solid([38, 42, 48]);
@@ -27,7 +27,7 @@ pub(super) fn draw_bar(image: &mut Image, colours: &Colours, [x, top]: [usize; 2
         image.fill([x, top + row], [width, 1], table[k]);
     }
     let (right, top) = ((x + width) as f64, top as f64);
-    for v in ticks(low, high, (height as f64 / 70.0).clamp(2.0, 8.0)) {
+    for v in ticks_for_reading(low, high, (height as f64 / 70.0).clamp(2.0, 8.0)) {
         let y = top + height as f64 * (high - v) / (high - low);
         let text = tick_text(v, 0.2 * (high - low), low.abs().max(high.abs()));
         image.stroke(&[[[right + 2.0, y], [right + 6.0, y]]], 1.0, QUIET);

@@ -22,6 +22,13 @@ pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Round numbers in `[low, high]`, about `count` of them and three at least.
+pub(super) fn ticks_for_reading(low: f64, high: f64, count: f64) -> Vec<f64> {
+    let finer = |more: i32| ticks(low, high, count + f64::from(more));
+    // Six intervals give steps of at most a third of the length.
+    (0..=6).map(finer).find(|found| found.len() >= 3).unwrap_or_default()
+}
+
 /// A number on an axis with ticks about `step` apart and numbers up to `largest`: as many digits as
 /// tell ticks apart.
 pub(super) fn tick_text(v: f64, step: f64, largest: f64) -> String {
@@ -65,6 +72,21 @@ mod tests {
         for (low, high) in [(1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (2.0, 1.0)] {
             assert!(ticks(low, high, 5.0).is_empty());
         }
+    }
+
+    #[test]
+    fn three_ticks_are_there_to_be_read_whatever_the_range() {
+        let ends = (1..400).map(|k| f64::from(k) * 0.37);
+        for (low, high) in ends.flat_map(|h| [(0.0, h), (-0.61 * h, h), (0.93 * h, h), (-h, 0.0)]) {
+            let found = ticks_for_reading(low, high, 2.0);
+            assert!((3..=8).contains(&found.len()), "{low} {high}: {found:?}");
+            let texts: Vec<String> = found
+                .iter()
+                .map(|&v| tick_text(v, 0.2 * (high - low), low.abs().max(high.abs())))
+                .collect();
+            assert!(texts.windows(2).all(|t| t[0] != t[1]), "{low} {high}: {texts:?}");
+        }
+        assert!(ticks_for_reading(0.0, f64::NAN, 2.0).is_empty());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Pictures of fields in the plane: colours, colour bar, level sets, arrows, mesh.
 
-use super::colours::{Colours, Scale};
+use super::clip::clipped;
+use super::colours::{ColourMap, Colours, Scale};
 use super::field::{FieldData, on_nodes};
 use super::legend::{QUIET, draw_bar, draw_title};
 use super::lettering::{self, Align};
@@ -9,6 +10,7 @@ use super::raster::{Image, Ink, Segment};
 use super::sampling::Lattice;
 use crate::base::Result;
 use crate::fem::Space;
+use crate::mesh::Point;
 use nalgebra::SVector;
 
 /// A picture of a field. Pixels are evaluated in the true finite element, four to a pixel.
@@ -20,8 +22,11 @@ pub struct Picture<'a> {
     pub field: FieldData<'a, 2>,
     /// The range of the colours; [`Scale::of`] the field, or one for all frames of a film.
     pub scale: Scale,
-    /// True for shades of grey; level sets are then drawn in a colour.
-    pub grey: bool,
+    /// The colours; by default those that fit the values. On greys level sets are drawn in a
+    /// colour.
+    pub colours: Option<ColourMap>,
+    /// Lower and upper corner of the part of the plane that is shown, if not the whole domain.
+    pub window: Option<[Point<2>; 2]>,
     /// Title, with the unit if there is one.
     pub title: &'a str,
     /// Time, shown at the upper right.
@@ -67,7 +72,8 @@ impl<'a> Picture<'a> {
             space,
             field,
             scale,
-            grey: false,
+            colours: None,
+            window: None,
             title,
             time: None,
             interfaces: Vec::new(),
@@ -83,7 +89,7 @@ impl<'a> Picture<'a> {
     pub fn draw(&self) -> Result<Image> {
         let area = PlotArea::of(self);
         let mut image = Image::white(area.image[0], area.image[1]);
-        let colours = Colours::with(self.scale, self.grey);
+        let colours = Colours::new(self.scale, self.colours);
         self.colour(&area, &colours, &mut image)?;
         if self.mesh {
             image.stroke(&self.edges(&area, false), 0.7, Ink { rgb: [0; 3], opacity: 0.32 });
@@ -148,10 +154,9 @@ impl<'a> Picture<'a> {
             for (k, &other) in mesh.neighbours(c).iter().enumerate() {
                 let open = other == crate::mesh::NONE;
                 if open || (!boundary && (other as usize) < c) {
-                    edges.push(
-                        [(k + 1) % 3, (k + 2) % 3]
-                            .map(|v| area.pixel(&mesh.points()[cell[v] as usize])),
-                    );
+                    let ends = [(k + 1) % 3, (k + 2) % 3]
+                        .map(|v| area.pixel(&mesh.points()[cell[v] as usize]));
+                    edges.extend(clipped(&ends, area.frame()));
                 }
             }
         }
@@ -165,7 +170,8 @@ impl<'a> Picture<'a> {
             let value = self.space.value(phi, c, l).abs();
             (value / self.space.gradient(phi, c, l).norm() * area.scale) as f32
         });
-        let line = if self.grey { LINE_ON_GREY } else { LINE };
+        let on_grey = self.colours == Some(ColourMap::Grey);
+        let line = if on_grey { LINE_ON_GREY } else { LINE };
         for (width, ink) in [(4.6, Ink { rgb: [255; 3], opacity: 0.7 }), (2.2, line)] {
             for (i, d) in distance.iter().enumerate().filter(|(_, d)| **d < 0.5 * width + 0.5) {
                 let (x, y) = (i % lattice.columns, i / lattice.columns);
@@ -267,7 +273,8 @@ struct PlotArea {
 
 impl PlotArea {
     fn of(picture: &Picture) -> PlotArea {
-        let (low, high) = picture.space.mesh().bounding_box();
+        let (low, high) =
+            picture.window.map_or_else(|| picture.space.mesh().bounding_box(), |[a, b]| (a, b));
         let length = [high[0] - low[0], high[1] - low[1]];
         let room = [picture.size[0] as f64 - LEFT - RIGHT, picture.size[1] as f64 - TOP - BOTTOM];
         let scale = (room[0].max(SMALLEST) / length[0]).min(room[1].max(SMALLEST) / length[1]);
@@ -286,6 +293,11 @@ impl PlotArea {
             length,
             scale,
         }
+    }
+    /// Left, top, right and bottom of the drawing, in pixels.
+    fn frame(&self) -> [f64; 4] {
+        let [x, y] = self.corner.map(|c| c as f64);
+        [x, y, x + self.size[0] as f64, y + self.size[1] as f64]
     }
     /// Pixel of a point of the domain.
     fn pixel(&self, x: &SVector<f64, 2>) -> [f64; 2] {

@@ -20,7 +20,7 @@ pub use pattern::Pattern;
 pub use slice::Slice;
 pub use surface::{Paint, Surface};
 
-use super::colours::{Colours, Scale};
+use super::colours::{ColourMap, Colours, Scale};
 use super::legend::{draw_bar, draw_title};
 use super::raster::Image;
 use crate::base::{Error, Result};
@@ -46,6 +46,8 @@ pub struct SolidPicture<'a> {
     /// The range of the colours, of slices and surfaces alike; [`Scale::of`] the field, or one for
     /// all frames of a film.
     pub scale: Scale,
+    /// The colours; by default those that fit the values.
+    pub colours: Option<ColourMap>,
     /// Lower and upper corner of the part of the domain that is shown, if not all of it: slices end
     /// there, surfaces do not.
     pub window: Option<[Point<3>; 2]>,
@@ -75,7 +77,8 @@ impl<'a> SolidPicture<'a> {
             surfaces: Vec::new(),
             slices: Vec::new(),
             interfaces: Vec::new(),
-            scale: Scale { low: f64::INFINITY, high: f64::NEG_INFINITY },
+            scale: Scale::new(f64::INFINITY, f64::NEG_INFINITY),
+            colours: None,
             window: None,
             view: View::default(),
             title,
@@ -107,7 +110,7 @@ impl<'a> SolidPicture<'a> {
             facets,
             strokes: frame.strokes(),
         };
-        let (lights, colours) = (Lights::new(&camera), Colours::new(self.scale));
+        let (lights, colours) = (Lights::new(&camera), Colours::new(self.scale, self.colours));
         let mut image = canvas.draw(|f: &Facet, l| match self.surfaces.get(f.part as usize) {
             Some(surface) => surface.shade(f, l, &camera, &lights, &colours),
             None => cuts[f.part as usize - count].shade(f, l, &camera, &colours),

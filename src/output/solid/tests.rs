@@ -86,10 +86,10 @@ fn a_slice_has_the_colours_of_its_field_and_the_line_of_the_interface() {
         let picture = SolidPicture {
             slices: vec![Slice { axis, position, field: FieldData::Scalar(&f) }],
             interfaces: vec![&phi],
-            scale: Scale { low: 1.0, high: 9.0 },
+            scale: Scale::new(1.0, 9.0),
             ..SolidPicture::new(&space, "")
         };
-        let (image, colours) = (picture.draw().unwrap(), Colours::new(picture.scale));
+        let (image, colours) = (picture.draw().unwrap(), Colours::new(picture.scale, None));
         for (a, b) in [(0.8, 0.7), (-0.75, 0.6), (0.05, 0.0)] {
             let mut x = Point::<3>::zeros();
             (x[axis], x[(axis + 1) % 3], x[(axis + 2) % 3]) = (position, a, b);
@@ -158,7 +158,7 @@ fn a_scalar_keeps_its_colour_under_the_light() {
     let paint = |p: &[Point<3>]| Paint::Scalar(p.iter().map(|x| x[0]).collect());
     let picture = SolidPicture {
         surfaces: vec![ellipsoid([0.9, 0.5, 0.5], 48, paint)],
-        scale: Scale { low: -0.9, high: 0.9 },
+        scale: Scale::new(-0.9, 0.9),
         ..SolidPicture::new(&space, "")
     };
     let image = picture.draw().unwrap();

@@ -12,7 +12,7 @@ use crate::scene::expression::Expression;
 use crate::scene::keys::Tabled;
 use crate::scene::meshing;
 pub(super) use crate::scene::placing::place;
-use crate::scene::schema::{Boundary, Condition, MeshSource};
+use crate::scene::schema::{Boundary, Condition, MeshSource, Window};
 use crate::scene::script::Script;
 use crate::scene::sides;
 use crate::scene::site::{BAND, Placed, Site, vector};
@@ -69,7 +69,7 @@ pub(super) fn site<const D: usize>(scene: &Scene) -> Result<(Site<'_, D>, Option
     warnings.extend(check_inflow(scene, &site.mesh, &site.pairs)?);
     warnings.extend(sides::check(scene, &site)?);
     check_map(scene, !site.pairs.is_empty())?;
-    check_slice(scene, site.mesh.bounding_box())?;
+    check_pictures(scene, site.mesh.bounding_box())?;
     site.warnings = warnings;
     Ok((site, lengths))
 }
@@ -253,8 +253,23 @@ fn check_parts<const D: usize>(script: &Script, quality: &Quality<D>) -> Result<
         .remedy("run each part on its own, or join them (gmsh: Coherence; before meshing)"))
 }
 
-/// Rejects pictures on a plane outside the domain.
-fn check_slice<const D: usize>(script: &Script, (low, high): (Point<D>, Point<D>)) -> Result<()> {
+/// Rejects pictures of what is outside the domain.
+fn check_pictures<const D: usize>(
+    script: &Script,
+    (low, high): (Point<D>, Point<D>),
+) -> Result<()> {
+    let window = script.output.picture.window.as_ref();
+    let misses = |w: &&Window| (0..D).any(|k| w.max[k] <= low[k] || w.min[k] >= high[k]);
+    if let Some(Window { min, max }) = window.filter(misses) {
+        let e = Error::scene("the window of the pictures misses the domain")
+            .value(format!("{min:?} to {max:?}"))
+            .remedy(format!(
+                "give corners in the domain, which spans {:?} to {:?}",
+                low.as_slice(),
+                high.as_slice()
+            ));
+        return Err(script.blame(&["output", "picture", "window"], e));
+    }
     let Some((axis, at)) = script.output.picture.slice.and_then(|s| Some((s.axis, s.at?))) else {
         return Ok(());
     };

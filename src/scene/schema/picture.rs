@@ -2,14 +2,15 @@
 
 use super::given::{Given, Motion, Quantity};
 use crate::base::Result;
+use crate::output::ColourMap;
 use crate::scene::keys::{
-    Context, Count, Flag, Item, Kind, Nested, Number, Numbers, Opt, Table, Typed, Vector, table,
+    Context, Count, Flag, Item, Kind, Nested, Number, Numbers, Opt, Point, Table, Typed, table,
     words,
 };
 
 table! {
     /// How pictures look.
-    Picture: Copy {
+    Picture {
         /// The field whose values are the colours. Vorticity is blue where the fluid turns
         /// clockwise and red where counter-clockwise; the strongest hundredth of it, by nodes, has
         /// the colours of the ends. In space it is the length of curl u. Where an image is
@@ -27,20 +28,29 @@ table! {
         view: Option<[f64; 2]> [Opt<Numbers<2>>, "degrees", Default([-60.0, 24.0])],
         /// In space, a plane that is shown in place of the interfaces.
         slice: Option<Cut> [Opt<Nested<Cut>>],
-        /// In space, the part of the domain that is shown.
+        /// The part of the domain that is shown.
         window: Option<Window> [Opt<Nested<Window>>, Derived("the whole domain")],
+        /// The values at the two ends of the colours; values beyond have the colours of the ends.
+        /// With it the pictures of several runs can be compared.
+        range: Option<[f64; 2]> [Opt<Numbers<2>>, Derived("all values of the run")],
+        /// The colours. All but "blue_red" are perceptually uniform: equal differences look equal.
+        /// "blue_red" is white at zero.
+        colours: Option<ColourMap> [Opt<Maps>,
+            Derived("\"viridis\"; \"blue_red\" where values have both signs; \"grey\" for an image")],
     } before Picture::before; check Picture::check;
 }
 
 table! {
     /// A box with sides along the axes.
-    Window: Copy {
+    Window {
         /// The corner with the smallest coordinates.
-        min: [f64; 3] [Vector<3>, "m",
-            Required("give both corners: window = { min = [-1, -1, -1], max = [1, 1, 1] }")],
+        min: Vec<f64> [Point, "m",
+            Required("give both corners: window = { min = [0, 0], max = [2, 1] }",
+                "give both corners: window = { min = [-1, -1, -1], max = [1, 1, 1] }")],
         /// The corner with the largest coordinates.
-        max: [f64; 3] [Vector<3>, "m",
-            Required("give both corners: window = { min = [-1, -1, -1], max = [1, 1, 1] }")],
+        max: Vec<f64> [Point, "m",
+            Required("give both corners: window = { min = [0, 0], max = [2, 1] }",
+                "give both corners: window = { min = [-1, -1, -1], max = [1, 1, 1] }")],
     }
 }
 
@@ -67,6 +77,17 @@ words! {
         "checkerboard" = Quantity::Checkerboard,
     }
 }
+words! {
+    Maps: ColourMap {
+        "viridis" = ColourMap::Viridis,
+        "cividis" = ColourMap::Cividis,
+        "magma" = ColourMap::Magma,
+        "inferno" = ColourMap::Inferno,
+        "plasma" = ColourMap::Plasma,
+        "blue_red" = ColourMap::BlueRed,
+        "grey" = ColourMap::Grey,
+    }
+}
 words! { Axes: usize { "x" = 0, "y" = 1, "z" = 2 } }
 
 /// A field that a picture can show: any except the velocity, which is a vector.
@@ -90,7 +111,7 @@ impl Typed for Shown {
 
 impl Picture {
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
-        match ["view", "slice", "window"].into_iter().find_map(|key| table.get(key)) {
+        match ["view", "slice"].into_iter().find_map(|key| table.get(key)) {
             Some(item) if context.dimension == 2 => Err(item
                 .key_error(format!(
                     "`{}` is for pictures of space, and the mesh is plane",
@@ -102,6 +123,14 @@ impl Picture {
     }
 
     fn check(&mut self, table: &Table<'_>, context: &Context) -> Result<()> {
+        self.check_window(table, context)?;
+        if let (Some([low, high]), Some(item)) = (self.range, table.get("range"))
+            && low >= high
+        {
+            return Err(item
+                .error("the range of the colours is empty")
+                .remedy("give the lower value first: range = [0, 1.5]"));
+        }
         if context.dimension == 2 {
             self.view = None;
             return Ok(());
@@ -121,12 +150,15 @@ impl Picture {
                 )
                 .remedy("leave slice out, or show another field"));
         }
+        Ok(())
+    }
+
+    fn check_window(&self, table: &Table<'_>, context: &Context) -> Result<()> {
+        let size = if context.dimension == 2 { "area" } else { "volume" };
         match (&self.window, table.get("window")) {
-            (Some(Window { min, max }), Some(item)) if !(0..3).all(|k| min[k] < max[k]) => {
-                Err(item
-                    .error("the window has no volume")
-                    .remedy("give `max` larger coordinates than `min`"))
-            }
+            (Some(w), Some(item)) if !w.min.iter().zip(&w.max).all(|(a, b)| a < b) => Err(item
+                .error(format!("the window has no {size}"))
+                .remedy("give `max` larger coordinates than `min`")),
             _ => Ok(()),
         }
     }
