@@ -145,8 +145,21 @@ pub fn surface<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Vec<Surf
     Ok(Zero::new(space, phi)?.points(space, phi))
 }
 
-/// Straight pieces of the interface.
+/// Straight pieces of the interface: half of each segment, a quarter of each triangle.
 pub(super) fn pieces<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Pieces<D>> {
+    cut_into(space, phi, &LATTICE)
+}
+
+/// The same with whole triangles, a quarter as many.
+pub(super) fn coarse_pieces<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Pieces<D>> {
+    cut_into(space, phi, &[[0, 1, 2]])
+}
+
+fn cut_into<const D: usize>(
+    space: &Space<D>,
+    phi: &[f64],
+    parts: &[[usize; 3]],
+) -> Result<Pieces<D>> {
     let found = match Zero::new(space, phi)? {
         Zero::Plane(contour) => {
             let (mut cells, mut corners) = (Vec::new(), Vec::new());
@@ -160,8 +173,8 @@ pub(super) fn pieces<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<Pi
         Zero::Solid(surface) => {
             let (mut cells, mut corners) = (Vec::new(), Vec::new());
             for t in surface.triangles() {
-                cells.extend([t.cell; LATTICE.len()]);
-                corners.extend(LATTICE.iter().map(|quarter| quarter.map(|k| t.points[k])));
+                cells.extend(parts.iter().map(|_| t.cell));
+                corners.extend(parts.iter().map(|part| part.map(|k| t.points[k])));
             }
             same(Pieces { cells, corners })
         }

@@ -5,7 +5,9 @@
 //! ones. A file that replaces an older one is written beside it and renamed: a stop at any moment
 //! leaves the old or the new one.
 
+mod appended;
 mod chart;
+mod clip;
 mod colours;
 mod csv;
 mod field;
@@ -28,11 +30,13 @@ mod series;
 mod series_writer;
 pub mod solid;
 mod table;
+mod vtkhdf;
+mod vtp;
 mod vtu;
 mod vtu_read;
 
 pub use chart::{Chart, Curve, Slope, Stroke};
-pub use colours::Scale;
+pub use colours::{ColourMap, Scale};
 pub use field::FieldData;
 pub use figure::{Content, Figure};
 pub use file::{cannot_write, read as read_file, read_text, write_durably, write_file};
@@ -47,5 +51,7 @@ pub use segments::Pixels;
 pub use series::{Series, same_time};
 pub use series_writer::SeriesWriter;
 pub use table::{Cell, Column, Notation, Table};
+pub use vtkhdf::write_vtkhdf;
+pub use vtp::{Mark, write_vtp};
 pub use vtu::write_vtu;
 pub use vtu_read::{Snapshot, Values, read_vtu};

@@ -1,24 +1,13 @@
 //! VTU: fields on a mesh for ParaView, VisIt and meshio.
 //!
-//! Binary data stand at the end of the file ("appended raw"), cut into blocks that are compressed
-//! one by one: VTK file formats,
-//! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>. P2 fields are written
-//! as quadratic cells, so nothing is lost.
+//! P2 fields are written as quadratic cells, so nothing is lost.
 
+use super::appended::{Document, THREE, bytes, padded};
 use super::field::{FieldData, on_nodes};
 use super::file::write_file;
-use super::markup::escape;
-use crate::base::{Error, Result};
+use crate::base::Result;
 use crate::fem::{Element, Space};
-use flate2::{Compression, write::ZlibEncoder};
-use nalgebra::SVector;
-use rayon::prelude::*;
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
-
-/// Bytes that are compressed together.
-pub(super) const BLOCK: usize = 32 * 1024;
 
 /// The type number that VTK gives to a cell of `element` in dimension `d`.
 pub(super) fn cell_type(element: Element, d: usize) -> u8 {
@@ -84,71 +73,7 @@ pub fn write_vtu<const D: usize>(
     file.array("Int64", "offsets", "", &ends.collect::<Vec<u8>>());
     file.array("UInt8", "types", "", &vec![cell_type(space.element(), D); cells]);
     file.close("Cells");
-    write_file(path, &file.finish()?)
-}
-
-const THREE: &str = " NumberOfComponents=\"3\"";
-
-/// Vectors with three components.
-fn padded<const D: usize>(f: &[SVector<f64, D>]) -> Vec<f64> {
-    f.iter().flat_map(|v| (0..3).map(|k| if k < D { v[k] } else { 0.0 })).collect()
-}
-
-fn bytes(values: &[f64]) -> Vec<u8> {
-    values.iter().flat_map(|v| v.to_le_bytes()).collect()
-}
-
-/// A file in the making: the XML head and the binary data it points into.
-#[derive(Default)]
-struct Document {
-    head: String,
-    data: Vec<u8>,
-    failed: Option<std::io::Error>,
-}
-
-impl Document {
-    fn line(&mut self, text: &str) {
-        self.head.push_str(text);
-        self.head.push('\n');
-    }
-    fn open(&mut self, tag: &str) {
-        self.line(&format!("<{tag}>"));
-    }
-    fn close(&mut self, tag: &str) {
-        self.line(&format!("</{tag}>"));
-    }
-    /// A data array: its tag in the head, and its compressed blocks behind a table of their sizes.
-    fn array(&mut self, number: &str, name: &str, more: &str, raw: &[u8]) {
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            self.head,
-            "<DataArray type=\"{number}\" Name=\"{}\"{more} format=\"appended\" offset=\"{}\"/>",
-            escape(name),
-            self.data.len()
-        );
-        let blocks: std::io::Result<Vec<Vec<u8>>> = raw.par_chunks(BLOCK).map(compress).collect();
-        match blocks {
-            Err(e) => self.failed = Some(e),
-            Ok(blocks) => {
-                let table = [blocks.len(), BLOCK, raw.len() % BLOCK];
-                let sizes = table.into_iter().chain(blocks.iter().map(Vec::len));
-                self.data.extend(sizes.flat_map(|n| (n as u64).to_le_bytes()));
-                blocks.iter().for_each(|b| self.data.extend_from_slice(b));
-            }
-        }
-    }
-    /// The whole file.
-    fn finish(self) -> Result<Vec<u8>> {
-        if let Some(e) = self.failed {
-            return Err(Error::internal("cannot compress the fields").value(e));
-        }
-        let mut out = HEAD.as_bytes().to_vec();
-        out.extend_from_slice(self.head.as_bytes());
-        out.extend_from_slice(TAIL.as_bytes());
-        out.extend_from_slice(&self.data);
-        out.extend_from_slice(b"\n</AppendedData>\n</VTKFile>\n");
-        Ok(out)
-    }
+    write_file(path, &file.finish(HEAD, TAIL)?)
 }
 
 /// Beginning of every file; the reader asks for exactly this.
@@ -157,10 +82,3 @@ pub(super) const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Unstruct
     compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n";
 /// The text between the head and the binary data.
 pub(super) const TAIL: &str = "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
-
-fn compress(block: &[u8]) -> std::io::Result<Vec<u8>> {
-    // Level 1: a tenth of the time of level 6 for files a few per cent larger.
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(1));
-    encoder.write_all(block)?;
-    encoder.finish()
-}

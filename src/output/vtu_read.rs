@@ -1,8 +1,9 @@
 //! Reading the VTU files of [`write_vtu`](super::write_vtu) back, for pictures of a finished run.
 
+use super::appended::BLOCK;
 use super::file;
 use super::markup::attribute;
-use super::vtu::{BLOCK, HEAD, TAIL, cell_type};
+use super::vtu::{HEAD, TAIL, cell_type};
 use crate::base::{Error, Result};
 use crate::fem::{Element, Space};
 use crate::mesh::{Mesh, Point};
