@@ -226,6 +226,9 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
     fn tension(&self) -> f64 {
         self.largest_tension()
     }
+    fn tension_at(&self, stretch: f64) -> Option<f64> {
+        Some(self.law.tension(stretch))
+    }
     fn step_limit(&self, medium: &Medium) -> f64 {
         explicit_step_limit(medium, self.width.thickness, self.largest_tension())
     }

@@ -257,6 +257,9 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     fn tension(&self) -> f64 {
         self.largest_tension()
     }
+    fn tension_at(&self, stretch: f64) -> Option<f64> {
+        Some(self.law.tension(stretch))
+    }
     /// The force acts on the surrounding fluid within one edge on each side.
     fn step_limit(&self, medium: &Medium) -> f64 {
         explicit_step_limit(medium, medium.edge, self.largest_tension())

@@ -160,7 +160,7 @@ impl<'a, const D: usize> Derived<'a, D> {
             let value = |flow: &crate::flow::FlowSolver<D>| {
                 flow.pressure().space().value(&state.flow.p, cell, l)
             };
-            self.view.flow.map_or(f64::NAN, value)
+            self.view.flow.filter(|_| state.has_pressure()).map_or(f64::NAN, value)
         };
         match of {
             Quantity::Pressure => vec![pressure()],

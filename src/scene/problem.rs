@@ -138,11 +138,17 @@ pub trait Problem {
     fn profile(&self, k: usize) -> Vec<ProfileColumn>;
     /// Points of profile number `k`, each with one coordinate per dimension.
     fn profile_points(&self, k: usize) -> Vec<Vec<f64>>;
-    /// Writes the fields into a VTU file.
+    /// Writes the fields into a VTU file and, if the scene says so, the interfaces into a VTP file
+    /// beside it.
     ///
     /// # Errors
     /// A file that cannot be written.
     fn write_fields(&self, path: &Path) -> Result<()>;
+    /// Writes the boundary of the mesh with its names into a VTP file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn write_boundaries(&self, path: &Path) -> Result<()>;
     /// Writes further results to the folder at the end of a run.
     ///
     /// # Errors

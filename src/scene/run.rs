@@ -19,6 +19,7 @@ use super::Scene;
 use super::problem::Problem;
 use super::problems::problem;
 use super::remedies::one_of;
+use super::schema::Stored;
 use crate::base::{Error, Kind, Result, Warning, fnv1a};
 use crate::output::{SeriesWriter, read_file};
 use cpu_time::ProcessTime;
@@ -198,6 +199,9 @@ impl<'a> Run<'a> {
             told.iter().for_each(|w| observer.warning(w));
             run.sample(0)?;
         }
+        if scene.output.store.contains(&Stored::Boundaries) {
+            run.problem.write_boundaries(&folder.boundaries())?;
+        }
         Ok(run)
     }
 
@@ -338,6 +342,7 @@ impl<'a> Run<'a> {
         });
         self.record.note_costs(&mut *self.problem);
         let kept = if failed { self.keep_last_state() } else { Ok(()) };
+        let kept = kept.and_then(|()| self.folder.write_all_times(self.scene, &self.record));
         let alarms = self.alarms();
         let steps = self.problem.moment().steps as usize;
         self.record.note_time();

@@ -57,6 +57,11 @@ pub struct State<const D: usize> {
 }
 
 impl<const D: usize> State<D> {
+    /// True if there is a pressure: it comes with a step, and before the first there is none unless
+    /// the state was taken from elsewhere.
+    pub fn has_pressure(&self) -> bool {
+        self.steps > 0 || self.flow.p.iter().any(|p| *p != 0.0)
+    }
     /// Checks that `other` is a state of the same simulation.
     ///
     /// # Errors

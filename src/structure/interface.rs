@@ -146,6 +146,10 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     }
     /// Largest tension.
     fn tension(&self) -> f64;
+    /// Tension where the interface is stretched by `stretch`, if it depends on nothing else.
+    fn tension_at(&self, _stretch: f64) -> Option<f64> {
+        None
+    }
     /// Largest stable step of the explicit coupling.
     fn step_limit(&self, medium: &Medium) -> f64;
     /// Rejects couplings that are not implemented.
@@ -275,6 +279,9 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
     }
     fn tension(&self) -> f64 {
         self.force.tension()
+    }
+    fn tension_at(&self, stretch: f64) -> Option<f64> {
+        self.force.tension_at(stretch)
     }
     fn step_limit(&self, medium: &Medium) -> f64 {
         self.force.step_limit(medium)

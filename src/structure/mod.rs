@@ -170,6 +170,11 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn tension(&self) -> f64 {
         0.0
     }
+    /// Tension where the interface is stretched by `stretch` (the inverse of a density that it
+    /// carries), if it depends on nothing else.
+    fn tension_at(&self, _stretch: f64) -> Option<f64> {
+        None
+    }
     /// Largest stable step of the explicit coupling in this medium, (1.54), for the prepared
     /// fields; infinite if there is no limit.
     fn step_limit(&self, _medium: &Medium) -> f64 {

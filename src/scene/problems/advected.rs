@@ -1,6 +1,6 @@
 //! Level sets of a scene in a prescribed velocity.
 
-use super::{fields, ground};
+use super::{fields, ground, interfaces};
 use crate::base::{Error, PHASES, Result, Warning, fnv1a, same};
 use crate::flow::StepReport;
 use crate::mesh::{self, Mesh, Quality};
@@ -166,7 +166,10 @@ impl<const D: usize> Problem for Advected<D> {
         self.probes.points(k)
     }
     fn write_fields(&self, path: &Path) -> Result<()> {
-        fields::write(path, &self.view(), None)
+        fields::write(path, &self.view(), None, [None, None])
+    }
+    fn write_boundaries(&self, path: &Path) -> Result<()> {
+        interfaces::write_boundaries(path, self.advection.space().mesh())
     }
     fn follow(&mut self) -> Result<bool> {
         let this: &mut dyn Any = self;

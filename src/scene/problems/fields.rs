@@ -1,9 +1,11 @@
 //! Field files of all problems.
 
+use super::interfaces;
 use crate::base::Result;
 use crate::flow::nodal_pressure;
 use crate::output::{FieldData, write_vtu};
 use crate::scene::geometry;
+use crate::scene::schema::Stored;
 use crate::scene::view::View;
 use crate::sim::Carried;
 use crate::structure::{Density, Structure};
@@ -26,22 +28,35 @@ impl<const D: usize> Made<D> {
 }
 
 /// Writes velocity (or, for a segmentation, the image), pressure, the nodal fields of structures
-/// that are [written](crate::structure::Rule::written), strains and curvatures to a VTU file.
+/// that are [written](crate::structure::Rule::written), strains and curvatures to a VTU file, and
+/// what else the scene wants to have stored; the interfaces to a VTP file beside it. A pressure
+/// that is not known yet is NaN.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// A level set that is not finite; a file that cannot be written.
 pub(super) fn write<const D: usize>(
     path: &Path,
     view: &View<'_, D>,
     image: Option<&[f64]>,
+    materials: [Option<Vec<f64>>; 2],
 ) -> Result<()> {
     let (state, carried) = (view.state, view.carried);
-    let pressure = view.flow.map(|flow| nodal_pressure(flow.pressure().space(), &state.flow.p));
+    let stored = |what| view.tables.output.store.contains(&what);
+    let pressure = view.flow.map(|flow| match state.has_pressure() {
+        true => nodal_pressure(flow.pressure().space(), &state.flow.p),
+        false => vec![f64::NAN; view.space().mesh().points().len()],
+    });
+    let rotates = image.is_none() && stored(Stored::Vorticity);
+    let vorticity = rotates.then(|| view.space().vorticity(&state.flow.u));
     let mut fields = vec![match image {
         Some(image) => ("image", FieldData::Scalar(image)),
         None => ("velocity", FieldData::Vector(&state.flow.u)),
     }];
     fields.extend(pressure.iter().map(|p| ("pressure", FieldData::Scalar(p))));
+    fields.extend(vorticity.iter().map(|w| ("vorticity", FieldData::Scalar(w))));
+    let materials = ["density", "viscosity"].into_iter().zip(&materials);
+    let materials = materials.filter(|_| stored(Stored::Materials));
+    fields.extend(materials.filter_map(|(n, m)| Some((n, FieldData::Scalar(m.as_ref()?)))));
     let scalars: Vec<_> = carried.written_scalars(&state.fields).collect();
     fields.extend(scalars.iter().map(|(name, values)| (*name, FieldData::Scalar(values))));
     let (stretched, strained, curved) = (stretched(view), strained(view), curved(view));
@@ -50,6 +65,9 @@ pub(super) fn write<const D: usize>(
     let vectors = carried.written_vectors(&state.fields);
     fields.extend(vectors.map(|(name, values)| (name, FieldData::Vector(values))));
     fields.extend(curved.iter().map(|(name, made)| (&**name, made.as_field())));
+    if stored(Stored::Interfaces) && carried.structures().iter().any(|s| s.level_set().is_some()) {
+        interfaces::write(&path.with_extension("vtp"), view)?;
+    }
     write_vtu(path, view.space(), state.time, &fields)
 }
 

@@ -6,19 +6,18 @@ mod waves;
 use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
-use super::{flow_advice, scales};
+use super::{fields, flow_advice, forces, interfaces, scales};
 use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a, rounded};
-use crate::flow::{BodyForce, Load, StepReport, traction};
+use crate::flow::{BodyForce, StepReport};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
 use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
 use crate::scene::checks::check_flow;
 use crate::scene::initial::{self, InitialFlow};
-use crate::scene::measure::{self, Probes, force_columns};
+use crate::scene::measure::{self, Probes};
 use crate::scene::pacing::pacing;
 use crate::scene::plan::{self, Plan};
-use crate::scene::points::point;
 use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::{of_step, with_keys};
@@ -114,6 +113,7 @@ impl<const D: usize> ImmersedFlow<D> {
             Simulation::from_flow(&mesh, settings, structures, flow).map_err(of_boundary)?;
         redistance(scene, simulation.carried_mut());
         let wall_nodes = closed_nodes(&simulation);
+        forces::check(scene)?;
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
@@ -193,35 +193,6 @@ impl<const D: usize> ImmersedFlow<D> {
         Ok(())
     }
 
-    /// Measures the forces on boundaries, from the residual and from the stress.
-    fn measure_forces(&self, row: &mut Row) -> Result<()> {
-        let (sim, viscosity) = (&self.simulation, self.simulation.viscosity());
-        let pressure = sim.flow().pressure().space();
-        for f in &self.scene.output.forces {
-            let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
-            let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
-            let (space, flow) = (sim.space(), &sim.state().flow);
-            let stress = traction(space, pressure, &viscosity, flow, &f.boundary, &about)?;
-            let methods = [("", &residual), ("stress_", &stress)];
-            for (method, load) in methods {
-                let prefix = format!("{}_{method}", f.name);
-                row.put_all(
-                    &prefix,
-                    force_columns(D, false).iter().zip(load.force.iter().copied()),
-                );
-            }
-            for (method, load) in methods.into_iter().filter(|_| f.about.is_some()) {
-                // In the plane a moment has only the last component.
-                let moment = load.moment.iter().copied().skip(if D == 2 { 2 } else { 0 });
-                row.put_all(
-                    &format!("{}_{method}", f.name),
-                    force_columns(D, true).iter().zip(moment),
-                );
-            }
-        }
-        Ok(())
-    }
-
     /// Measures energies, their balance, and data of the step.
     fn measure_flow(&self, row: &mut Row) {
         let (sim, state) = (&self.simulation, self.simulation.state());
@@ -292,7 +263,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             row.put("energy_transferred", self.simulation.state().balance.transferred);
         }
         self.probes.measure(&view, &mut row);
-        self.measure_forces(&mut row)?;
+        forces::measure(&self.simulation, &self.scene, &mut row)?;
         measure::rest(&view, &mut row)?;
         if self.scene.time.tolerance.is_some() {
             row.put("step", self.simulation.settings().dt);
@@ -306,7 +277,10 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         self.probes.points(k)
     }
     fn write_fields(&self, path: &Path) -> Result<()> {
-        super::fields::write(path, &self.view(), None)
+        fields::write(path, &self.view(), None, self.simulation.nodal_materials())
+    }
+    fn write_boundaries(&self, path: &Path) -> Result<()> {
+        interfaces::write_boundaries(path, self.simulation.space().mesh())
     }
     fn follow(&mut self) -> Result<bool> {
         let this: &mut dyn Any = self;
@@ -360,7 +334,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             cells: sim.space().mesh().cell_count(),
             edge: self.quality.greatest_diameter.value,
             memory: sim.bytes(),
-            unknowns: [velocity, pressure, super::fields::level_set_unknowns(&self.view())],
+            unknowns: [velocity, pressure, fields::level_set_unknowns(&self.view())],
             factor: flow.solver_size().map(|(_, size)| (size.entries, size.value_bytes())),
             adapted: self.lengths.is_some(),
         }

@@ -1,7 +1,7 @@
 //! Segmentation of an image by a level set: construction, comparison with a known answer, and the
 //! files written at the end.
 
-use super::{fields, ground};
+use super::{fields, ground, interfaces};
 use crate::base::{Error, PHASES, Result, Warning, fnv1a, length};
 use crate::flow::StepReport;
 use crate::levelset::{
@@ -202,7 +202,10 @@ impl<const D: usize> Problem for Segmented<D> {
         self.probes.points(k)
     }
     fn write_fields(&self, path: &Path) -> Result<()> {
-        fields::write(path, &self.view(), Some(self.segmenting.image()))
+        fields::write(path, &self.view(), Some(self.segmenting.image()), [None, None])
+    }
+    fn write_boundaries(&self, path: &Path) -> Result<()> {
+        interfaces::write_boundaries(path, self.segmenting.carried().mesh())
     }
     /// Writes `contours.csv`, `segmented.png` with the two mean levels, and `mask.png`, white
     /// inside.

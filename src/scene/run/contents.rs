@@ -6,12 +6,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files of a run folder.
-const FILES: [&str; 13] = [
+const FILES: [&str; 16] = [
     "scene.toml",
     "series.csv",
     "summary.json",
     "log.txt",
     "fields.pvd",
+    "fields.vtkhdf",
+    "interfaces.pvd",
+    "boundaries.vtp",
     "start.vtu",
     "report.html",
     "film.gif",
@@ -23,7 +26,7 @@ const FILES: [&str; 13] = [
 ];
 /// Folders of a run folder, with the endings of the files in them.
 const FOLDERS: [(&str, &[&str]); 5] = [
-    ("fields", &["vtu"]),
+    ("fields", &["vtu", "vtp"]),
     ("checkpoint", &["bin"]),
     ("profiles", &["csv"]),
     ("pictures", &["png"]),

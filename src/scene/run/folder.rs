@@ -5,9 +5,10 @@ use super::physics::{differences, tag};
 use super::record::{Column, Record};
 use super::{Earlier, Options, contents};
 use crate::base::{Error, Kind, Result, Warning, copy_bandwidth};
-use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd};
+use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd, write_vtkhdf};
 use crate::scene::Scene;
 use crate::scene::kept::{CHECKPOINTS, Checkpoint};
+use crate::scene::period::Oscillation;
 use crate::scene::problem::{Facts, Problem};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -222,7 +223,31 @@ impl Folder {
     pub(super) fn write_collection(&self, record: &Record) -> Result<()> {
         let entries: Vec<_> =
             record.fields.iter().map(|&(k, time)| (time, field_file(k))).collect();
+        let interfaces: Vec<_> = (entries.iter())
+            .map(|(time, file)| (*time, Path::new(file).with_extension("vtp")))
+            .filter(|(_, file)| self.path.join(file).is_file())
+            .map(|(time, file)| (time, file.display().to_string()))
+            .collect();
+        if !interfaces.is_empty() {
+            write_pvd(&self.path.join("interfaces.pvd"), &interfaces)?;
+        }
         write_pvd(&self.path.join("fields.pvd"), &entries)
+    }
+
+    /// The file of the boundary.
+    pub(super) fn boundaries(&self) -> PathBuf {
+        self.path.join("boundaries.vtp")
+    }
+
+    /// Makes the file with the fields of all times, if the scene wants it.
+    pub(super) fn write_all_times(&self, scene: &Scene, record: &Record) -> Result<()> {
+        let frames: Vec<PathBuf> = record.fields.iter().map(|f| self.fields(f.0)).collect();
+        let path = self.path.join("fields.vtkhdf");
+        match scene.dimension() {
+            _ if !scene.output.vtkhdf || frames.is_empty() => Ok(()),
+            2 => write_vtkhdf::<2>(&path, &frames),
+            _ => write_vtkhdf::<3>(&path, &frames),
+        }
     }
 
     /// Writes a profile: the coordinates of its points, and its columns.
@@ -242,6 +267,23 @@ impl Folder {
         columns.extend(["x", "y", "z"].into_iter().zip(places.iter().map(Vec::as_slice)));
         columns.extend(values.iter().map(|(name, v)| (name.as_str(), v.as_slice())));
         Series::new(&columns).write(&self.path.join("profiles").join(format!("{name}.csv")))
+    }
+
+    /// The Strouhal number of each force that has a reference and oscillates.
+    fn strouhal(&self, scene: &Scene) -> Result<BTreeMap<String, serde_json::Value>> {
+        let mut found = BTreeMap::new();
+        for force in scene.output.forces.iter().filter(|f| f.reference.is_some()) {
+            let series = Series::read(&self.series())?;
+            let lift = series.column(&format!("{}_lift", force.name))?;
+            let oscillation = Oscillation::of(series.column("time")?, lift);
+            if let (Some(r), Some(o)) = (&force.reference, oscillation) {
+                let number = o.frequency * r.length / r.speed;
+                let value = json!({ "strouhal": number, "frequency": o.frequency,
+                    "periods": o.periods, "spread": o.spread });
+                found.insert(force.name.clone(), value);
+            }
+        }
+        Ok(found)
     }
 
     /// Writes `summary.json`.
@@ -281,6 +323,7 @@ impl Folder {
             "step_seconds": record.step_seconds,
             "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
+            "strouhal": self.strouhal(scene)?,
             "leaves": record.left,
             "fluid_enters": record.entered,
             "warnings": problem.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),

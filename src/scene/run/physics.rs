@@ -5,7 +5,8 @@ use crate::scene::Scene;
 use toml::{Table, Value};
 
 /// Keys of `[output]` that change files, and not their columns.
-const OF_OUTPUT: [&str; 6] = ["every", "fields", "pictures", "film", "checkpoint", "picture"];
+const OF_OUTPUT: [&str; 8] =
+    ["every", "fields", "store", "vtkhdf", "pictures", "film", "checkpoint", "picture"];
 
 /// The scene without what may change.
 fn physics(scene: &Scene) -> Result<Table> {

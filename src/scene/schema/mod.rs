@@ -30,7 +30,7 @@ pub use image::Image;
 pub use initial::Initial;
 pub use mesh::{BallInBox, Block, Disc, MeshSource, Rectangle};
 pub use numerics::{Numerics, TensionScheme};
-pub use output::{Flux, Force, Output, Probe, Profile};
+pub use output::{Flux, Force, Output, Probe, Profile, Reference, Stored};
 pub use picture::{Cut, Picture, Window};
 pub use polygon::Polygon;
 pub use redistance::Redistance;

@@ -5,7 +5,7 @@ use super::given::{Given, Motion, Quantity};
 use super::picture::Picture;
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Flag, Form, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point,
+    Context, Count, Direction, Flag, Form, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point,
     Positive, Set, Table, Tabled, Text, Writer, kinds, last, table, words,
 };
 
@@ -19,6 +19,16 @@ table! {
         /// Time between field files (VTU); false for none. Pictures are drawn from field files,
         /// which are written at their times too.
         fields: Option<f64> [OrFalse<Positive>, "s", Derived("a tenth of the run")],
+        /// What the field files hold beside velocity, pressure and level sets: "vorticity";
+        /// "materials", density and viscosity where they vary; "interfaces", every interface as
+        /// lines (in space: triangles) with what it carries, in `interfaces.pvd`; "boundaries", the
+        /// named parts of the boundary, in `boundaries.vtp`.
+        store: Vec<Stored> [Set<StoredWords>,
+            Default(["vorticity", "materials", "interfaces", "boundaries"])],
+        /// Whether the fields of all times are put into one file as well, `fields.vtkhdf`
+        /// (VTKHDF 2.0: VTK 9.3 or newer). It is made of the field files whenever a run ends
+        /// or stops, and needs as much memory as they are large without compression.
+        vtkhdf: bool [Flag, Default(false)],
         /// Time between pictures; false for none.
         pictures: Option<f64> [OrFalse<Positive>, "s", Derived("a fiftieth of the run")],
         /// Whether the pictures are joined to a film.
@@ -90,7 +100,33 @@ table! {
         boundary: String [Text, Required("name a boundary: boundary = \"cylinder\"")],
         /// The point about which the moment is taken.
         about: Option<Vec<f64>> [Opt<Point>, "m"],
+        /// What the coefficients of drag and lift refer to: columns `NAME_drag` and `NAME_lift`, by
+        /// the residual, and the Strouhal number in `summary.json`, once the lift has three periods
+        /// in the second half of the run.
+        reference: Option<Reference> [Opt<Nested<Reference>>],
     }
+}
+
+table! {
+    /// Speed, length and density of the coefficients of a force: 2 F / (rho U^2 L), in space
+    /// 2 F / (rho U^2 A), and the Strouhal number f L / U.
+    Reference {
+        /// The speed U, such as the mean one at the inlet.
+        speed: f64 [Positive, "m/s",
+            Required("give both: reference = { speed = 1, length = 0.1 }")],
+        /// The length L, such as the diameter of the body.
+        length: f64 [Positive, "m",
+            Required("give both: reference = { speed = 1, length = 0.1 }")],
+        /// The density rho.
+        density: Option<f64> [Opt<Positive>, "kg/m3", Derived("`fluid.density`, outside")],
+        /// The area A, in space.
+        area: Option<f64> [Opt<Positive>, "m2", Derived("`length` squared")],
+        /// The direction of the stream, which is that of the drag.
+        stream: Option<Vec<f64>> [Opt<Direction>, Derived("along x")],
+        /// In space, the direction of the lift; what is along the stream does not count. In the
+        /// plane it is the stream turned to the left.
+        lift: Option<Vec<f64>> [Opt<Direction>, Derived("along y")],
+    } before Reference::before; check Reference::check;
 }
 
 table! {
@@ -101,6 +137,26 @@ table! {
     }
 }
 
+/// What field files may hold beside velocity, pressure and level sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stored {
+    /// The vorticity.
+    Vorticity,
+    /// Density and viscosity, where they vary.
+    Materials,
+    /// The interfaces.
+    Interfaces,
+    /// The boundary.
+    Boundaries,
+}
+words! {
+    StoredWords: Stored {
+        "vorticity" = Stored::Vorticity,
+        "materials" = Stored::Materials,
+        "interfaces" = Stored::Interfaces,
+        "boundaries" = Stored::Boundaries,
+    }
+}
 words! {
     Quantities: Quantity {
         "pressure" = Quantity::Pressure,
@@ -200,6 +256,60 @@ impl Output {
             self.entries(),
             &["picture", "curves", "probes", "profiles", "forces", "fluxes"],
         ));
+    }
+}
+
+impl Reference {
+    fn before(table: &Table<'_>, context: &Context) -> Result<()> {
+        match ["area", "lift"].into_iter().find_map(|key| table.get(key)) {
+            Some(item) if context.dimension == 2 => Err(item
+                .key_error(format!("`{}` is for forces in space, and the mesh is plane", item.key))
+                .remedy("leave it out: the lift is at a right angle to the stream")),
+            _ => Ok(()),
+        }
+    }
+
+    fn check(&mut self, table: &Table<'_>, context: &Context) -> Result<()> {
+        let [stream, lift] = self.directions(context.dimension);
+        let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
+        for (key, v) in [("stream", &stream), ("lift", &lift)] {
+            if let (true, Some(item)) = (!(length(v) > 0.5), table.get(key)) {
+                let what = if key == "lift" && length(&stream) > 0.5 {
+                    "the lift is along the stream"
+                } else {
+                    "the direction has no length"
+                };
+                return Err(item
+                    .error(what)
+                    .remedy("give directions that differ: stream = [1, 0, 0], lift = [0, 1, 0]"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Unit vectors of drag and lift; zero where they are not defined.
+    pub(in crate::scene) fn directions(&self, dimension: usize) -> [Vec<f64>; 2] {
+        let axis = |k: usize| (0..dimension).map(|i| f64::from(u8::from(i == k))).collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let unit = |v: Vec<f64>| {
+            let norm = dot(&v, &v).sqrt();
+            v.iter().map(|x| if norm > 1e-9 { x / norm } else { 0.0 }).collect::<Vec<f64>>()
+        };
+        let stream = unit(self.stream.clone().unwrap_or_else(|| axis(0)));
+        if dimension == 2 {
+            let left = vec![-stream[1], stream[0]];
+            return [stream, left];
+        }
+        let across = |v: Vec<f64>| {
+            let v = unit(v);
+            let along = dot(&v, &stream);
+            unit(v.iter().zip(&stream).map(|(x, s)| x - along * s).collect())
+        };
+        let lift = across(self.lift.clone().unwrap_or_else(|| axis(1)));
+        // Where the stream is along y the lift is by default along z.
+        let none = self.lift.is_none() && dot(&lift, &lift) == 0.0;
+        let lift = if none { across(axis(2)) } else { lift };
+        [stream, lift]
     }
 }
 

@@ -91,6 +91,20 @@ impl<const D: usize> Simulation<D> {
         let (fluid, held) = (self.settings.fluid, self.held());
         move |cell, l| viscosity_of(fluid, &held, |id| self.value_at(id, cell, l))
     }
+    /// Density and viscosity at the nodes, for the current fields; `None` where they are the same
+    /// everywhere.
+    pub fn nodal_materials(&self) -> [Option<Vec<f64>>; 2] {
+        let (fluid, held, fields) = (self.settings.fluid, self.held(), &self.state.fields);
+        let (inside, heavy) =
+            (held.iter().filter_map(|h| h.fluid), held.iter().any(|h| h.surface_mass > 0.0));
+        let differ = |of: fn(Fluid) -> f64| inside.clone().any(|f| of(f) != of(fluid));
+        let nodal = |of: &dyn Fn(usize) -> f64| (0..self.carried.space.len()).map(of).collect();
+        let at = |n: usize| move |id: FieldId| fields.scalar(id)[n];
+        [
+            (heavy || differ(|f| f.density)).then(|| nodal(&|n| density_of(fluid, &held, at(n)))),
+            differ(|f| f.viscosity).then(|| nodal(&|n| viscosity_of(fluid, &held, at(n)))),
+        ]
+    }
     fn value_at(&self, id: FieldId, cell: usize, l: &[f64; 4]) -> f64 {
         self.carried.space.value(self.state.fields.scalar(id), cell, l)
     }

@@ -1,0 +1,82 @@
+//! Forces on boundaries, and their coefficients.
+
+use crate::base::{Error, Result};
+use crate::flow::{Load, traction};
+use crate::mesh::Point;
+use crate::scene::Scene;
+use crate::scene::measure::force_columns;
+use crate::scene::points::point;
+use crate::scene::row::Row;
+use crate::scene::schema::Reference;
+use crate::sim::Simulation;
+use nalgebra::SVector;
+
+/// Measures the forces on boundaries, from the residual and from the stress.
+///
+/// # Errors
+/// A boundary that the mesh does not have.
+pub(super) fn measure<const D: usize>(
+    sim: &Simulation<D>,
+    scene: &Scene,
+    row: &mut Row,
+) -> Result<()> {
+    let pressure = sim.flow().pressure().space();
+    for f in &scene.output.forces {
+        let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
+        let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
+        let (space, state) = (sim.space(), sim.state());
+        let stress = match state.has_pressure() {
+            true => traction(space, pressure, &sim.viscosity(), &state.flow, &f.boundary, &about)?,
+            false => Load::NAN,
+        };
+        let methods = [("", &residual), ("stress_", &stress)];
+        for (method, load) in methods {
+            let prefix = format!("{}_{method}", f.name);
+            row.put_all(&prefix, force_columns(D, false).iter().zip(load.force.iter().copied()));
+        }
+        for (method, load) in methods.into_iter().filter(|_| f.about.is_some()) {
+            // In the plane a moment has only the last component.
+            let moment = load.moment.iter().copied().skip(if D == 2 { 2 } else { 0 });
+            row.put_all(&format!("{}_{method}", f.name), force_columns(D, true).iter().zip(moment));
+        }
+        if let Some(reference) = &f.reference {
+            let values = coefficients(reference, scene.outside().density, &residual.force);
+            row.put_all(&format!("{}_", f.name), COEFFICIENTS.into_iter().zip(values));
+        }
+    }
+    Ok(())
+}
+
+/// Suffixes of the columns of the coefficients, after the name of the force and `_`.
+const COEFFICIENTS: [&str; 2] = ["drag", "lift"];
+
+/// Coefficients of drag and lift: `2 F / (rho U^2 L)`, in space with the area in place of `L`.
+fn coefficients<const D: usize>(
+    reference: &Reference,
+    density: f64,
+    force: &SVector<f64, D>,
+) -> [f64; 2] {
+    let Reference { speed, length, .. } = *reference;
+    let size = if D == 2 { length } else { reference.area.unwrap_or(length * length) };
+    let pressure = 0.5 * reference.density.unwrap_or(density) * speed * speed;
+    let [stream, lift] = reference.directions(D);
+    [stream, lift].map(|direction| force.dot(&point::<D>(&direction)) / (pressure * size))
+}
+
+/// Rejects coefficients of forces in a fluid without density.
+///
+/// # Errors
+/// A reference without density.
+pub(super) fn check(scene: &Scene) -> Result<()> {
+    let lacks = |r: &Reference| r.density.is_none() && scene.outside().density == 0.0;
+    match scene.output.forces.iter().find(|f| f.reference.as_ref().is_some_and(lacks)) {
+        None => Ok(()),
+        Some(f) => {
+            let e =
+                Error::scene("the coefficients of a force need a density, and the fluid has none")
+                    .value("density = 0")
+                    .remedy("give one: reference = { speed = 1, length = 0.1, density = 1000 }");
+            Err(scene.blame(&["output", "forces", &f.name, "reference"], e))
+        }
+    }
+}
