@@ -19,6 +19,7 @@ mod meshing;
 mod nearest;
 mod overrides;
 mod pacing;
+mod period;
 mod placing;
 mod plan;
 mod points;

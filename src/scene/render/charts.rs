@@ -21,7 +21,9 @@ pub(super) fn draw(run: &RunFolder) -> Vec<Plot> {
         let common = [stretch, area, map, energies, balance, speed, steps, fluxes];
         charts.extend(common.iter().filter_map(|chart| chart(run, sheet())));
         charts.extend(run.scene.output.probes.iter().filter_map(|p| probe(run, p, sheet())));
-        charts.extend(run.scene.output.forces.iter().filter_map(|f| force(run, &f.name, sheet())));
+        let forces = run.scene.output.forces.iter();
+        charts.extend(forces.clone().filter_map(|f| force(run, &f.name, sheet())));
+        charts.extend(forces.filter_map(|f| coefficients(run, &f.name, sheet())));
     }
     charts.extend(run.profiles.iter().filter_map(|(p, table)| profile(run, p, table)));
     charts
@@ -206,6 +208,18 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Plot> {
         "The force of the fluid on the boundary, from the residual of the discrete equations and \
          (dashed) from the integral of the stress. The first is the more accurate by an order; \
          the distance of the two shows how well the mesh resolves the flow at the wall.",
+    )
+}
+
+fn coefficients(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
+    sheet.line("drag", run.column(&format!("{name}_drag")));
+    sheet.line("lift", run.column(&format!("{name}_lift")));
+    let title = format!("Coefficients of {name}");
+    sheet.draw(
+        format!("coefficients-{name}"),
+        [&title, "coefficient"],
+        "Drag and lift over the dynamic pressure and the size of the scene's reference, by the \
+         residual of the discrete equations.",
     )
 }
 

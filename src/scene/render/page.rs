@@ -127,6 +127,7 @@ fn key_numbers(run: &RunFolder) -> Vec<KeyNumber> {
         with_interface(run).take(MOST_MEMBRANES).flat_map(|s| of_interface(run, s)).collect();
     numbers.extend(of_segmentation(run));
     numbers.extend(of_flow(run));
+    numbers.extend(of_forces(run));
     numbers.extend(of_cost(run));
     numbers
 }
@@ -210,6 +211,29 @@ fn of_flow(run: &RunFolder) -> Vec<KeyNumber> {
             run.measured(rounded(speed, 4), "speed"),
             peak(run).unwrap_or_default(),
         ));
+    }
+    numbers
+}
+
+/// Coefficients and Strouhal numbers of the forces that have a reference.
+fn of_forces(run: &RunFolder) -> Vec<KeyNumber> {
+    let mut numbers = Vec::new();
+    for force in run.scene.output.forces.iter().filter(|f| f.reference.is_some()) {
+        let name = &force.name;
+        if let Some(drag) = run.last(&format!("{name}_drag")) {
+            let lift = run.last(&format!("{name}_lift"));
+            let note = lift.map_or_else(String::new, |l| format!("lift: {}", rounded(l, 4)));
+            numbers.push(number(&format!("Drag coefficient of {name}"), rounded(drag, 5), note));
+        }
+        if let Some(found) = run.summary.strouhal.get(name) {
+            let note = format!(
+                "{} periods of the lift, which differ by up to {}",
+                found.periods,
+                per_cent(found.spread)
+            );
+            let value = rounded(found.strouhal, 4);
+            numbers.push(number(&format!("Strouhal number of {name}"), value, note));
+        }
     }
     numbers
 }
@@ -307,6 +331,22 @@ fn files(run: &RunFolder, gallery: &Gallery) -> Table {
         ),
         ("profiles/", !run.profiles.is_empty(), "values along lines, a column a time".to_string()),
         ("fields.pvd", !run.frames.is_empty(), fields),
+        (
+            "interfaces.pvd",
+            run.path.join("interfaces.pvd").is_file(),
+            "the interfaces as lines (in space: triangles) with what they carry, for ParaView"
+                .to_string(),
+        ),
+        (
+            "boundaries.vtp",
+            run.path.join("boundaries.vtp").is_file(),
+            "the boundary with its names, for ParaView".to_string(),
+        ),
+        (
+            "fields.vtkhdf",
+            run.path.join("fields.vtkhdf").is_file(),
+            "the fields of all times in one file, for ParaView".to_string(),
+        ),
         (
             "pictures/",
             !gallery.figures.is_empty(),

@@ -5,9 +5,10 @@ use crate::base::{Error, Result, Warning};
 use crate::mesh::Point;
 use crate::output::solid::{Coat, Pattern, Slice, SolidPicture, Surface, View};
 use crate::output::{
-    Arrows, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot, read_file, read_vtu,
-    rounded, write_file, write_film,
+    Arrows, ColourMap, Content, FieldData, Figure, Film, Image, Picture, Scale, Snapshot,
+    cannot_write, read_file, read_vtu, rounded, write_file, write_film,
 };
+use crate::scene::points::point;
 use crate::scene::schema::{Cut, Quantity};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -27,11 +28,36 @@ const MOST_FRAMES: usize = 150;
 
 /// Draws all stored fields of a run.
 pub(super) fn draw(run: &mut RunFolder) -> Result<Gallery> {
+    leave_out_start(run)?;
     match run.scene.dimension() {
         _ if !wanted(run) => Ok(Gallery::default()),
         2 => draw_with::<2>(run, Painter::paint),
         _ => draw_with::<3>(run, Painter::paint_solid),
     }
+}
+
+/// Leaves out the start where it has no pressure to be shown.
+fn leave_out_start(run: &mut RunFolder) -> Result<()> {
+    let Some(first) = run.frames.first() else { return Ok(()) };
+    let is_known = match run.scene.dimension() {
+        _ if run.scene.output.picture.field != Quantity::Pressure => true,
+        2 => knows_pressure(&read_vtu::<2>(&first.file)?),
+        _ => knows_pressure(&read_vtu::<3>(&first.file)?),
+    };
+    if !is_known {
+        let first = run.frames.remove(0);
+        let earlier = run.path.join("pictures").join(format!("{}.png", first.name));
+        // Of another field.
+        if earlier.is_file() {
+            std::fs::remove_file(&earlier).map_err(|e| cannot_write(&earlier, &e))?;
+        }
+    }
+    Ok(())
+}
+
+/// False if the pressure is not known anywhere; a file without one is not judged.
+fn knows_pressure<const D: usize>(snapshot: &Snapshot<D>) -> bool {
+    snapshot.scalar("pressure").map_or(true, |p| p.iter().any(|v| v.is_finite()))
 }
 
 /// Makes the picture of a frame.
@@ -119,12 +145,14 @@ struct Painter {
     size: usize,
     interfaces: Vec<String>,
     scale: Scale,
+    colours: Option<ColourMap>,
     /// The largest speed, if arrows are drawn.
     fastest: Option<f64>,
     /// In space: direction of the viewer, and the displayed plane.
     view: [f64; 2],
     slice: Option<Cut>,
-    window: Option<[Point<3>; 2]>,
+    /// The part of the domain that is shown.
+    window: Option<[Vec<f64>; 2]>,
     /// Mean position at rest of the material of the interface: the middle of its checkerboard.
     middle: Point<3>,
 }
@@ -132,17 +160,19 @@ struct Painter {
 impl Painter {
     /// Reads all fields once to determine the scale.
     fn new<const D: usize>(run: &RunFolder) -> Result<Painter> {
-        let picture = run.scene.output.picture;
+        let picture = &run.scene.output.picture;
+        let of_image = picture.field == Quantity::Image;
         let mut painter = Painter {
             quantity: picture.field,
             mesh: picture.mesh,
             size: picture.size,
             interfaces: run.scene.interfaces().map(str::to_string).collect(),
             scale: Scale::of::<2>(FieldData::Scalar(&[])),
+            colours: picture.colours.or(of_image.then_some(ColourMap::Grey)),
             fastest: None,
             view: picture.view.unwrap_or_default(),
             slice: picture.slice,
-            window: picture.window.map(|w| [w.min, w.max].map(Point::<3>::from)),
+            window: picture.window.as_ref().map(|w| [w.min.clone(), w.max.clone()]),
             middle: Point::<3>::zeros(),
         };
         if let (Quantity::Checkerboard, Some(first)) = (painter.quantity, run.frames.first()) {
@@ -150,9 +180,13 @@ impl Painter {
             painter.middle =
                 painter.middle_of(&snapshot).map_err(|e| e.at(first.file.display().to_string()))?;
         }
-        let ranges: Vec<Scale> =
-            run.frames.par_iter().map(|f| painter.range::<D>(f)).collect::<Result<_>>()?;
-        painter.scale = ranges.into_iter().fold(painter.scale, Scale::with);
+        painter.scale = match picture.range {
+            Some([low, high]) => Scale { low, high, fixed: true },
+            None => {
+                let ranges = run.frames.par_iter().map(|f| painter.range::<D>(f));
+                ranges.collect::<Result<Vec<_>>>()?.into_iter().fold(painter.scale, Scale::with)
+            }
+        };
         if painter.quantity == Quantity::Speed {
             painter.fastest = Some(painter.scale.high);
         }
@@ -166,7 +200,7 @@ impl Painter {
             Field::Borrowed(field) => Ok(Scale::of(field)),
             Field::Vorticity(values) => {
                 let strong = strong(&values);
-                Ok(Scale { low: if D == 2 { -strong } else { 0.0 }, high: strong })
+                Ok(Scale::new(if D == 2 { -strong } else { 0.0 }, strong))
             }
             // Far from the interface the slope of the level set is not a stretch, and where fronts
             // meet it is zero.
@@ -253,7 +287,8 @@ impl Painter {
             space: &snapshot.space,
             field: field.data(),
             scale: self.scale,
-            grey: self.quantity == Quantity::Image,
+            colours: self.colours,
+            window: self.window.as_ref().map(|w| [0, 1].map(|k| point(&w[k]))),
             title: self.title(),
             time: Some(frame.time),
             interfaces: interfaces.map_err(place)?,
@@ -285,9 +320,10 @@ impl Painter {
             (field, _) => Coat::Field(field.data()),
         };
         let mut picture = SolidPicture::new(&snapshot.space, self.title());
-        picture.window = self.window;
+        picture.colours = self.colours;
+        picture.window = self.window.as_ref().map(|w| [0, 1].map(|k| point(&w[k])));
         let [low, high] =
-            self.window.unwrap_or_else(|| snapshot.space.mesh().bounding_box().into());
+            picture.window.unwrap_or_else(|| snapshot.space.mesh().bounding_box().into());
         let middle = (low + high) * 0.5;
         let slice = |axis: usize, at: Option<f64>| Slice {
             axis,

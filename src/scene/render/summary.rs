@@ -50,6 +50,8 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// The plan of the run.
     pub plan: String,
+    /// Oscillations of the lift, by force.
+    pub strouhal: BTreeMap<String, Strouhal>,
     /// Residuals of the balances.
     pub balance: Balance,
     /// Last values by column of the series.
@@ -69,6 +71,20 @@ pub struct Bandwidth {
     pub achieved: f64,
     /// Bytes read and written when a large block is copied on the same machine.
     pub copy: f64,
+}
+
+/// The oscillation of a lift.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Strouhal {
+    /// The Strouhal number.
+    pub strouhal: f64,
+    /// Its frequency.
+    pub frequency: f64,
+    /// Number of periods in the second half of the run.
+    pub periods: u64,
+    /// The largest distance of a period from the mean one, over the latter.
+    pub spread: f64,
 }
 
 /// Residuals of the balances.
