@@ -29,6 +29,7 @@ mod jumps;
 mod krylov;
 mod layers;
 mod meshes;
+mod outputs;
 mod passive;
 mod periodic;
 mod precision;
