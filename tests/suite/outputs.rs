@@ -140,7 +140,7 @@ fn field_files_hold_what_is_asked_for() {
     let phi = snapshot.scalar("membrane.level_set").unwrap();
     for (mu, phi) in viscosity.iter().zip(phi) {
         if phi.abs() > 0.3 {
-            assert_eq!(*mu, if *phi < 0.0 { 0.1 } else { 0.01 });
+            assert!((mu - if *phi < 0.0 { 0.1 } else { 0.01 }).abs() < 1e-12);
         }
         assert!((0.0099..=0.1001).contains(mu));
     }
@@ -203,9 +203,9 @@ fn a_window_a_range_and_colours_change_the_picture_and_wrong_ones_are_refused() 
     let dark = draw("range = [0, 1e3], colours = 'magma'");
     assert_eq!(middle(&dark), [0, 0, 4]);
     assert!(dark != plain);
-    // Half as wide as high.
+    // Half as wide as high: the drawing has more height.
     let part = draw("window = { min = [0.5, 0], max = [1.5, 2] }");
-    assert!(part.size[0] < plain.size[0] && part.size[1] >= plain.size[1]);
+    assert!(part.size[1] > plain.size[1]);
     refused(&["output.picture={ range = [1, 1] }"], &["output.picture.range", "lower value first"]);
     refused(&["output.picture={ range = [0, nan] }"], &["output.picture.range"]);
     refused(&["output.picture={ colours = 'jet' }"], &["output.picture.colours", "viridis"]);
