@@ -38,7 +38,7 @@ impl Oscillation {
         let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = late.iter().fold(ends, |(a, b), [_, v]| (a.min(*v), b.max(*v)));
         let (middle, amplitude) = (0.5 * (low + high), 0.5 * (high - low));
-        if !(amplitude > ROUNDING * largest) {
+        if amplitude.is_nan() || amplitude <= ROUNDING * largest {
             return None;
         }
         let crossings = crossings(&late, middle, middle - BELOW * amplitude);

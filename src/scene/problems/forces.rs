@@ -26,7 +26,7 @@ pub(super) fn measure<const D: usize>(
         let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
         let (space, state) = (sim.space(), sim.state());
         let stress = match state.has_pressure() {
-            true => traction(space, pressure, &sim.viscosity(), &state.flow, &f.boundary, &about)?,
+            true => traction(space, pressure, sim.viscosity(), &state.flow, &f.boundary, &about)?,
             false => Load::NAN,
         };
         let methods = [("", &residual), ("stress_", &stress)];

@@ -273,7 +273,7 @@ impl Reference {
         let [stream, lift] = self.directions(context.dimension);
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
         for (key, v) in [("stream", &stream), ("lift", &lift)] {
-            if let (true, Some(item)) = (!(length(v) > 0.5), table.get(key)) {
+            if let (true, Some(item)) = (length(v) < 0.5, table.get(key)) {
                 let what = if key == "lift" && length(&stream) > 0.5 {
                     "the lift is along the stream"
                 } else {
