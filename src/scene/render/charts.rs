@@ -211,7 +211,7 @@ fn force(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Plot> {
     )
 }
 
-fn coefficients(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Figure> {
+fn coefficients(run: &RunFolder, name: &str, mut sheet: Sheet) -> Option<Plot> {
     sheet.line("drag", run.column(&format!("{name}_drag")));
     sheet.line("lift", run.column(&format!("{name}_lift")));
     let title = format!("Coefficients of {name}");

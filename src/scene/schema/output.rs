@@ -5,8 +5,8 @@ use super::given::{Given, Motion, Quantity};
 use super::picture::Picture;
 use crate::base::Result;
 use crate::scene::keys::{
-    Context, Count, Direction, Flag, Form, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse, Point,
-    Positive, Set, Table, Tabled, Text, Writer, kinds, last, table, words,
+    Context, Count, Direction, Flag, Form, Item, Kind, Named, Nested, NonNegative, Opt, OrFalse,
+    Point, Positive, Set, Table, Tabled, Text, Writer, kinds, last, table, words,
 };
 
 table! {
