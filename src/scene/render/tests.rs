@@ -152,7 +152,8 @@ fn a_flow_without_a_membrane_has_all_that_it_measured() {
     }
     assert!(
         !page.contains("Semi-axes")
-            && !page.contains("interface")
+            && !page.contains("interfaces.pvd")
+            && !page.contains("the interface")
             && !page.contains("elastic</text>")
     );
 }
