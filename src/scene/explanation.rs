@@ -62,7 +62,7 @@ impl Explanation {
         let [velocity, pressure, level_set] = facts.unknowns;
         let structures = scene.structures().iter();
         json!({
-            "version": env!("CARGO_PKG_VERSION"),
+            "version": crate::base::VERSION,
             "title": scene.title,
             "units": scene.units.words(),
             "scene": scene.path().display().to_string(),

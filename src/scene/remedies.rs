@@ -126,7 +126,7 @@ mod tests {
         let worded = [
             ("a smaller time.step", format!("time.step={}", 0.5 * scene.time.step)),
             ("a larger numerics.grad_div", "numerics.grad_div=100".to_string()),
-            ("a larger numerics.thickness", "numerics.thickness=0.2".to_string()),
+            ("a larger numerics.thickness", "numerics.thickness=0.39".to_string()),
             ("a finer mesh", finer(scene)),
         ];
         let said = worded.iter().find(|(words, _)| choice.starts_with(words));
@@ -147,7 +147,7 @@ mod tests {
     fn finer(scene: &Scene) -> String {
         match scene.dimension() {
             2 => "mesh.rectangle.cells=[24, 24]".into(),
-            _ => "mesh.box.cells=[5, 5, 5]".into(),
+            _ => "mesh.box.cells=[12, 12, 12]".into(),
         }
     }
 
@@ -197,7 +197,7 @@ mod tests {
             (flow, &tense, &["time.order=1", "numerics.coupling=\"fully-explicit\""]),
             (solid, &in_space, &[]),
             (solid, &sheared, &[]),
-            (solid, &sheared, &[smeared]),
+            (solid, &sheared, &[smeared, "mesh.box.cells=[10, 10, 10]", "numerics.thickness=0.35"]),
             (carried, &passive, &[]),
             (carried, &passive, &["numerics.transport=\"projected\""]),
             (

@@ -199,8 +199,11 @@ impl<'a> Run<'a> {
             told.iter().for_each(|w| observer.warning(w));
             run.sample(0)?;
         }
-        if scene.output.store.contains(&Stored::Boundaries) {
-            run.problem.write_boundaries(&folder.boundaries())?;
+        // Those of the first mesh, also where it was adapted before the run was interrupted.
+        let boundaries = folder.boundaries();
+        let wanted = scene.output.store.contains(&Stored::Boundaries);
+        if wanted && (fresh || !boundaries.exists()) {
+            run.problem.write_boundaries(&boundaries)?;
         }
         Ok(run)
     }
