@@ -3,7 +3,7 @@
 use super::gmres::RESTART;
 use super::schur::{Saddle, Schur};
 use super::{Factor, FactorSize, Multipliers, Ordering, Precision, SymmetricMatrix};
-use crate::base::{Cause, Error, Result, available_memory, readable_bytes};
+use crate::base::{Cause, Error, Result, available_memory, readable_bytes, rounded};
 use std::fmt;
 
 /// Solver of a saddle point.
@@ -177,7 +177,7 @@ fn refusal(unknowns: usize, limit: Option<usize>, tried: &[(SolverKind, usize)])
         .collect();
     let fitting = tried.iter().map(|(kind, bytes)| {
         let share = (limit as f64 / *bytes as f64).powf(1.0 / GROWTH);
-        format!("about {:.2e} unknowns by {}", share * unknowns as f64, kind.name())
+        format!("about {} unknowns by {}", rounded(share * unknowns as f64, 2), kind.name())
     });
     let fitting: Vec<String> = fitting.collect();
     let (cause, other) = match tried {

@@ -35,6 +35,7 @@ mod periodic;
 mod precision;
 mod program;
 mod redistance;
+mod remedies;
 mod render;
 mod reproducible;
 mod run_folder;

@@ -1,10 +1,10 @@
 //! The right-hand side of a step.
 
 use super::{FlowSolver, Work};
-use crate::base::{Cause, Error, Phase, Result};
+use crate::base::{Cause, Error, Phase, Result, rounded};
 use crate::fem::{
     At, Cells, Space, VectorForm, add_point_vector, assemble_scalar, assemble_source,
-    assemble_vector,
+    assemble_vector, integrate,
 };
 use crate::flow::step::Step;
 use crate::flow::term::{MomentumTerm, Support};
@@ -12,6 +12,22 @@ use crate::mesh::Mesh;
 use nalgebra::SVector;
 
 impl<const D: usize> FlowSolver<D> {
+    /// Checks that the prescribed velocities at `time` let as much fluid out as in, if no boundary
+    /// is open.
+    ///
+    /// # Errors
+    /// They do not.
+    pub fn check_outflow(&self, time: f64) -> Result<()> {
+        if self.numbering.is_open() || self.numbering.is_homogeneous() {
+            return Ok(());
+        }
+        let (velocity, space) = (&self.velocity, self.velocity.space());
+        let mut g = vec![SVector::zeros(); space.len()];
+        self.numbering.lift(space, time, &mut g);
+        let cells = Cells::Some(&self.boundary_cells);
+        let [through] = integrate(velocity, cells, |at| [velocity.jacobian(at, &g).trace()]);
+        check_outflow(space.mesh(), space, &g, (through, time))
+    }
     /// Assembles the right-hand side without boundary values, one vector per node, into
     /// `work.load`.
     pub(super) fn assemble_load(&mut self, step: &Step<'_, D>) {
@@ -110,23 +126,36 @@ impl<const D: usize> FlowSolver<D> {
         if !self.numbering.is_open() {
             let mesh = space.mesh();
             let through: f64 = work.continuity[..self.numbering.pressure_points()].iter().sum();
-            let [scale, along] = boundary_flow(mesh, space, g);
-            // A wall that moves along itself may have a normal velocity of rounding, such as
-            // sin(pi).
-            if through.abs() > 1e-3 * scale && scale > 1e-12 * along {
-                return Err(Error::scene(
-                    "the prescribed velocities let more fluid in than out, and no boundary is open",
-                )
-                .at(format!("time {:.6}", step.time))
-                .value(format!("net outflow {through:e}, gross flow {scale:e}"))
-                .remedy("balance the velocities, or open an outlet")
-                .because(Cause::Inflow));
-            }
+            check_outflow(mesh, space, g, (through, step.time))?;
             let mean = through / mesh.volume();
             work.continuity.iter_mut().zip(&work.pressure_mass).for_each(|(c, m)| *c -= mean * m);
         }
         Ok(())
     }
+}
+
+/// Checks that velocities `g` on a closed boundary, with the net outflow `through`, balance.
+///
+/// # Errors
+/// They do not.
+fn check_outflow<const D: usize>(
+    mesh: &Mesh<D>,
+    space: &Space<D>,
+    g: &[SVector<f64, D>],
+    (through, time): (f64, f64),
+) -> Result<()> {
+    let [scale, along] = boundary_flow(mesh, space, g);
+    // A wall that moves along itself may have a normal velocity of rounding, such as sin(pi).
+    if through.abs() <= 1e-3 * scale || scale <= 1e-12 * along {
+        return Ok(());
+    }
+    Err(Error::scene(
+        "the prescribed velocities let more fluid in than out, and no boundary is open",
+    )
+    .at(format!("time {time:.6}"))
+    .value(format!("net outflow {}, gross flow {}", rounded(through, 4), rounded(scale, 4)))
+    .remedy("balance the velocities, or open an outlet")
+    .because(Cause::Inflow))
 }
 
 /// Implicit terms on cells, part of the form of every cell.

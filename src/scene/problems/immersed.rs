@@ -22,7 +22,8 @@ use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem,
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::{of_step, with_keys};
 use crate::scene::row::Row;
-use crate::scene::site::{Site, vector, wall_nodes};
+use crate::scene::sides::spread;
+use crate::scene::site::{Site, vector};
 use crate::scene::start::start;
 use crate::scene::view::View;
 use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
@@ -33,6 +34,8 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Number of times at which prescribed velocities are checked to balance.
+const INSTANTS: usize = 16;
 /// Speed inward through an open side over the largest in the flow that is told.
 const SLOW: f64 = 0.02;
 
@@ -66,8 +69,9 @@ pub struct ImmersedFlow<const D: usize = 2> {
     is_impulsive: bool,
     /// Velocities that the scene gives.
     given: scales::Given,
-    /// Nodes on the boundary without periodic and open sides.
-    wall_nodes: Vec<u32>,
+    /// Nodes on the boundary without periodic and open sides, with the longest edge of a cell
+    /// there.
+    walls: Vec<(u32, f64)>,
     probes: Probes<D>,
     carried_bands: Vec<Option<f64>>,
 }
@@ -111,8 +115,12 @@ impl<const D: usize> ImmersedFlow<D> {
         let flow = initial.flow.clone();
         let mut simulation =
             Simulation::from_flow(&mesh, settings, structures, flow).map_err(of_boundary)?;
+        for k in 0..INSTANTS {
+            let balanced = simulation.flow().check_outflow(scene.time.end * spread(k));
+            balanced.map_err(|e| scene.blame(&["boundary"], e))?;
+        }
         redistance(scene, simulation.carried_mut());
-        let wall_nodes = closed_nodes(&simulation);
+        let walls = closed_nodes(&simulation);
         forces::check(scene)?;
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
@@ -130,7 +138,7 @@ impl<const D: usize> ImmersedFlow<D> {
             warnings,
             thickness,
             quality,
-            wall_nodes,
+            walls,
             lengths,
             given,
         };
@@ -188,7 +196,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let sim = &flow.simulation;
         flow.band_edges = edges_in_bands(sim, flow.thickness);
         (flow.quality, _) = mesh::check(sim.space().mesh());
-        flow.wall_nodes = closed_nodes(sim);
+        flow.walls = closed_nodes(sim);
         flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
         Ok(())
     }
@@ -345,8 +353,8 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             let phi = s.level_set().map_or(&[][..], |id| fields.scalar(id));
             let (band, name) = (s.reach() > 0.0, s.name());
             let near = |v: f64| if band { v.abs() < s.reach() } else { v < 0.0 };
-            let reached = |&n: &u32| phi.get(n as usize).is_some_and(|v| near(*v));
-            if !s.acts() || !self.wall_nodes.iter().any(reached) {
+            let reached = |(n, _): &(u32, f64)| phi.get(*n as usize).is_some_and(|v| near(*v));
+            if !s.acts() || !self.walls.iter().any(reached) {
                 return None;
             }
             let warning = match band {
@@ -394,7 +402,8 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         let kinds = self.scene.structures();
-        unresolved(&self.simulation, self.thickness, |k| kinds[k].traits().wrinkles)
+        let wrinkles = |k: usize| kinds[k].traits().wrinkles;
+        unresolved(&self.simulation, (self.thickness, &self.walls), wrinkles)
     }
     fn plane_mesh(&self) -> Option<&Mesh<2>> {
         ground::plane(self.simulation.space().mesh())
@@ -409,11 +418,17 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
 }
 
-/// Nodes on the boundary without periodic and open sides.
-fn closed_nodes<const D: usize>(sim: &Simulation<D>) -> Vec<u32> {
+/// Nodes on the boundary without periodic and open sides, with the longest edge of their cells.
+fn closed_nodes<const D: usize>(sim: &Simulation<D>) -> Vec<(u32, f64)> {
+    let (space, mesh) = (sim.space(), sim.space().mesh());
     let open: HashSet<u32> = sim.outlet_nodes().collect();
-    let nodes = wall_nodes(sim.space(), sim.carried().translations()).into_iter();
-    nodes.filter(|n| !open.contains(n)).collect()
+    let periodic: HashSet<u32> = sim.carried().translations().iter().map(|t| t.facet).collect();
+    let walls = (0..).zip(mesh.facets()).filter(|(f, _)| !periodic.contains(f));
+    let nodes = walls.flat_map(|(_, facet)| {
+        let edge = mesh.diameter(facet.cell as usize);
+        space.facet_nodes(facet).map(move |n| (n, edge))
+    });
+    nodes.filter(|(n, _)| !open.contains(n)).collect()
 }
 
 /// Shortest and longest edge in the bands of the acting structures.

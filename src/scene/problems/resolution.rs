@@ -1,6 +1,6 @@
 //! Structures that the mesh no longer resolves.
 
-use crate::base::{Result, Warning};
+use crate::base::{Result, Warning, length};
 use crate::fem::SurfacePoint;
 use crate::levelset::{band_edges, check_band, surface};
 use crate::sim::Simulation;
@@ -16,13 +16,14 @@ const LEAST_STRETCH: f64 = 0.95;
 const NEGATIVE: f64 = 0.01;
 
 /// The acting structures of a flow that the mesh does not resolve, with what is wrong and a remedy:
-/// an interface that is not cut, a band that is too thin for its cells, a radius below their edges.
+/// an interface that is not cut, a band that is too thin for its cells, a radius below their edges,
+/// a gap to a wall below an edge. `walls` are nodes on walls, with the edges there.
 ///
 /// # Errors
 /// A level set that is not finite.
 pub(super) fn unresolved<const D: usize>(
     sim: &Simulation<D>,
-    thickness: Option<f64>,
+    (thickness, walls): (Option<f64>, &[(u32, f64)]),
     wrinkles: impl Fn(usize) -> bool,
 ) -> Result<Vec<(String, Warning)>> {
     let (space, fields) = (sim.space(), &sim.state().fields);
@@ -60,6 +61,16 @@ pub(super) fn unresolved<const D: usize>(
                     format!("`{name}`, of radius {radius:.3}, is not resolved by edges of {h:.3}"),
                     "Take a finer mesh where the structure goes",
                 );
+            } else if let Some((gap, h)) = narrowest(phi, s.slope(), walls) {
+                tell(
+                    format!(
+                        "The fluid between `{name}` and the boundary, {} wide, is not resolved by \
+                         edges of {}",
+                        length(gap),
+                        length(h)
+                    ),
+                    "Take a finer mesh there, or a wider domain",
+                );
             } else if s.keeps_distance() {
                 let points = surface(space, phi)?;
                 let slope =
@@ -85,6 +96,16 @@ pub(super) fn unresolved<const D: usize>(
         }
     }
     Ok(found)
+}
+
+/// Gap over the longest edge of its cells, below which no node lies in it.
+const GAP: f64 = 0.5;
+
+/// The narrowest gap between an interface and a wall that the edges there do not resolve, with the
+/// edge.
+fn narrowest(phi: &[f64], slope: f64, walls: &[(u32, f64)]) -> Option<(f64, f64)> {
+    let gaps = walls.iter().filter_map(|(n, h)| Some((phi.get(*n as usize)? / slope, *h)));
+    gaps.filter(|(gap, h)| *gap < GAP * h).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// What is wrong with the density that an interface carries, and a remedy.
