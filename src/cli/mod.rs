@@ -150,8 +150,17 @@ fn stop_on_interrupt() -> &'static AtomicBool {
     &STOP
 }
 
+/// Largest number of threads that is taken for meant.
+const MOST_THREADS: usize = 1024;
+
 fn set_threads(threads: Option<std::num::NonZeroUsize>) -> Result<()> {
     let Some(n) = threads else { return Ok(()) };
+    if n.get() > MOST_THREADS {
+        return Err(Error::scene("so many threads would only wait for each other")
+            .at("--threads")
+            .value(n)
+            .remedy(format!("give at most {MOST_THREADS}, and not more than there are cores")));
+    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n.get()).build_global();
     pool.map_err(|e| {
         Error::scene(format!("{n} threads cannot be started: {e}"))

@@ -3,6 +3,7 @@
 use crate::base::{Cause, Error, Result};
 use crate::mesh::{Mesh, Point};
 use nalgebra::SVector;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A velocity as a function of position and time.
@@ -68,18 +69,14 @@ pub fn condition_of_facets<const D: usize>(
             .facet_points(facet)
             .map(|v| mesh.points()[v as usize].as_slice().to_vec())
             .collect();
-        let names: Vec<_> = mesh
-            .boundaries()
-            .iter()
-            .filter(|(_, list)| list.contains(&(f as u32)))
-            .map(|(name, _)| name.clone())
-            .collect();
+        let bare = (0..count).filter(|f| rank[*f as usize].is_none()).collect();
+        let names = parts(mesh, bare);
         let remedy = if names.is_empty() {
             "this part has no name in the mesh: give it one (gmsh: Physical Curve or Surface), or \
              give the rest of the boundary a condition"
                 .into()
         } else {
-            format!("give boundary \"{}\" a condition", names[0])
+            format!("give boundary \"{}\" a condition", names.join("\", \""))
         };
         return Err(Error::scene("a part of the boundary has no condition")
             .at(format!("boundary facet of cell {} with points {at:?}", facet.cell))
@@ -91,4 +88,22 @@ pub fn condition_of_facets<const D: usize>(
         rank.iter().enumerate().map(|(f, r)| (r.unwrap_or(0), f as u32)).collect();
     list.sort_unstable();
     Ok(list.into_iter().map(|(r, f)| (f, Some(ranked[r].1))).collect())
+}
+
+/// Names of boundaries, the smallest first, that together cover these facets; none where a facet
+/// has no name.
+fn parts<const D: usize>(mesh: &Mesh<D>, mut facets: BTreeSet<u32>) -> Vec<String> {
+    let mut all: Vec<_> = mesh.boundaries().iter().collect();
+    all.sort_by_key(|(name, list)| (list.len(), (*name).clone()));
+    let mut found = Vec::new();
+    for (name, list) in all {
+        let before = facets.len();
+        list.iter().for_each(|f| {
+            facets.remove(f);
+        });
+        if facets.len() < before {
+            found.push(name.clone());
+        }
+    }
+    if facets.is_empty() { found } else { Vec::new() }
 }

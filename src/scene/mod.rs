@@ -177,6 +177,25 @@ impl Scene {
     pub fn to_toml(&self) -> String {
         read::write(&self.script.tables, &self.structures)
     }
+    /// The same for a file in `folder`: files that it names are given relative to the folder, so
+    /// that both can be moved together.
+    pub(in crate::scene) fn to_toml_in(&self, folder: &Path) -> String {
+        let mut scene = self.clone();
+        let tables = &mut scene.script.tables;
+        let mut files: Vec<&mut PathBuf> = Vec::new();
+        if let schema::MeshSource::File { path, .. } = &mut tables.mesh {
+            files.push(path);
+        }
+        if let Some(image) = &mut tables.image {
+            files.push(&mut image.file);
+            files.extend(image.mask.as_mut());
+        }
+        files.extend(tables.initial.as_mut().map(|initial| &mut initial.from));
+        for file in files {
+            *file = schema::relative(file, folder).unwrap_or_else(|| file.clone());
+        }
+        scene.to_toml()
+    }
 
     /// Name of the scene in the file system: that of its file, or of its folder if the file is
     /// `scene.toml`.

@@ -57,15 +57,16 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
              add [boundary.walls]"
         }
         Cause::BareBoundary => {
-            let name = error.wrong_value().split(", ").next().unwrap_or_default();
-            let rest = match name {
-                "walls" => "add [boundary.walls] to the scene, such as no_slip = true".into(),
-                _ => format!(
-                    "add [boundary.{name}] to the scene, or [boundary.walls] no_slip = true, which \
-                     holds for all that has no condition of its own"
+            let names: Vec<_> = error.wrong_value().split(", ").collect();
+            let tables: Vec<_> = names.iter().map(|name| format!("[boundary.{name}]")).collect();
+            let tables = tables.join(", ");
+            return Some(match names.contains(&"walls") {
+                true => format!("add {tables} to the scene, such as no_slip = true"),
+                false => format!(
+                    "add {tables} to the scene, or [boundary.walls] no_slip = true, which holds \
+                     for all that has no condition of its own"
                 ),
-            };
-            return Some(rest);
+            });
         }
         Cause::CurvedBoundary => {
             "make the mesh finer where the boundary is curved, or correct mesh.geometry"

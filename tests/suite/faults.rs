@@ -413,3 +413,15 @@ fn numbers_without_units_are_in_the_plan() {
         time = { end = 0.1, step = 0.01 }";
     assert!(!explained(rest, "").stdout.contains("Numbers"));
 }
+
+/// A mesh whose sides have names, `walls` among them: all parts without a condition are named, and
+/// `[boundary.walls]` is not advised for the rest.
+#[test]
+fn all_parts_of_a_mesh_without_a_condition_are_named() {
+    let mesh = fs::read_to_string("meshes/channel.msh").unwrap();
+    let told = explained(&format!("{FILE}{REST}[boundary]\nwalls.no_slip = true\n"), &mesh);
+    let all = "add [boundary.inlet], [boundary.outlet], [boundary.cylinder] to the scene";
+    told.expect(2, &[all, "the part of the mesh of this name"]);
+    let told = explained(&format!("{FILE}{REST}[boundary]\ninlet.open = true\n"), &mesh);
+    told.expect(2, &["[boundary.cylinder]", "[boundary.outlet]", "[boundary.walls]"]);
+}

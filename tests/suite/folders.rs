@@ -285,3 +285,30 @@ fn changes_of_a_scene_have_folders_of_their_own() {
     assert_eq!(names[1], "lid,time.end=0.02,boundary.top.velocity=0.1t0");
     assert!(names[2].starts_with("lid,time.end=0.02,title=long") && names[2].len() < 140);
 }
+
+/// A run on a mesh file goes on after both were moved together, from the scene that it keeps too.
+#[test]
+fn a_run_and_its_mesh_can_be_moved_together() {
+    let above = TempDir::new().unwrap();
+    let [first, second] = ["first", "second"].map(|name| above.path().join(name));
+    fs::create_dir(&first).unwrap();
+    fs::copy("meshes/channel.msh", first.join("channel.msh")).unwrap();
+    let scene = "mesh.file = \"channel.msh\"\nfluid.viscosity = 0.1\n[boundary]\n\
+        walls.no_slip = true\ncylinder.no_slip = true\ninlet.velocity = [1, 0]\n\
+        outlet.open = true\n[time]\nend = 0.4\nstep = 0.1\n[output]\npictures = false\n";
+    fs::write(first.join("scene.toml"), scene).unwrap();
+    let until = |folder: &Path, scene: &str, end: &str| {
+        let end = format!("time.end={end}");
+        immersa(folder, &["run", scene, "--resume", "--out", "run", "--set", &end])
+    };
+    until(&first, "scene.toml", "0.1").expect(0, &[]);
+    let kept = fs::read_to_string(first.join("run/scene.toml")).unwrap();
+    assert!(kept.contains("file = \"../channel.msh\""), "{kept}");
+    fs::rename(&first, &second).unwrap();
+    until(&second, "scene.toml", "0.2").expect(0, &["done: 2 steps"]);
+    until(&second, "run/scene.toml", "0.3").expect(0, &["done: 3 steps"]);
+    // Another mesh under the same name is another run.
+    fs::copy("meshes/cylinder.msh", second.join("channel.msh")).unwrap();
+    let told = until(&second, "scene.toml", "0.4");
+    assert!(told.code != 0 && told.stderr.contains("mesh"), "{}", told.stderr);
+}

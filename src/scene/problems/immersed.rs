@@ -22,6 +22,7 @@ use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem,
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::{of_step, with_keys};
 use crate::scene::row::Row;
+use crate::scene::schema::WALLS;
 use crate::scene::sides::spread;
 use crate::scene::site::{Site, vector};
 use crate::scene::start::start;
@@ -100,14 +101,26 @@ impl<const D: usize> ImmersedFlow<D> {
         site.warnings.extend(start.warnings);
         let Site { mesh, quality, warnings, .. } = site;
         let bare = |e: &Error| {
-            let unnamed = ["walls", "unnamed"].contains(&e.wrong_value());
+            let unnamed = e.wrong_value().split(", ").any(|n| ["walls", "unnamed"].contains(&n));
             e.cause() == Some(Cause::BareBoundary) && unnamed
         };
+        // A mesh may have a part `walls` of its own, which is not the rest of the boundary.
+        let own_walls = scene.boundaries.iter().any(|b| b.name == WALLS);
         let of_boundary = |e: Error| match (e.kind(), bare(&e).then(|| mesh::slit(&mesh))) {
             (_, Some(Some(slit))) => {
                 let what = "a part of the boundary has no condition: it is no side but a slit";
                 let e = Error::scene(what).value(slit.what).remedy(slit.remedy);
                 scene.blame(&["mesh"], e)
+            }
+            (Kind::Scene, _) if e.cause() == Some(Cause::BareBoundary) && own_walls => {
+                let tables = e.wrong_value().split(", ").map(|name| format!("[boundary.{name}]"));
+                let tables: Vec<String> = tables.collect();
+                let plain = Error::scene(e.what()).value(e.wrong_value());
+                let remedy = format!(
+                    "add {} to the scene: [boundary.walls] is the part of the mesh of this name",
+                    tables.join(", ")
+                );
+                scene.blame(&["boundary"], plain.remedy(remedy))
             }
             (Kind::Scene, _) => scene.blame(&["boundary"], e),
             _ => e,

@@ -106,7 +106,7 @@ impl Folder {
         for name in ["fields", "checkpoint", "profiles"] {
             make_folder(&self.path.join(name))?;
         }
-        write_file(&self.path.join("scene.toml"), scene.to_toml().as_bytes())
+        write_file(&self.path.join("scene.toml"), scene.to_toml_in(&self.path).as_bytes())
     }
 
     /// Its path.

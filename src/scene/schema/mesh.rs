@@ -8,7 +8,7 @@ use crate::scene::keys::{
     Absent, Context, Count, Counts, Form, Item, Keys, Kind, Opt, Positive, Table, Tabled, Toml,
     Vector, Writer, key, row, table, words,
 };
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Source of the mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -331,4 +331,19 @@ fn above(table: &Table<'_>, min: &[f64], max: &[f64]) -> Result<()> {
 /// The absolute path.
 pub(in crate::scene) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// The path from `folder`, which exists, to a file or folder that does; `None` where they have no
+/// folder in common, or for a folder that cannot be read.
+pub(in crate::scene) fn relative(path: &Path, folder: &Path) -> Option<PathBuf> {
+    // The name itself may be a link, and stays one.
+    let (parent, name) = (path.parent()?.canonicalize().ok()?, path.file_name()?);
+    let folder = folder.canonicalize().ok()?;
+    let shared = parent.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    // The first component is the root.
+    if shared < 2 {
+        return None;
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    Some(up.chain(parent.components().skip(shared)).chain([Component::Normal(name)]).collect())
 }

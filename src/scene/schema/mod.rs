@@ -28,6 +28,7 @@ pub use given::Quantity;
 pub(in crate::scene) use given::{Given, Motion};
 pub use image::Image;
 pub use initial::Initial;
+pub(in crate::scene) use mesh::relative;
 pub use mesh::{BallInBox, Block, Disc, MeshSource, Rectangle};
 pub use numerics::{Numerics, TensionScheme};
 pub use output::{Flux, Force, Output, Probe, Profile, Reference, Stored};
