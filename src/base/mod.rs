@@ -8,6 +8,7 @@ mod memory;
 pub mod parallel;
 mod partition;
 mod phases;
+mod plain_file;
 mod rounded;
 mod same;
 
@@ -17,6 +18,7 @@ pub use hash::fnv1a;
 pub use memory::{available_memory, readable_bytes};
 pub use partition::Partition;
 pub use phases::{PHASES, Phase, Phases};
+pub use plain_file::read_plain;
 pub(crate) use rounded::trimmed;
 pub use rounded::{length, rounded};
 pub use same::same;

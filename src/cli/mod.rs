@@ -151,7 +151,7 @@ fn stop_on_interrupt() -> &'static AtomicBool {
 }
 
 /// Largest number of threads that is taken for meant.
-const MOST_THREADS: usize = 1024;
+const MOST_THREADS: usize = 256;
 
 fn set_threads(threads: Option<std::num::NonZeroUsize>) -> Result<()> {
     let Some(n) = threads else { return Ok(()) };

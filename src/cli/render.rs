@@ -21,9 +21,12 @@ pub(super) struct Arguments {
 
 pub(super) fn render(arguments: &Arguments) -> Result<()> {
     let set = &arguments.overrides.set;
+    // `render runs/*` may name the page that it wrote before.
+    let is_run = |path: &&PathBuf| !(path.is_file() && path.ends_with("overlay.html"));
+    let runs: Vec<PathBuf> = arguments.runs.iter().filter(is_run).cloned().collect();
     // The files are written; a closed terminal changes nothing about that.
     let say = |text: String| drop(writeln!(std::io::stdout().lock(), "{text}"));
-    for folder in &arguments.runs {
+    for folder in &runs {
         let rendered = render_with(folder, set)?;
         for warning in &rendered.warnings {
             let _ = writeln!(std::io::stderr().lock(), "warning: {warning}");
@@ -31,8 +34,8 @@ pub(super) fn render(arguments: &Arguments) -> Result<()> {
         let (count, report) = (rendered.files.len(), rendered.report.display());
         say(format!("{count} files are written; open {report}"));
     }
-    if arguments.runs.len() > 1 || arguments.out.is_some() {
-        let page = overlay(&arguments.runs, set, arguments.out.as_deref())?;
+    if runs.len() > 1 || arguments.out.is_some() {
+        let page = overlay(&runs, set, arguments.out.as_deref())?;
         say(format!("the runs are drawn over each other in {}", page.display()));
     }
     Ok(())

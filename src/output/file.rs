@@ -1,6 +1,6 @@
 //! Writing and reading whole files, with errors that say what the user can do.
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, read_plain};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ pub fn cannot_write(path: &Path, e: &io::Error) -> Error {
 /// # Errors
 /// The file cannot be read.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
-    fs::read(path).map_err(|e| {
+    read_plain(path).map_err(|e| {
         Error::input("cannot read a file")
             .at(path.display().to_string())
             .value(e)

@@ -35,7 +35,7 @@ mod vtp;
 mod vtu;
 mod vtu_read;
 
-pub use chart::{Chart, Curve, Slope, Stroke};
+pub use chart::{Chart, Curve, OF_CHART, Slope, Stroke};
 pub use colours::{ColourMap, Scale};
 pub use field::FieldData;
 pub use figure::{Content, Figure};

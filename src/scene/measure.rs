@@ -124,6 +124,9 @@ pub(super) fn rest<const D: usize>(view: &View<'_, D>, row: &mut Row) -> Result<
     Ok(())
 }
 
+/// Longest edges of a cell to the interface, beyond which it has no stretch to be measured.
+const NEAR: f64 = 2.0;
+
 fn line<const D: usize>(p: &Profile) -> impl Iterator<Item = Point<D>> {
     let (from, to, n) = (point(&p.from), point(&p.to), p.points);
     (0..n).map(move |i| from + (to - from) * (i as f64 / (n - 1) as f64))
@@ -171,7 +174,12 @@ impl<'a, const D: usize> Derived<'a, D> {
             // Where the interface carries its stretch the slope is none.
             Quantity::Stretch => match self.view.carried.structures()[0].surface_density() {
                 Some((id, Density::Rest)) => {
-                    vec![1.0 / space.value(state.fields.scalar(id), cell, l)]
+                    let stretch = 1.0 / space.value(state.fields.scalar(id), cell, l);
+                    // Beyond the cells about the interface its field is a fill value.
+                    let reach = NEAR * self.view.carried.mesh().diameter(cell);
+                    let slope = self.view.carried.structures()[0].slope();
+                    let near = phi(&|f| space.value(f, cell, l))[0].abs() < reach * slope;
+                    vec![if near && stretch.is_finite() { stretch } else { f64::NAN }]
                 }
                 _ => phi(&|f| space.gradient(f, cell, l).norm()),
             },

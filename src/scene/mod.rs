@@ -156,7 +156,7 @@ impl Scene {
     /// As for [`parse_with`](Scene::parse_with). A file that cannot be read or is not UTF-8 is also
     /// an error of kind `Scene`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
-        let bytes = std::fs::read(path).map_err(|e| {
+        let bytes = crate::base::read_plain(path).map_err(|e| {
             Error::scene(format!("the scene cannot be read: {e}"))
                 .at(path.display().to_string())
                 .value(path.display())

@@ -13,6 +13,8 @@ pub struct Oscillation {
 
 /// Fewest periods that make an oscillation.
 const FEWEST: usize = 3;
+/// Fewest rows of a period: fewer may show a slower oscillation in place of a quicker one.
+const FEWEST_ROWS: f64 = 8.0;
 /// Single periods may differ from the mean one by this part of it.
 const MOST_SPREAD: f64 = 0.1;
 /// Part of the amplitude by which a signal must fall below the middle before it can cross it
@@ -23,7 +25,7 @@ const ROUNDING: f64 = 1e-6;
 
 impl Oscillation {
     /// The oscillation in the second half of a signal, where a motion has set in; `None` if there
-    /// are fewer than three periods, or if they differ by more than a tenth.
+    /// are fewer than three periods or eight rows a period, or if they differ by more than a tenth.
     ///
     /// A period is the time between two upward crossings of the middle between the extreme values,
     /// interpolated linearly between rows. The error of one crossing is of second order in the
@@ -44,6 +46,11 @@ impl Oscillation {
         let crossings = crossings(&late, middle, middle - BELOW * amplitude);
         let periods = crossings.len().checked_sub(1).filter(|n| *n >= FEWEST)?;
         let mean = (crossings[periods] - crossings[0]) / periods as f64;
+        let [first, last] = [crossings[0], crossings[periods]];
+        let rows = late.iter().filter(|[t, _]| (first..last).contains(t)).count();
+        if (rows as f64) < FEWEST_ROWS * periods as f64 {
+            return None;
+        }
         let spread = crossings.windows(2).map(|c| ((c[1] - c[0]) / mean - 1.0).abs());
         let spread = spread.fold(0.0, f64::max);
         (spread <= MOST_SPREAD).then_some(Oscillation { frequency: 1.0 / mean, spread, periods })
@@ -73,6 +80,18 @@ mod tests {
         let time: Vec<f64> = (0..=rows).map(|k| end * k as f64 / rows as f64).collect();
         let signal = time.iter().map(|t| f(*t)).collect();
         (time, signal)
+    }
+
+    /// Rows a quarter of a period apart show no oscillation that could not be a quicker one.
+    #[test]
+    fn few_rows_a_period_give_no_frequency() {
+        let wave = |t: f64| (TAU * t).sin();
+        let of = |rows: usize| {
+            let (time, signal) = sampled(20.0, rows, wave);
+            Oscillation::of(&time, &signal)
+        };
+        assert!(of(20 * 4).is_none() && of(20 * 7).is_none());
+        assert!((of(20 * 16).unwrap().frequency - 1.0).abs() < 1e-3);
     }
 
     #[test]

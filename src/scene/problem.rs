@@ -106,6 +106,8 @@ pub struct Advice {
     pub area: Vec<String>,
     /// Against a computation that blows up.
     pub blow_up: Vec<String>,
+    /// Against what fluid that comes in through an open side does.
+    pub inflow: Vec<String>,
 }
 
 /// A column of a profile: the suffix of its name, and its values.

@@ -1,5 +1,6 @@
 //! Remedies of errors of the layers below, in keys of the scene, by their cause.
 
+use super::keys::key;
 use super::problem::Advice;
 use crate::base::{Cause, Error, Result};
 
@@ -58,7 +59,8 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
         }
         Cause::BareBoundary => {
             let names: Vec<_> = error.wrong_value().split(", ").collect();
-            let tables: Vec<_> = names.iter().map(|name| format!("[boundary.{name}]")).collect();
+            let tables: Vec<_> =
+                names.iter().map(|name| format!("[boundary.{}]", key(name))).collect();
             let tables = tables.join(", ");
             return Some(match names.contains(&"walls") {
                 true => format!("add {tables} to the scene, such as no_slip = true"),

@@ -178,6 +178,13 @@ impl<'a> Run<'a> {
             true => folder.restore(scene, &inputs, &mut *problem)?,
             false => None,
         };
+        let (reached, end) = (problem.moment().time, scene.time.end);
+        if reached > end + 0.5 * problem.moment().dt {
+            let e = Error::scene("the run has passed this end already")
+                .value(format!("{end}; it has reached t = {reached:.6}"))
+                .remedy("give a later time.end, or start afresh with --overwrite");
+            return Err(scene.blame(&["time", "end"], e));
+        }
         let (series, record) = match kept {
             Some((mut record, warning)) => {
                 let missing = folder.check_fields(&mut record);
@@ -368,7 +375,11 @@ impl<'a> Run<'a> {
     }
 
     fn alarms(&self) -> Vec<String> {
-        let (mut alarms, advice) = (Vec::new(), self.problem.advice());
+        let (mut alarms, mut advice) = (Vec::new(), self.problem.advice());
+        if !self.record.entered.is_empty() {
+            let lists = [&mut advice.energy, &mut advice.loss];
+            lists.into_iter().for_each(|list| list.extend(advice.inflow.iter().cloned()));
+        }
         let lost = -self.record.last_balance;
         for (share, what, remedy) in [
             (self.record.worst_balance, "is spurious", &advice.energy),

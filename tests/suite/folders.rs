@@ -312,3 +312,69 @@ fn a_run_and_its_mesh_can_be_moved_together() {
     let told = until(&second, "scene.toml", "0.4");
     assert!(told.code != 0 && told.stderr.contains("mesh"), "{}", told.stderr);
 }
+
+/// A mark that is a link, or a file of the user's, is left alone.
+#[test]
+fn a_mark_that_is_not_the_program_s_is_left_alone() {
+    let folder = folder_with(SCENE);
+    let [linked, filled] = ["linked", "filled"].map(|name| folder.path().join(name));
+    let precious = folder.path().join("precious.txt");
+    fs::write(&precious, "mine").unwrap();
+    for folder in [&linked, &filled] {
+        fs::create_dir(folder).unwrap();
+    }
+    symlink("../precious.txt", linked.join("immersa.run")).unwrap();
+    fs::write(filled.join("immersa.run"), "my notes").unwrap();
+    for out in ["linked", "filled"] {
+        let told = immersa(folder.path(), &["run", "scene.toml", "--out", out, "--overwrite"]);
+        told.expect(3, &["immersa.run", "--out"]);
+        immersa(folder.path(), &["run", "scene.toml", "--out", out]).expect(3, &["immersa.run"]);
+    }
+    assert_eq!(fs::read_to_string(&precious).unwrap(), "mine");
+    assert_eq!(fs::read_to_string(filled.join("immersa.run")).unwrap(), "my notes");
+}
+
+/// Files of the user's among those of a run stay when it is replaced.
+#[test]
+fn files_between_those_of_a_run_stay_when_it_is_replaced() {
+    let folder = ended();
+    let run = folder.path().join("run");
+    let own = ["charts/mine.svg", "pictures/mine.png", "profiles/my.csv", "fields/mine.vtu"];
+    for name in own {
+        fs::create_dir_all(run.join(name).parent().unwrap()).unwrap();
+        fs::write(run.join(name), "mine").unwrap();
+    }
+    let short = ["--overwrite", "--set", "time.end=0.05"];
+    immersa(folder.path(), &with(&short)).expect(0, &["done: 5 steps"]);
+    assert!(own.iter().all(|name| fs::read_to_string(run.join(name)).unwrap() == "mine"));
+    assert!(!run.join("fields/000010.vtu").exists());
+}
+
+/// A run does not go on to an end that it has passed, and is not shown with another physics.
+#[test]
+fn a_run_is_neither_resumed_backwards_nor_shown_with_other_values() {
+    let folder = ended();
+    let back = with(&["--resume", "--set", "time.end=0.05"]);
+    immersa(folder.path(), &back).expect(2, &["passed this end", "later time.end"]);
+    let other = ["render", "run", "--set", "fluid.viscosity=3"];
+    immersa(folder.path(), &other).expect(2, &["as it was computed", "output.picture"]);
+    immersa(folder.path(), &["render", "run", "--set", "output.picture.size=300"]).expect(0, &[]);
+    assert_eq!(rows(&folder.path().join("run")), 11);
+}
+
+/// What has no end is not read to its end.
+#[test]
+fn devices_are_not_read_as_meshes_and_scenes() {
+    let mesh = SCENE.replace(
+        "rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16], diagonals = \"union-jack\" }",
+        "file = \"/dev/zero\"",
+    );
+    let folder = folder_with(&mesh);
+    let words = ["no plain file"];
+    immersa(folder.path(), &["explain", "scene.toml"]).expect(3, &words);
+    immersa(folder.path(), &["explain", "/dev/zero"]).expect(2, &words);
+    let many = ["explain", "scene.toml", "--threads", "100000"];
+    assert_ne!(immersa(folder.path(), &many).code, 0);
+    let many = ["run", "scene.toml", "--out", "r", "--threads", "100000"];
+    immersa(folder.path(), &many).expect(2, &["--threads", "at most"]);
+}

@@ -97,7 +97,7 @@ const CASES: [(&[&str], &[&str], Follow); 24] = [
         let name = between(m, "did you mean `", "`");
         vec![format!("boundary.top.velocity=[\"{name}(x)\", 0]")]
     }),
-    (&["boundary.top.velocity=[\"1/t\", 0]"], &["not finite at all times"], |m| {
+    (&["boundary.top.velocity=[\"1/t\", 0]"], &["has no finite value everywhere"], |m| {
         let guarded = between(m, "such as ", "\n").replace("...", "1/t");
         vec![format!("boundary.top.velocity=[\"{guarded}\", 0]")]
     }),

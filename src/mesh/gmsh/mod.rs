@@ -63,7 +63,7 @@ impl MshData {
     /// and a remedy.
     pub fn read(path: &Path) -> Result<MshData> {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|e| {
+        let bytes = crate::base::read_plain(path).map_err(|e| {
             Error::input("the mesh file cannot be read")
                 .at(&name)
                 .value(e)

@@ -21,6 +21,7 @@ pub use slope::Slope;
 use axis::Axis;
 use layout::{HEIGHT, LABEL, LEADING, Layout, TITLE, WIDTH};
 use style::Style;
+pub use svg::OF_CHART;
 use svg::{Anchor, Canvas};
 
 /// Manner of drawing a curve.

@@ -164,7 +164,7 @@ impl Canvas {
             data => format!(" data-chart=\"{}\"", escape(data)),
         };
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" \
+            "{OF_CHART} viewBox=\"0 0 {} {}\" role=\"img\" \
              aria-label=\"{}\" font-family=\"{TYPEFACES}\" fill=\"currentColor\"{data}>\n{}</svg>\n",
             px(width),
             px(height),
@@ -173,6 +173,9 @@ impl Canvas {
         )
     }
 }
+
+/// The beginning of every chart, by which it is known.
+pub const OF_CHART: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"immersa-chart\"";
 
 /// The commands of a polyline.
 fn path(points: &[[f64; 2]]) -> String {

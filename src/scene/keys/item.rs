@@ -91,8 +91,9 @@ impl<'a> Item<'a> {
             }
         };
         if !v.is_finite() || v.abs() > LARGEST {
+            let what = if v.is_finite() { "is too large" } else { "must be a finite number" };
             return Err(self
-                .error(format!("`{}` must be a finite number", self.key))
+                .error(format!("`{}` {what}", self.key))
                 .remedy(format!("give a number between -{LARGEST:e} and {LARGEST:e}")));
         }
         Ok(v)

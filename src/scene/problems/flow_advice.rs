@@ -20,10 +20,11 @@ pub(super) fn advice(scene: &Scene) -> Advice {
     let choices = |lists: &[&[&str]]| lists.concat().into_iter().map(String::from).collect();
     if scene.acting().next().is_none() {
         return Advice {
-            energy: choices(&[&[shorter, finer], &away]),
-            loss: choices(&[order, &[shorter, finer], &away]),
+            energy: choices(&[&[shorter, finer]]),
+            loss: choices(&[order, &[shorter, finer]]),
             area: choices(&[&[finer]]),
             blow_up: choices(&[&[shorter, finer], &away]),
+            inflow: choices(&[&away]),
         };
     }
     let [sharp, forces] = [of_bands(scene), of_forces(scene)];
@@ -38,13 +39,14 @@ pub(super) fn advice(scene: &Scene) -> Advice {
     let banded = scene.acting().any(|s| !s.traits().on_interface);
     Advice {
         energy: match banded {
-            true => choices(&[&sharp, &[weight], &forces, &[shorter], &away]),
-            // Sharp forces have a large weight by default; steps and cells are what is left.
-            false => choices(&[&forces, &[shorter, finer, weight], &away]),
+            true => choices(&[&sharp, &[weight], &forces, &[shorter]]),
+            // Sharp forces have a large weight by default, which is the last to change.
+            false => choices(&[&forces, &[shorter, finer, weight]]),
         },
-        loss: choices(&[&sharp, order, &[shorter, finer], &away]),
+        loss: choices(&[&sharp, order, &[shorter, finer]]),
         area: choices(&[&[weight, finer]]),
         blow_up: choices(&[&[slower], &implicit, &[weight, finer], &away]),
+        inflow: choices(&[&away]),
     }
 }
 
@@ -53,7 +55,7 @@ fn outlets_farther_away(scene: &Scene) -> Option<String> {
     let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
     let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
     let sides = open.join(" and ");
-    let away = format!("a domain with {sides} farther away where fluid comes back in there");
+    let away = format!("a domain with {sides} farther away where fluid comes back in");
     (!open.is_empty()).then_some(away)
 }
 

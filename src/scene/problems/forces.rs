@@ -1,6 +1,6 @@
 //! Forces on boundaries, and their coefficients.
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, Warning, rounded};
 use crate::flow::{Load, traction};
 use crate::mesh::Point;
 use crate::scene::Scene;
@@ -61,6 +61,23 @@ fn coefficients<const D: usize>(
     let pressure = 0.5 * reference.density.unwrap_or(density) * speed * speed;
     let [stream, lift] = reference.directions(D);
     [stream, lift].map(|direction| force.dot(&point::<D>(&direction)) / (pressure * size))
+}
+
+/// Warnings of series too sparse for a Strouhal number.
+pub(super) fn warnings(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
+    scene.output.forces.iter().filter_map(|f| {
+        let reference = f.reference.as_ref().filter(|r| !r.is_resolved_by(scene.output.every))?;
+        let longest = rounded(reference.longest_between_rows(), 3);
+        let what = format!(
+            "rows of the series are too far apart for the Strouhal number of `{}`, which is left \
+             out",
+            f.name
+        );
+        Some(Warning::new(
+            what,
+            format!("give output.every <= {longest}, a quarter of length / speed"),
+        ))
+    })
 }
 
 /// Rejects coefficients of forces in a fluid without density.

@@ -15,6 +15,7 @@ use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
 use crate::scene::checks::check_flow;
 use crate::scene::initial::{self, InitialFlow};
+use crate::scene::keys::key;
 use crate::scene::measure::{self, Probes};
 use crate::scene::pacing::pacing;
 use crate::scene::plan::{self, Plan};
@@ -35,6 +36,8 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Reynolds number of a cell that is told.
+const COARSE: f64 = 1000.0;
 /// Number of times at which prescribed velocities are checked to balance.
 const INSTANTS: usize = 16;
 /// Speed inward through an open side over the largest in the flow that is told.
@@ -99,7 +102,7 @@ impl<const D: usize> ImmersedFlow<D> {
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         let start = start(scene, &site, &initial.given)?;
         site.warnings.extend(start.warnings);
-        let Site { mesh, quality, warnings, .. } = site;
+        let Site { mesh, quality, mut warnings, .. } = site;
         let bare = |e: &Error| {
             let unnamed = e.wrong_value().split(", ").any(|n| ["walls", "unnamed"].contains(&n));
             e.cause() == Some(Cause::BareBoundary) && unnamed
@@ -113,7 +116,7 @@ impl<const D: usize> ImmersedFlow<D> {
                 scene.blame(&["mesh"], e)
             }
             (Kind::Scene, _) if e.cause() == Some(Cause::BareBoundary) && own_walls => {
-                let tables = e.wrong_value().split(", ").map(|name| format!("[boundary.{name}]"));
+                let tables = e.wrong_value().split(", ").map(|n| format!("[boundary.{}]", key(n)));
                 let tables: Vec<String> = tables.collect();
                 let plain = Error::scene(e.what()).value(e.wrong_value());
                 let remedy = format!(
@@ -135,6 +138,8 @@ impl<const D: usize> ImmersedFlow<D> {
         redistance(scene, simulation.carried_mut());
         let walls = closed_nodes(&simulation);
         forces::check(scene)?;
+        warnings.extend(forces::warnings(scene));
+        warnings.extend(coarse(scene, &quality, &given));
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
@@ -429,6 +434,27 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn advice(&self) -> Advice {
         flow_advice::advice(&self.scene)
     }
+}
+
+/// A warning of layers at walls and in shear that are far thinner than the cells.
+fn coarse<const D: usize>(
+    scene: &Scene,
+    quality: &Quality<D>,
+    given: &scales::Given,
+) -> Option<Warning> {
+    let (fluid, edge) = (scene.outside(), quality.greatest_diameter.value);
+    let reynolds = fluid.density * given.speed * edge / fluid.viscosity;
+    let convects = scene.numerics.convection.unwrap_or(true);
+    (convects && reynolds > COARSE).then(|| {
+        let what = format!(
+            "the Reynolds number of a cell is {}: layers at walls and in shear are far thinner \
+             than the mesh",
+            rounded(reynolds, 3)
+        );
+        let remedy = "they are smoothed by the mesh: take a finer mesh there, or a larger \
+            fluid.viscosity, if they count";
+        Warning::new(what, remedy)
+    })
 }
 
 /// Nodes on the boundary without periodic and open sides, with the longest edge of their cells.

@@ -119,9 +119,9 @@ fn of_density(
     match of {
         Density::Rest if wrinkles && most * LEAST_STRETCH > 1.0 => Some((
             format!("is compressed, to a stretch of {:.3}", 1.0 / most),
-            "Without bending stiffness it wrinkles, as finely as the mesh lets it: take a law \
-             that does not resist compression (area.one_sided), or a membrane under tension from \
-             the start (stretch)",
+            "Without bending stiffness it wrinkles, as finely as the mesh lets it: take a membrane \
+             under tension from the start (stretch), or, where its wrinkles do not count, a law \
+             that does not resist compression (area.one_sided) with a finer mesh",
         )),
         Density::Concentration if least < -NEGATIVE * most => Some((
             format!("has a negative concentration, {least:.3} where the largest is {most:.3}"),

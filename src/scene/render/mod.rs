@@ -17,7 +17,7 @@ mod units;
 pub use overlay::overlay;
 pub use summary::{Balance, Summary};
 
-use crate::base::{Result, Warning};
+use crate::base::{Error, Result, Warning};
 use crate::output::{Figure, write_file};
 use crate::scene::charts::Plot;
 use folder::RunFolder;
@@ -46,12 +46,37 @@ pub fn render(folder: &Path) -> Result<Rendered> {
     render_with(folder, &[])
 }
 
+/// Keys that change how a run is shown.
+const SHOWN: [&str; 4] = ["output.picture", "output.film", "title", "units"];
+
+/// Refuses changes of what was computed: the report would show what was not.
+///
+/// # Errors
+/// Such a change.
+fn check_overrides(overrides: &[String]) -> Result<()> {
+    let key = |text: &str| text.split('=').next().unwrap_or_default().trim().to_string();
+    let shows = |key: &str| {
+        let of = |shown: &str| {
+            key.strip_prefix(shown).is_some_and(|k| k.is_empty() || k.starts_with('.'))
+        };
+        SHOWN.iter().any(|shown| of(shown))
+    };
+    match overrides.iter().find(|text| !shows(&key(text))) {
+        None => Ok(()),
+        Some(text) => Err(Error::scene("a run is shown as it was computed, and this changes it")
+            .at(format!("--set {text}"))
+            .value(key(text))
+            .remedy(format!("change {} alone, or compute a new run", SHOWN.join(", ")))),
+    }
+}
+
 /// As [`render`], with single values of the scene overridden, each in the form `key.sub=value`:
 /// `output.picture.field=speed`.
 ///
 /// # Errors
 /// As for [`render`]; an invalid value.
 pub fn render_with(folder: &Path, overrides: &[String]) -> Result<Rendered> {
+    check_overrides(overrides)?;
     let mut run = RunFolder::open(folder, overrides)?;
     let gallery = pictures::draw(&mut run)?;
     let charts: Vec<Figure> = charts::draw(&run).iter().map(Plot::figure).collect();

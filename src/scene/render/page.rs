@@ -223,7 +223,11 @@ fn of_forces(run: &RunFolder) -> Vec<KeyNumber> {
         if let Some(drag) = run.last(&format!("{name}_drag")) {
             let lift = run.last(&format!("{name}_lift"));
             let note = lift.map_or_else(String::new, |l| format!("lift: {}", rounded(l, 4)));
-            numbers.push(number(&format!("Drag coefficient of {name}"), rounded(drag, 5), note));
+            numbers.push(number(
+                &format!("Drag coefficient of {name} at the end"),
+                rounded(drag, 5),
+                note,
+            ));
         }
         if let Some(found) = run.summary.strouhal.get(name) {
             let note = format!(

@@ -1,8 +1,10 @@
 //! The files of a run folder: which are the program's, links among them, and removing them.
 
 use crate::base::{Error, Result};
-use crate::scene::kept::MARK;
+use crate::output::OF_CHART;
+use crate::scene::kept::{CHECKPOINTS, MARK};
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Files of a run folder.
@@ -24,14 +26,30 @@ const FILES: [&str; 16] = [
     "mask.png",
     MARK,
 ];
-/// Folders of a run folder, with the endings of the files in them.
-const FOLDERS: [(&str, &[&str]); 5] = [
-    ("fields", &["vtu", "vtp"]),
-    ("checkpoint", &["bin"]),
-    ("profiles", &["csv"]),
-    ("pictures", &["png"]),
-    ("charts", &["svg"]),
+/// Folders of a run folder, and which of the files in them the program writes.
+const FOLDERS: [(&str, fn(&Path) -> bool); 5] = [
+    ("fields", |path| is_numbered(path, &["vtu", "vtp"])),
+    ("checkpoint", |path| CHECKPOINTS.iter().any(|name| path.ends_with(name))),
+    ("profiles", |path| begins(path, "csv", b"distance,x")),
+    ("pictures", |path| is_numbered(path, &["png"])),
+    ("charts", |path| begins(path, "svg", OF_CHART.as_bytes())),
 ];
+
+/// True for the number of a step with one of these endings.
+fn is_numbered(path: &Path, endings: &[&str]) -> bool {
+    let stem = path.file_stem().unwrap_or_default().as_encoded_bytes();
+    stem.len() >= 6
+        && stem.iter().all(u8::is_ascii_digit)
+        && path.extension().is_some_and(|e| endings.iter().any(|known| e == *known))
+}
+
+/// True for a file with this ending that begins with these bytes, as those of the program do.
+fn begins(path: &Path, ending: &str, with: &[u8]) -> bool {
+    let mut first = vec![0; with.len()];
+    path.extension().is_some_and(|e| e == ending)
+        && fs::File::open(path).and_then(|mut f| f.read_exact(&mut first)).is_ok()
+        && first == with
+}
 
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let read = fs::read_dir(folder).into_iter().flatten();
@@ -65,12 +83,9 @@ pub(in crate::scene) fn check_links(folder: &Path) -> Result<()> {
 /// # Errors
 /// A file that cannot be removed.
 pub(super) fn clear(folder: &Path) -> Result<()> {
-    let own = |(name, endings): &(&str, &[&str])| {
-        let of_run = |path: &PathBuf| {
-            path.extension().is_some_and(|e| endings.iter().any(|known| e == *known))
-        };
-        let inside = entries(&folder.join(name));
-        inside.into_iter().filter(of_run).collect::<Vec<_>>()
+    let own = |(name, is_own): &(&str, fn(&Path) -> bool)| {
+        let inside = entries(&folder.join(name)).into_iter();
+        inside.filter(|path| is_own(path)).collect::<Vec<_>>()
     };
     let files = FILES.iter().filter(|name| **name != MARK).map(|name| folder.join(name));
     for path in

@@ -8,8 +8,10 @@ use crate::base::{Error, Kind, Result, Warning, copy_bandwidth};
 use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd, write_vtkhdf};
 use crate::scene::Scene;
 use crate::scene::kept::{CHECKPOINTS, Checkpoint};
+use crate::scene::keys::Named;
 use crate::scene::period::Oscillation;
 use crate::scene::problem::{Facts, Problem};
+use crate::scene::schema::Force;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -269,11 +271,17 @@ impl Folder {
         Series::new(&columns).write(&self.path.join("profiles").join(format!("{name}.csv")))
     }
 
-    /// The Strouhal number of each force that has a reference and oscillates.
+    /// The Strouhal number of each force that has a reference, enough rows, and oscillates.
     fn strouhal(&self, scene: &Scene) -> Result<BTreeMap<String, serde_json::Value>> {
         let mut found = BTreeMap::new();
-        for force in scene.output.forces.iter().filter(|f| f.reference.is_some()) {
-            let series = Series::read(&self.series())?;
+        if scene.output.forces.iter().all(|f| f.reference.is_none()) {
+            return Ok(found);
+        }
+        let series = Series::read(&self.series())?;
+        let every = scene.output.every;
+        let dense =
+            |f: &&Named<Force>| f.reference.as_ref().is_some_and(|r| r.is_resolved_by(every));
+        for force in scene.output.forces.iter().filter(dense) {
             let lift = series.column(&format!("{}_lift", force.name))?;
             let oscillation = Oscillation::of(series.column("time")?, lift);
             if let (Some(r), Some(o)) = (&force.reference, oscillation) {

@@ -24,10 +24,25 @@ impl Lock {
                 .at(path.display().to_string())
                 .remedy("choose a folder that can be written with --out")
         };
+        if path.is_symlink() {
+            return Err(Error::input("the mark of the run folder is a link to another place")
+                .at(path.display().to_string())
+                .remedy("remove the link, or choose another folder with --out"));
+        }
         let mut options = OpenOptions::new();
         let mut file = options.read(true).write(true).create(true).open(&path).map_err(failed)?;
         match file.try_lock() {
-            Ok(()) => {}
+            Ok(()) => {
+                let mut kept = Vec::new();
+                file.read_to_end(&mut kept).map_err(failed)?;
+                if !kept.is_empty() && !kept.starts_with(FIRST.as_bytes()) {
+                    return Err(Error::input(
+                        "the folder has a file of this name that is not ours",
+                    )
+                    .at(path.display().to_string())
+                    .remedy("move the file away, or choose another folder with --out"));
+                }
+            }
             Err(TryLockError::WouldBlock) => {
                 let mut text = String::new();
                 let _ = file.read_to_string(&mut text);

@@ -43,7 +43,8 @@ one_of! {
         "no_slip" [True] (()) => (Condition::NoSlip);
         /// No normal velocity and no tangential stress.
         "slip" [True] (()) => (Condition::Slip);
-        /// No stress (do-nothing). A structure that reaches it leaves and exerts no force from then
+        /// No stress, `(2 mu D(u) - p) n = 0`, where fluid leaves (do-nothing in the form of the
+        /// stress: a channel flow spreads a little towards the side, as it does into the open). A structure that reaches it leaves and exerts no force from then
         /// on; fluid that comes in is that outside.
         "open" [True] (()) => (Condition::Open);
         /// The name of the boundary that is the translate of this one, with the same flow.

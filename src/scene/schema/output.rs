@@ -260,11 +260,23 @@ impl Output {
 }
 
 impl Reference {
+    /// Longest time between rows that shows every period of a flow past a body, of which none is
+    /// much shorter than `length / speed`.
+    pub fn longest_between_rows(&self) -> f64 {
+        0.25 * self.length / self.speed
+    }
+    /// True if rows so far apart show every period.
+    pub fn is_resolved_by(&self, every: f64) -> bool {
+        every <= self.longest_between_rows() * (1.0 + 1e-9)
+    }
     fn before(table: &Table<'_>, context: &Context) -> Result<()> {
         match ["area", "lift"].into_iter().find_map(|key| table.get(key)) {
             Some(item) if context.dimension == 2 => Err(item
                 .key_error(format!("`{}` is for forces in space, and the mesh is plane", item.key))
-                .remedy("leave it out: the lift is at a right angle to the stream")),
+                .remedy(match item.key.ends_with("lift") {
+                    true => "leave it out: the lift is at a right angle to the stream",
+                    false => "leave it out: forces in the plane are per unit of depth",
+                })),
             _ => Ok(()),
         }
     }

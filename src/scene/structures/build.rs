@@ -91,6 +91,11 @@ impl<const D: usize> Build<'_, '_, D> {
                 self.warn_of_thick_band(name, reach, &distance);
                 return Ok(());
             }
+            if !banded {
+                return Err(Error::scene(format!("`{name}` touches the boundary of the mesh"))
+                    .value(format!("distance to the boundary {}", length(margin)))
+                    .remedy("give a smaller shape, move it, or enlarge the mesh"));
+            }
             Err(Error::scene(format!("the band of `{name}` reaches the boundary of the mesh"))
                 .value(format!(
                     "half-width {}, distance to the boundary {}",
