@@ -26,8 +26,11 @@ const FILES: [&str; 16] = [
     "mask.png",
     MARK,
 ];
+/// True for a file that the program writes.
+type IsOwn = fn(&Path) -> bool;
+
 /// Folders of a run folder, and which of the files in them the program writes.
-const FOLDERS: [(&str, fn(&Path) -> bool); 5] = [
+const FOLDERS: [(&str, IsOwn); 5] = [
     ("fields", |path| is_numbered(path, &["vtu", "vtp"])),
     ("checkpoint", |path| CHECKPOINTS.iter().any(|name| path.ends_with(name))),
     ("profiles", |path| begins(path, "csv", b"distance,x")),
@@ -83,7 +86,7 @@ pub(in crate::scene) fn check_links(folder: &Path) -> Result<()> {
 /// # Errors
 /// A file that cannot be removed.
 pub(super) fn clear(folder: &Path) -> Result<()> {
-    let own = |(name, is_own): &(&str, fn(&Path) -> bool)| {
+    let own = |(name, is_own): &(&str, IsOwn)| {
         let inside = entries(&folder.join(name)).into_iter();
         inside.filter(|path| is_own(path)).collect::<Vec<_>>()
     };
