@@ -418,10 +418,13 @@ fn numbers_without_units_are_in_the_plan() {
 /// `[boundary.walls]` is not advised for the rest.
 #[test]
 fn all_parts_of_a_mesh_without_a_condition_are_named() {
-    let mesh = fs::read_to_string("meshes/channel.msh").unwrap();
-    let told = explained(&format!("{FILE}{REST}[boundary]\nwalls.no_slip = true\n"), &mesh);
+    let told = |boundary: &str| {
+        let folder = folder_with(&format!("{FILE}{REST}[boundary]\n{boundary}\n"));
+        fs::copy("meshes/channel.msh", folder.path().join("m.msh")).unwrap();
+        immersa(folder.path(), &["explain", "scene.toml"])
+    };
     let all = "add [boundary.inlet], [boundary.outlet], [boundary.cylinder] to the scene";
-    told.expect(2, &[all, "the part of the mesh of this name"]);
-    let told = explained(&format!("{FILE}{REST}[boundary]\ninlet.open = true\n"), &mesh);
-    told.expect(2, &["[boundary.cylinder]", "[boundary.outlet]", "[boundary.walls]"]);
+    told("walls.no_slip = true").expect(2, &[all, "the part of the mesh of this name"]);
+    let rest = ["[boundary.cylinder]", "[boundary.outlet]", "[boundary.walls]"];
+    told("inlet.open = true").expect(2, &rest);
 }

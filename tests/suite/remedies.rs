@@ -118,7 +118,7 @@ const CASES: [(&[&str], &[&str], Follow); 24] = [
             between(m, "lower value first: ", "\n").replace(" = ", "=")
         )]
     }),
-    (&["output.picture.field=\"shear\""], &["the mesh is plane"], |_| {
+    (&["output.picture.field=\"shear\""], &["shows the strain of a surface"], |_| {
         vec!["output.picture.field=\"speed\"".into()]
     }),
     (&["mesh.rectangle.cells=[100000, 100000]"], &["give fewer cells"], |_| {

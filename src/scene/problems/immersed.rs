@@ -443,7 +443,7 @@ fn coarse<const D: usize>(
     given: &scales::Given,
 ) -> Option<Warning> {
     let (fluid, edge) = (scene.outside(), quality.greatest_diameter.value);
-    let reynolds = fluid.density * given.speed * edge / fluid.viscosity;
+    let reynolds = fluid.density * given.difference * edge / fluid.viscosity;
     let convects = scene.numerics.convection.unwrap_or(true);
     (convects && reynolds > COARSE).then(|| {
         let what = format!(

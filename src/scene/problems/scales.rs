@@ -31,7 +31,7 @@ const SAMPLES: usize = 64;
 pub(super) struct Given {
     /// The largest speed.
     pub speed: f64,
-    /// The largest difference of two of them.
+    /// The largest difference of two of them at one time.
     pub difference: f64,
     /// The shorter side of the domain.
     pub side: f64,
@@ -43,13 +43,15 @@ pub(super) fn given<const D: usize>(
     site: &Site<'_, D>,
     initial: &[SVector<f64, D>],
 ) -> Given {
-    let (mut speed, mut range) = (0.0f64, [None; 2]);
-    let mut see = |u: SVector<f64, D>| {
+    let mut speed = 0.0f64;
+    // The least and the largest components at each time.
+    let mut ranges = [None; SAMPLES];
+    let mut see = |k: usize, u: SVector<f64, D>| {
         speed = speed.max(u.norm());
-        let [low, high] = range.map(|v: Option<SVector<f64, D>>| v.unwrap_or(u));
-        range = [Some(low.inf(&u)), Some(high.sup(&u))];
+        let (low, high) = ranges[k].unwrap_or((u, u));
+        ranges[k] = Some((low.inf(&u), high.sup(&u)));
     };
-    initial.iter().take(site.mesh.points().len()).for_each(|u| see(*u));
+    initial.iter().take(site.mesh.points().len()).for_each(|u| see(0, *u));
     for b in &scene.boundaries {
         let v = match &b.condition {
             Condition::Velocity(v) => v.as_slice(),
@@ -60,13 +62,11 @@ pub(super) fn given<const D: usize>(
         let nodes = |f: &u32| site.space.facet_nodes(&site.mesh.facets()[*f as usize]);
         for n in facets.iter().flat_map(|f| nodes(f).collect::<Vec<_>>()) {
             let x = &site.space.nodes()[n as usize];
-            (0..SAMPLES).for_each(|k| see(v(x, scene.time.end * spread(k))));
+            (0..SAMPLES).for_each(|k| see(k, v(x, scene.time.end * spread(k))));
         }
     }
-    let difference = match range {
-        [Some(low), Some(high)] => (high - low).norm(),
-        _ => 0.0,
-    };
+    let differences = ranges.iter().flatten().map(|(low, high)| (high - low).norm());
+    let difference = differences.fold(0.0, f64::max);
     Given { speed, difference, side: 2.0 * site.size() }
 }
 

@@ -47,7 +47,7 @@ pub fn render(folder: &Path) -> Result<Rendered> {
 }
 
 /// Keys that change how a run is shown.
-const SHOWN: [&str; 4] = ["output.picture", "output.film", "title", "units"];
+const SHOWN: [&str; 5] = ["output.picture", "output.pictures", "output.film", "title", "units"];
 
 /// Refuses changes of what was computed: the report would show what was not.
 ///

@@ -2,6 +2,7 @@
 
 use crate::base::{Error, Result, fnv1a};
 use crate::scene::Scene;
+use std::path::Path;
 use toml::{Table, Value};
 
 /// Keys of `[output]` that change files, and not their columns.
@@ -16,14 +17,15 @@ fn physics(scene: &Scene) -> Result<Table> {
         .map_err(|e| Error::internal("a resolved scene is not TOML").value(e))?;
     all.remove("title");
     // Files are known by hashes of what matters in them: they may be elsewhere.
+    // Of the run at the start the flow was kept, and its name is compared.
     for (table, key) in
         [("mesh", "file"), ("image", "file"), ("image", "mask"), ("initial", "from")]
     {
-        if let Some(table) = all.get_mut(table).and_then(Value::as_table_mut)
-            && let Some(file) = table.get_mut(key)
-        {
-            *file = "a file".into();
-        }
+        let table = all.get_mut(table).and_then(Value::as_table_mut);
+        let Some(file) = table.and_then(|table| table.get_mut(key)) else { continue };
+        let name = file.as_str().and_then(|path| Path::new(path).file_name());
+        let name = name.map(|name| name.to_string_lossy().into_owned());
+        *file = name.filter(|_| key == "from").unwrap_or_default().into();
     }
     if let Some(time) = all.get_mut("time").and_then(Value::as_table_mut) {
         let end = time.remove("end");
