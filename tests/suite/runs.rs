@@ -320,7 +320,8 @@ fn kinds() -> [(&'static str, String); 8] {
          initial_velocity = [\"4*(y-1)*(2-y)*y\", \"4*(1.6-x)\"] }}\n\
          boundary = {{ right.open = true, walls.slip = true }}\n{steps}{rest}"
     );
-    let paced = format!("{square}{lid}{steps}tolerance = 1e-3\n{rest}");
+    let slow = lid.replace("[1, 0]", "[\"t*x*(2-x)\", 0]");
+    let paced = format!("{square}{slow}{steps}tolerance = 1e-3\n{rest}");
     [
         ("membrane", SCENE.into()),
         ("adapted", adapted()),
