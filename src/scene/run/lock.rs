@@ -56,9 +56,10 @@ impl Lock {
         }
         let text =
             format!("{FIRST} {}\nprocess {}\n", env!("CARGO_PKG_VERSION"), std::process::id());
-        file.set_len(0)
-            .and_then(|()| file.rewind())
+        // Never without a mark, wherever the process is killed: cut off only after it is written.
+        file.rewind()
             .and_then(|()| file.write_all(text.as_bytes()))
+            .and_then(|()| file.set_len(text.len() as u64))
             .map_err(failed)?;
         Ok(Lock { _file: file })
     }
