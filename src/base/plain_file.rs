@@ -13,16 +13,11 @@ const MOST_OF_PIPE: u64 = 16 << 20;
 /// The file cannot be read, or has no end.
 pub fn read_plain(path: &Path) -> Result<Vec<u8>> {
     let file = std::fs::File::open(path)?;
-    let about = file.metadata()?;
+    let is_plain = file.metadata()?.is_file();
+    let most = if is_plain { u64::MAX } else { MOST_OF_PIPE + 1 };
     let mut bytes = Vec::new();
-    if about.is_file() || about.is_dir() {
-        // Of a folder this is the error that says so.
-        let mut file = file;
-        file.read_to_end(&mut bytes)?;
-        return Ok(bytes);
-    }
-    file.take(MOST_OF_PIPE + 1).read_to_end(&mut bytes)?;
-    match bytes.len() as u64 > MOST_OF_PIPE {
+    file.take(most).read_to_end(&mut bytes)?;
+    match !is_plain && bytes.len() as u64 > MOST_OF_PIPE {
         true => Err(Error::other("it is no plain file, and has no end")),
         false => Ok(bytes),
     }

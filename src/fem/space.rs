@@ -95,6 +95,12 @@ impl<const D: usize> Space<D> {
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
+    /// True if `other` has the same nodes and cells under the same numbers.
+    pub fn coincides(&self, other: &Space<D>) -> bool {
+        self.element == other.element
+            && self.nodes == other.nodes
+            && self.cell_nodes == other.cell_nodes
+    }
     /// True if there are no nodes (never, on a valid mesh).
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()

@@ -6,8 +6,8 @@ use crate::fem::{At, Space, VectorForm};
 use crate::mesh::{Location, Point};
 use nalgebra::{SMatrix, SVector};
 
-/// A point, the outward normal, and the number of the facet.
-type Site<const D: usize> = (At<D>, SVector<f64, D>, u32);
+/// A point, the outward normal, and the number of the condition.
+type Site<const D: usize> = (At<D>, SVector<f64, D>, usize);
 
 /// The directional do-nothing condition on open sides,
 /// `(2 mu D(u) - p) n = rho min(u . n, 0) u / 2`.
@@ -22,8 +22,8 @@ type Site<const D: usize> = (At<D>, SVector<f64, D>, u32);
 /// equations, J. Comput. Math. 32 (2014) 507.
 #[derive(Clone, Debug, Default)]
 pub struct Backflow<const D: usize> {
-    /// Quadrature points on the open sides, with the outward normals and the facets; `q` counts
-    /// them.
+    /// Quadrature points on the open sides, with the outward normals and the conditions; `q`
+    /// counts them.
     sites: Vec<Site<D>>,
     /// `rho max(-u* . n, 0) / 2` at each.
     rates: Vec<f64>,
@@ -34,20 +34,19 @@ pub struct Backflow<const D: usize> {
 }
 
 impl<const D: usize> Backflow<D> {
-    /// The term on these facets.
-    pub fn new(space: &Space<D>, mut facets: Vec<u32>) -> Backflow<D> {
+    /// The term on these facets, each with the number of its condition.
+    pub fn new(space: &Space<D>, mut facets: Vec<(u32, usize)>) -> Backflow<D> {
         let mesh = space.mesh();
-        facets.sort_by_key(|f| mesh.facets()[*f as usize].cell);
+        facets.sort_by_key(|(f, _)| mesh.facets()[*f as usize].cell);
         let mut sites = Vec::new();
-        let on_facet = |&number: &u32| {
+        for (number, condition) in facets {
             over_boundary(mesh, &[number], |facet, l, weight| {
                 let (cell, barycentric) = (facet.cell as usize, *l);
                 let x = mesh.point_at(&Location { cell: facet.cell, barycentric });
                 let at = At { cell, q: sites.len(), barycentric, x, weight };
-                sites.push((at, mesh.facet_normal(facet).0, number));
-            })
-        };
-        facets.iter().for_each(on_facet);
+                sites.push((at, mesh.facet_normal(facet).0, condition));
+            });
+        }
         Backflow { sites, ..Backflow::default() }
     }
     /// Takes the rates for the density (by cell and barycentric coordinates) and the velocity `u*`
@@ -98,14 +97,14 @@ impl<const D: usize> Backflow<D> {
         };
         self.points.iter().map(of).sum()
     }
-    /// The greatest speed into the domain, and the facet and the point where it is.
+    /// The greatest speed into the domain, and the condition and the point where it is.
     pub fn greatest(
         &self,
         space: &Space<D>,
         u: &[SVector<f64, D>],
-    ) -> Option<(f64, u32, Point<D>)> {
-        let speed = |(at, n, facet): &Site<D>| {
-            (-space.value(u, at.cell, &at.barycentric).dot(n), *facet, at.x)
+    ) -> Option<(f64, usize, Point<D>)> {
+        let speed = |(at, n, condition): &Site<D>| {
+            (-space.value(u, at.cell, &at.barycentric).dot(n), *condition, at.x)
         };
         self.sites.iter().map(speed).filter(|s| s.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
     }

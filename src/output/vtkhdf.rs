@@ -21,7 +21,7 @@ pub fn write_vtkhdf<const D: usize>(path: &Path, frames: &[PathBuf]) -> Result<(
     let mut last: Option<Snapshot<D>> = None;
     for file in frames {
         let snapshot = read_vtu::<D>(file)?;
-        let is_new = last.as_ref().is_none_or(|l| !same_mesh(l, &snapshot));
+        let is_new = last.as_ref().is_none_or(|l| !l.space.coincides(&snapshot.space));
         if is_new {
             series.begin_mesh(&snapshot);
         }
@@ -34,13 +34,6 @@ pub fn write_vtkhdf<const D: usize>(path: &Path, frames: &[PathBuf]) -> Result<(
             .value(e)
     })?;
     write_file(path, &bytes)
-}
-
-fn same_mesh<const D: usize>(a: &Snapshot<D>, b: &Snapshot<D>) -> bool {
-    let cells = a.space.mesh().cell_count();
-    a.space.nodes() == b.space.nodes()
-        && cells == b.space.mesh().cell_count()
-        && (0..cells).all(|c| a.space.cell_nodes(c) == b.space.cell_nodes(c))
 }
 
 /// All times and meshes.

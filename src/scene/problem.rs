@@ -222,11 +222,8 @@ pub trait Problem {
     }
     /// The open side through which fluid comes in most quickly, with a warning that has the speed
     /// and the place; `None` where it is slow.
-    ///
-    /// # Errors
-    /// None after the problem was built.
-    fn inflow(&self) -> Result<Option<(String, Warning)>> {
-        Ok(None)
+    fn inflow(&self) -> Option<(String, Warning)> {
+        None
     }
     /// Structures that the mesh does not resolve now: their names, and what is wrong with what
     /// remedy.

@@ -2,6 +2,7 @@
 
 use super::keys::key;
 use super::problem::Advice;
+use super::schema::WALLS;
 use crate::base::{Cause, Error, Result};
 
 /// Gives an error of a layer below the remedy that names the keys of the scene.
@@ -58,11 +59,8 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
              add [boundary.walls]"
         }
         Cause::BareBoundary => {
-            let names: Vec<_> = error.wrong_value().split(", ").collect();
-            let tables: Vec<_> =
-                names.iter().map(|name| format!("[boundary.{}]", key(name))).collect();
-            let tables = tables.join(", ");
-            return Some(match names.contains(&"walls") {
+            let tables = tables_of(error.wrong_value());
+            return Some(match error.wrong_value().split(", ").any(|name| name == WALLS) {
                 true => format!("add {tables} to the scene, such as no_slip = true"),
                 false => format!(
                     "add {tables} to the scene, or [boundary.walls] no_slip = true, which holds \
@@ -75,6 +73,12 @@ fn remedy(cause: Cause, error: &Error) -> Option<String> {
         }
     };
     Some(remedy.to_string())
+}
+
+/// The tables of boundaries whose names a text lists.
+pub(super) fn tables_of(names: &str) -> String {
+    let tables = names.split(", ").map(|name| format!("[boundary.{}]", key(name)));
+    tables.collect::<Vec<_>>().join(", ")
 }
 
 /// The choice of a solver, in the words of the linear algebra and of the scene.

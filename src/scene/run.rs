@@ -9,7 +9,6 @@ mod record;
 mod session;
 mod solves;
 
-pub(in crate::scene) use contents::check_links;
 pub use folder::Folder;
 pub(in crate::scene) use lock::Lock;
 pub use session::Session;
@@ -202,7 +201,7 @@ impl<'a> Run<'a> {
             run.problem.write_start(&folder.start())?;
             run.record.note_mesh(&*run.problem);
             run.record.note_waves(&*run.problem);
-            let told = run.record.note_open_sides(&*run.problem)?;
+            let told = run.record.note_open_sides(&*run.problem);
             told.iter().for_each(|w| observer.warning(w));
             run.sample(0)?;
         }
@@ -255,7 +254,7 @@ impl<'a> Run<'a> {
             }
             self.record.note_rise(before, &*self.problem);
             self.record.note_waves(&*self.problem);
-            let told = self.record.note_open_sides(&*self.problem)?;
+            let told = self.record.note_open_sides(&*self.problem);
             told.iter().for_each(|w| observer.warning(w));
             self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
             let elapsed = self.saved.elapsed().as_secs_f64();

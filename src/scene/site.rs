@@ -9,7 +9,7 @@ use super::shapes;
 use crate::base::{Error, Result, Warning};
 use crate::fem::{self, Conditions, Element, Space};
 use crate::levelset::check_inside;
-use crate::mesh::{Mesh, Point, Quality};
+use crate::mesh::{Facet, Mesh, Point, Quality};
 use crate::structure::InitialFunction;
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -107,11 +107,18 @@ pub(super) fn wall_nodes<const D: usize>(
     space: &Space<D>,
     pairs: &[fem::Translation<D>],
 ) -> Vec<u32> {
-    let facets = space.mesh().facets();
-    let mut wall = vec![true; facets.len()];
+    wall_facets(space.mesh(), pairs).flat_map(|(_, f)| space.facet_nodes(f)).collect()
+}
+
+/// Facets on the boundary without periodic sides, with their numbers.
+pub(super) fn wall_facets<'a, const D: usize>(
+    mesh: &'a Mesh<D>,
+    pairs: &[fem::Translation<D>],
+) -> impl Iterator<Item = (u32, &'a Facet)> {
+    let mut wall = vec![true; mesh.facets().len()];
     pairs.iter().for_each(|p| wall[p.facet as usize] = false);
-    let facets = facets.iter().zip(wall).filter(|(_, wall)| *wall);
-    facets.flat_map(|(f, _)| space.facet_nodes(f).collect::<Vec<_>>()).collect()
+    let numbered = (0..).zip(mesh.facets()).zip(wall);
+    numbered.filter_map(|(facet, wall)| wall.then_some(facet))
 }
 
 /// Boundary conditions of a scene on a mesh.

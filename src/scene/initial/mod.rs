@@ -57,7 +57,7 @@ fn taken<const D: usize>(
     site: &Site<'_, D>,
 ) -> Result<InitialFlow<D>> {
     let Stored { space: old, u, mut p, time } = stored;
-    if old.nodes() == site.space.nodes() && same_cells(old.mesh(), &site.mesh) {
+    if old.coincides(&site.space) {
         p.resize(pressures(scene, &site.mesh), 0.0);
         return Ok(InitialFlow { given: u.clone(), flow: FlowState { u, p }, time });
     }
@@ -73,13 +73,9 @@ fn taken<const D: usize>(
     p.truncate(site.mesh.points().len());
     p.resize(pressures(scene, &site.mesh), 0.0);
     let numerics = &scene.numerics;
-    let by = (numerics.pressure, &site.conditions, numerics.solver());
-    let u = solenoidal(&site.space, by.0, by.1, by.2, &given)?;
+    let (conditions, solver) = (&site.conditions, numerics.solver());
+    let u = solenoidal(&site.space, numerics.pressure, conditions, solver, &given)?;
     Ok(InitialFlow { given, flow: FlowState { u, p }, time })
-}
-
-fn same_cells<const D: usize>(a: &Mesh<D>, b: &Mesh<D>) -> bool {
-    a.cell_count() == b.cell_count() && (0..a.cell_count()).all(|c| a.cell(c) == b.cell(c))
 }
 
 /// Names of the fields of a start in its file.
@@ -104,7 +100,7 @@ impl<const D: usize> InitialFlow<D> {
     /// Reads what [`write`](Self::write) has written.
     fn read(path: &Path, scene: &Scene, site: &Site<'_, D>) -> Result<InitialFlow<D>> {
         let kept = read_vtu::<D>(path)?;
-        if kept.space.nodes() != site.space.nodes() || !same_cells(kept.space.mesh(), &site.mesh) {
+        if !kept.space.coincides(&site.space) {
             return Err(Error::input("the start of the run is on another mesh than the scene")
                 .at(path.display().to_string())
                 .value(format!("{} nodes", kept.space.len()))

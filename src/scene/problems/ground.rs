@@ -15,7 +15,7 @@ pub(super) use crate::scene::placing::place;
 use crate::scene::schema::{Boundary, Condition, MeshSource, Window};
 use crate::scene::script::Script;
 use crate::scene::sides;
-use crate::scene::site::{BAND, Placed, Site, vector};
+use crate::scene::site::{BAND, Placed, Site, vector, wall_facets};
 use crate::scene::structures::{Build, Traits, band_of, kind_in};
 use crate::sim::Transport;
 use crate::structure::Structure;
@@ -340,10 +340,7 @@ pub(super) fn inflow<const D: usize>(
         inward > ROUNDING * fastest
     };
     if let Some(v) = &scene.fluid.prescribed_velocity {
-        let mut wall = vec![true; mesh.facets().len()];
-        pairs.iter().for_each(|p| wall[p.facet as usize] = false);
-        let facets: Vec<u32> =
-            (0..mesh.facets().len() as u32).filter(|&f| wall[f as usize]).collect();
+        let facets: Vec<u32> = wall_facets(mesh, pairs).map(|(f, _)| f).collect();
         return enters(&facets, v).then(|| "the boundary of the mesh".to_string());
     }
     let lets_in = |b: &&Boundary| match (&b.condition, mesh.boundary(&b.name)) {

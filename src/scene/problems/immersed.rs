@@ -15,17 +15,16 @@ use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
 use crate::scene::checks::check_flow;
 use crate::scene::initial::{self, InitialFlow};
-use crate::scene::keys::key;
 use crate::scene::measure::{self, Probes};
 use crate::scene::pacing::pacing;
 use crate::scene::plan::{self, Plan};
 use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
 use crate::scene::redistance::redistance;
-use crate::scene::remedies::{of_step, with_keys};
+use crate::scene::remedies::{of_step, tables_of, with_keys};
 use crate::scene::row::Row;
 use crate::scene::schema::WALLS;
 use crate::scene::sides::spread;
-use crate::scene::site::{Site, vector};
+use crate::scene::site::{Site, vector, wall_facets};
 use crate::scene::start::start;
 use crate::scene::view::View;
 use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
@@ -36,8 +35,6 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reynolds number of a cell that is told.
-const COARSE: f64 = 1000.0;
 /// Number of times at which prescribed velocities are checked to balance.
 const INSTANTS: usize = 16;
 /// Speed inward through an open side over the largest in the flow that is told.
@@ -116,12 +113,10 @@ impl<const D: usize> ImmersedFlow<D> {
                 scene.blame(&["mesh"], e)
             }
             (Kind::Scene, _) if e.cause() == Some(Cause::BareBoundary) && own_walls => {
-                let tables = e.wrong_value().split(", ").map(|n| format!("[boundary.{}]", key(n)));
-                let tables: Vec<String> = tables.collect();
                 let plain = Error::scene(e.what()).value(e.wrong_value());
                 let remedy = format!(
                     "add {} to the scene: [boundary.walls] is the part of the mesh of this name",
-                    tables.join(", ")
+                    tables_of(e.wrong_value())
                 );
                 scene.blame(&["boundary"], plain.remedy(remedy))
             }
@@ -139,7 +134,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let walls = closed_nodes(&simulation);
         forces::check(scene)?;
         warnings.extend(forces::warnings(scene));
-        warnings.extend(coarse(scene, &quality, &given));
+        warnings.extend(numbers::coarse(scene, &quality, &given));
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
@@ -399,12 +394,12 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn leaving(&self) -> Vec<String> {
         self.simulation.leaving().map(str::to_string).collect()
     }
-    fn inflow(&self) -> Result<Option<(String, Warning)>> {
+    fn inflow(&self) -> Option<(String, Warning)> {
         let sim = &self.simulation;
-        let Some((side, speed, x)) = sim.inflow()? else { return Ok(None) };
+        let (side, speed, x) = sim.inflow()?;
         let fastest = sim.largest_speed();
         if speed <= SLOW * fastest {
-            return Ok(None);
+            return None;
         }
         let what = format!(
             "fluid comes in through boundary.{side}, which is open, from t = {:.4} on: at {:.4?} with \
@@ -416,7 +411,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         );
         let remedy = "what comes in is not known there, and a stress takes its energy back \
                       (directional do-nothing): put the side farther away if the flow near it counts";
-        Ok(Some((side.to_string(), Warning::new(what, remedy))))
+        Some((side.to_string(), Warning::new(what, remedy)))
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         let kinds = self.scene.structures();
@@ -436,33 +431,11 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
 }
 
-/// A warning of layers at walls and in shear that are far thinner than the cells.
-fn coarse<const D: usize>(
-    scene: &Scene,
-    quality: &Quality<D>,
-    given: &scales::Given,
-) -> Option<Warning> {
-    let (fluid, edge) = (scene.outside(), quality.greatest_diameter.value);
-    let reynolds = fluid.density * given.difference * edge / fluid.viscosity;
-    let convects = scene.numerics.convection.unwrap_or(true);
-    (convects && reynolds > COARSE).then(|| {
-        let what = format!(
-            "the Reynolds number of a cell is {}: layers at walls and in shear are far thinner \
-             than the mesh",
-            rounded(reynolds, 3)
-        );
-        let remedy = "they are smoothed by the mesh: take a finer mesh there, or a larger \
-            fluid.viscosity, if they count";
-        Warning::new(what, remedy)
-    })
-}
-
 /// Nodes on the boundary without periodic and open sides, with the longest edge of their cells.
 fn closed_nodes<const D: usize>(sim: &Simulation<D>) -> Vec<(u32, f64)> {
     let (space, mesh) = (sim.space(), sim.space().mesh());
     let open: HashSet<u32> = sim.outlet_nodes().collect();
-    let periodic: HashSet<u32> = sim.carried().translations().iter().map(|t| t.facet).collect();
-    let walls = (0..).zip(mesh.facets()).filter(|(f, _)| !periodic.contains(f));
+    let walls = wall_facets(mesh, sim.carried().translations());
     let nodes = walls.flat_map(|(_, facet)| {
         let edge = mesh.diameter(facet.cell as usize);
         space.facet_nodes(facet).map(move |n| (n, edge))

@@ -5,8 +5,9 @@ use crate::base::{Error, Result, Warning};
 use crate::output::{Series, read_pvd};
 use crate::scene::Scene;
 use crate::scene::charts::Columns;
+use crate::scene::kept::is_run;
 use crate::scene::keys::Named;
-use crate::scene::run::{Lock, check_links};
+use crate::scene::run::Lock;
 use crate::scene::schema::{Profile, Units};
 use crate::scene::words::Words;
 use std::path::{Path, PathBuf};
@@ -45,11 +46,10 @@ impl RunFolder {
         if !summary.is_file() {
             return Err(not_finished(path));
         }
-        if !Lock::is_run(path) {
+        if !is_run(path) {
             return Err(not_marked(path));
         }
         let lock = Lock::take(path)?;
-        check_links(path)?;
         let mut run = RunFolder {
             path: path.to_path_buf(),
             _lock: lock,

@@ -68,7 +68,7 @@ pub(super) fn is_empty(folder: &Path) -> bool {
 ///
 /// # Errors
 /// The first link.
-pub(in crate::scene) fn check_links(folder: &Path) -> Result<()> {
+pub(super) fn check_links(folder: &Path) -> Result<()> {
     let files = FILES.iter().map(|name| folder.join(name));
     let folders = FOLDERS.iter().map(|(name, _)| folder.join(name));
     let inside = folders.clone().filter(|path| !path.is_symlink()).flat_map(|path| entries(&path));

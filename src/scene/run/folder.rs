@@ -7,7 +7,7 @@ use super::{Earlier, Options, contents};
 use crate::base::{Error, Kind, Result, Warning, copy_bandwidth};
 use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd, write_vtkhdf};
 use crate::scene::Scene;
-use crate::scene::kept::{CHECKPOINTS, Checkpoint};
+use crate::scene::kept::{CHECKPOINTS, Checkpoint, is_run};
 use crate::scene::keys::Named;
 use crate::scene::period::Oscillation;
 use crate::scene::problem::{Facts, Problem};
@@ -33,7 +33,7 @@ impl Folder {
     /// another process that writes to it.
     pub(super) fn open(scene: &Scene, options: &Options<'_>) -> Result<Folder> {
         let path = options.folder.clone();
-        let is_run = Lock::is_run(&path);
+        let is_run = is_run(&path);
         if !is_run && !contents::is_empty(&path) {
             return Err(foreign(&path));
         }
@@ -51,7 +51,6 @@ impl Folder {
                 ));
         }
         folder.lock = Some(Lock::take(&folder.path)?);
-        contents::check_links(&folder.path)?;
         let kept = folder.path.join("scene.toml");
         if options.earlier == Earlier::Resume && kept.exists() {
             let differences = differences(&Scene::load(&kept, &[])?, scene)?;

@@ -1,7 +1,8 @@
 //! The mark of a run folder, which is also its lock.
 
+use super::contents::check_links;
 use crate::base::{Error, Result};
-use crate::scene::kept::{self, FIRST, MARK};
+use crate::scene::kept::{FIRST, MARK};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::Path;
@@ -16,19 +17,17 @@ impl Lock {
     /// Takes the lock of a folder that exists, and marks it.
     ///
     /// # Errors
-    /// Another process has it; the file cannot be written.
+    /// A file of the folder is a link, or its mark is not ours; another process has it; the file
+    /// cannot be written.
     pub fn take(folder: &Path) -> Result<Lock> {
+        // Before the mark is opened: it may be a link itself.
+        check_links(folder)?;
         let path = folder.join(MARK);
         let failed = |e: std::io::Error| {
             Error::input(format!("the run folder cannot be locked: {e}"))
                 .at(path.display().to_string())
                 .remedy("choose a folder that can be written with --out")
         };
-        if path.is_symlink() {
-            return Err(Error::input("the mark of the run folder is a link to another place")
-                .at(path.display().to_string())
-                .remedy("remove the link, or choose another folder with --out"));
-        }
         let mut options = OpenOptions::new();
         let mut file = options.read(true).write(true).create(true).open(&path).map_err(failed)?;
         match file.try_lock() {
@@ -62,10 +61,5 @@ impl Lock {
             .and_then(|()| file.set_len(text.len() as u64))
             .map_err(failed)?;
         Ok(Lock { _file: file })
-    }
-
-    /// True if the folder has the mark.
-    pub fn is_run(folder: &Path) -> bool {
-        kept::is_run(folder)
     }
 }

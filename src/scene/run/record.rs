@@ -215,10 +215,7 @@ impl Record {
 
     /// Records the structures that leave the domain and the open sides through which fluid comes
     /// in, and returns what is to be told of those that were not known to.
-    ///
-    /// # Errors
-    /// None after the problem was built.
-    pub(super) fn note_open_sides(&mut self, problem: &dyn Problem) -> Result<Vec<Warning>> {
+    pub(super) fn note_open_sides(&mut self, problem: &dyn Problem) -> Vec<Warning> {
         let (time, mut told) = (problem.moment().time, Vec::new());
         for name in problem.leaving() {
             self.left.entry(name).or_insert_with_key(|name| {
@@ -227,13 +224,13 @@ impl Record {
                 time
             });
         }
-        if let Some((side, warning)) = problem.inflow()? {
+        if let Some((side, warning)) = problem.inflow() {
             self.entered.entry(side).or_insert_with(|| {
                 told.push(warning);
                 time
             });
         }
-        Ok(told)
+        told
     }
 
     /// Records the structures whose bands reach the boundary, and those that the mesh does not

@@ -163,18 +163,18 @@ impl<const D: usize> Simulation<D> {
         let mut flow = FlowSolver::new(&space, &pressure, &rule, conditions, grad_div)?;
         flow.solve_by(settings.solver);
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
-        // A constant matrix is factored once.
-        let mut open: Vec<u32> = condition_of_facets(mesh, conditions)?
+        let mut open: Vec<(u32, usize)> = condition_of_facets(mesh, conditions)?
             .into_iter()
-            .filter(|(_, k)| k.is_some_and(|k| matches!(conditions[k].1, Condition::Open)))
-            .map(|(facet, _)| facet)
+            .filter_map(|(facet, k)| Some((facet, k?)))
+            .filter(|(_, k)| matches!(conditions[*k].1, Condition::Open))
             .collect();
-        let outlets = Outlets::new(&space, open.iter().copied());
+        let outlets = Outlets::new(&space, open.iter().map(|(facet, _)| *facet));
         // What comes in changes the matrix, where there is convection.
         if !settings.convection || settings.fluids(&structures).all(|f| f.density == 0.0) {
             open.clear();
         }
         let varies = !settings.has_constant_materials(&structures) || !open.is_empty();
+        // A constant matrix is factored once.
         if implicit || varies {
             flow.iterate(settings.solve_tolerance);
         }
@@ -295,20 +295,11 @@ impl<const D: usize> Simulation<D> {
     pub fn has_backflow(&self) -> bool {
         !self.backflow.is_empty()
     }
-    /// Where fluid comes in through an open side most quickly: the condition of the side, its
-    /// speed inward, and the point.
-    ///
-    /// # Errors
-    /// None after the simulation was built.
-    pub fn inflow(&self) -> Result<Option<(&str, f64, Point<D>)>> {
-        let Some((speed, facet, x)) = self.backflow.greatest(self.space(), &self.state.flow.u)
-        else {
-            return Ok(None);
-        };
-        let conditions = &self.settings.conditions;
-        let of_facets = condition_of_facets(self.space().mesh(), conditions)?;
-        let side = of_facets.into_iter().find(|(f, _)| *f == facet).and_then(|(_, k)| k);
-        Ok(side.map(|k| (conditions[k].0.as_str(), speed, x)))
+    /// Where fluid comes in through an open side most quickly: the name of the side, the speed
+    /// inward, and the point.
+    pub fn inflow(&self) -> Option<(&str, f64, Point<D>)> {
+        let (speed, k, x) = self.backflow.greatest(self.space(), &self.state.flow.u)?;
+        Some((&self.settings.conditions[k].0, speed, x))
     }
     /// Largest speed at a node.
     pub fn largest_speed(&self) -> f64 {

@@ -159,7 +159,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Solves for velocity and pressure. Also returns the powers of the step.
     fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, Powers)> {
-        if scheme.convection {
+        if scheme.convection && self.has_backflow() {
             self.meet_inflow(scheme, work);
         }
         let Work { current, mean, next, ahead, .. } = work;

@@ -1,14 +1,40 @@
 //! Numbers without units that characterise a flow, as far as its scene defines them.
 
 use super::ImmersedFlow;
-use crate::base::length;
+use crate::base::{Warning, length};
+use crate::mesh::Quality;
 use crate::output::rounded;
+use crate::scene::Scene;
 use crate::scene::problems::scales::Given;
 
 /// A line of the plan: numbers with their definitions; and their names and values.
 pub(super) struct Numbers {
     pub line: String,
     pub values: Vec<(String, f64)>,
+}
+
+/// Reynolds number of a cell that is told.
+const COARSE: f64 = 1000.0;
+
+/// A warning of layers at walls and in shear that are far thinner than the cells.
+pub(super) fn coarse<const D: usize>(
+    scene: &Scene,
+    quality: &Quality<D>,
+    given: &Given,
+) -> Option<Warning> {
+    let (fluid, edge) = (scene.outside(), quality.greatest_diameter.value);
+    let reynolds = fluid.density * given.difference * edge / fluid.viscosity;
+    let convects = scene.numerics.convection.unwrap_or(true);
+    (convects && reynolds > COARSE).then(|| {
+        let what = format!(
+            "the Reynolds number of a cell is {}: layers at walls and in shear are far thinner \
+             than the mesh",
+            rounded(reynolds, 3)
+        );
+        let remedy = "they are smoothed by the mesh: take a finer mesh there, or a larger \
+            fluid.viscosity, if they count";
+        Warning::new(what, remedy)
+    })
 }
 
 impl<const D: usize> ImmersedFlow<D> {
