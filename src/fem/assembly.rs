@@ -168,7 +168,7 @@ pub fn assemble_vector<const D: usize>(
     scratch: &mut Vec<SVector<f64, D>>,
     f: impl Fn(&At<D>) -> VectorForm<D> + Sync,
 ) {
-    assemble(basis, cells, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
+    assemble_local(basis, cells, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
         let inverse = &basis.space.mesh().map(c).inverse;
         for q in 0..basis.rule.len() {
             let at = basis.at(c, q);
@@ -191,7 +191,7 @@ pub fn assemble_source<const D: usize>(
     scratch: &mut Vec<SVector<f64, D>>,
     source: impl Fn(usize, &mut CellLoad<'_, D>) + Sync,
 ) {
-    assemble(basis, Cells::All, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
+    assemble_local(basis, Cells::All, out, scratch, SVector::<f64, D>::zeros(), |c, local| {
         source(c, &mut CellLoad { basis, volume: basis.space.mesh().map(c).volume, local });
     });
 }
@@ -223,7 +223,7 @@ pub fn assemble_scalar<const D: usize>(
     scratch: &mut Vec<f64>,
     f: impl Fn(&At<D>) -> (f64, SVector<f64, D>) + Sync,
 ) {
-    assemble(basis, cells, out, scratch, 0.0, |c, local| {
+    assemble_local(basis, cells, out, scratch, 0.0, |c, local| {
         let inverse = &basis.space.mesh().map(c).inverse;
         for q in 0..basis.rule.len() {
             let at = basis.at(c, q);
@@ -237,9 +237,9 @@ pub fn assemble_scalar<const D: usize>(
     });
 }
 
-/// The common loop of linear forms: `cell` adds the contribution of a cell to zeros. Cells are
-/// computed in parallel into the buffer, then added in order.
-fn assemble<const D: usize, T: Copy + Send + Sync + std::ops::AddAssign>(
+/// The common loop of linear forms: `cell` adds the contribution of a cell to zeros, one entry per
+/// local node. Cells are computed in parallel into the buffer, then added in order.
+pub fn assemble_local<const D: usize, T: Copy + Send + Sync + std::ops::AddAssign>(
     basis: &Basis<D>,
     cells: Cells<'_>,
     out: &mut [T],

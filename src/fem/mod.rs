@@ -23,7 +23,7 @@ mod surface;
 mod transfer;
 
 pub use assembly::{
-    At, Basis, CellLoad, Cells, VectorForm, assemble_flow_matrix, assemble_scalar,
+    At, Basis, CellLoad, Cells, VectorForm, assemble_flow_matrix, assemble_local, assemble_scalar,
     assemble_scalar_matrix, assemble_source, assemble_vector, integrate,
 };
 pub use condition::{Condition, Conditions, VelocityFunction, condition_of_facets};

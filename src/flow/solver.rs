@@ -1,14 +1,15 @@
 //! One step of the coupled velocity-pressure system.
 
 use super::coefficient::Coefficient;
+use super::convection::{OnNodes, OnUnknowns, Transport};
 use super::step::{FlowState, Step, StepReport};
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::fem::{
     At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar,
 };
 use crate::linalg::{
-    Change, Factor, FactorSize, LaggedFactor, LaggedReport, SolveCost, SolverKind, SolverOptions,
-    SymmetricMatrix,
+    Change, Factor, FactorSize, LaggedFactor, LaggedReport, Operator, SolveCost, SolverKind,
+    SolverOptions, SymmetricMatrix,
 };
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -54,6 +55,8 @@ pub struct FlowSolver<const D: usize> {
     viscosity: Coefficient,
     /// Mass per volume that gravity acts on; `None` for the density.
     buoyancy: Option<Coefficient>,
+    /// Implicit convection in the present step.
+    transport: Transport,
     /// The constant part of the matrix, and its `weight / dt`; NaN when it is out of date.
     base: Option<(SymmetricMatrix, f64)>,
     matrix: SymmetricMatrix,
@@ -94,6 +97,7 @@ struct Work<const D: usize> {
     vectors: Vec<SVector<f64, D>>,
     scalars: Vec<f64>,
     pressure_mass: Vec<f64>,
+    products: OnNodes<D>,
 }
 
 impl<const D: usize> Work<D> {
@@ -114,6 +118,7 @@ impl<const D: usize> Work<D> {
             vectors: Vec::new(),
             scalars: Vec::new(),
             pressure_mass,
+            products: OnNodes::default(),
         }
     }
 }
@@ -184,6 +189,7 @@ impl<const D: usize> FlowSolver<D> {
             density: Coefficient::Constant(1.0),
             viscosity: Coefficient::Constant(1.0),
             buoyancy: None,
+            transport: Transport::default(),
             base: None,
             matrix,
             factor: None,
@@ -356,7 +362,7 @@ impl<const D: usize> FlowSolver<D> {
     /// # Errors
     /// A factorisation or a solve that fails; boundary values with a net inflow.
     pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
-        let change = self.prepare(step.weight / step.dt, step.terms)?;
+        let change = self.prepare(step.weight / step.dt, step.terms, step.convection)?;
         self.phases.begin();
         self.assemble_load(step);
         let mut work = std::mem::replace(&mut self.work, Work::empty());
@@ -366,7 +372,8 @@ impl<const D: usize> FlowSolver<D> {
         self.substitutions += substitutions as u64;
         if refactored {
             self.factored_weight = step.weight / step.dt;
-            self.factor_is_base = step.terms.iter().all(|t| !t.is_implicit());
+            self.factor_is_base =
+                !self.transport.is_active() && step.terms.iter().all(|t| !t.is_implicit());
             self.factored_plain = self.factor_is_base;
         }
         self.phases.end(Phase::Solve);
@@ -420,7 +427,14 @@ impl<const D: usize> FlowSolver<D> {
         if change == Change::Passing || factor.always_iterates() {
             self.numbering.restrict(&state.u, &state.p, &work.lift, &mut work.x);
         }
-        let report = factor.solve(&self.matrix, change, &work.rhs, &mut work.x)?;
+        let (transport, velocity, numbering) = (&self.transport, &self.velocity, &self.numbering);
+        let mut convection =
+            OnUnknowns { transport, velocity, numbering, work: &mut work.products };
+        let mut operator = Operator::from(&self.matrix);
+        if transport.is_active() {
+            operator.addition = Some(&mut convection);
+        }
+        let report = factor.solve(operator, change, &work.rhs, &mut work.x)?;
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         Ok(report)
     }
@@ -438,6 +452,7 @@ impl<const D: usize> Work<D> {
             vectors: Vec::new(),
             scalars: Vec::new(),
             pressure_mass: Vec::new(),
+            products: OnNodes::default(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Input and output of a step of the flow.
 
 use super::block::Block;
+use super::convection::Convection;
 use super::term::MomentumTerm;
 use crate::linalg::SolveReport;
 use crate::mesh::Point;
@@ -53,6 +54,8 @@ pub struct Step<'a, const D: usize> {
     pub weight: f64,
     /// Earlier velocities; empty for Stokes.
     pub history: &'a [History<'a, D>],
+    /// Convection, if it is not along the characteristics of the history.
+    pub convection: Convection<'a, D>,
     /// Forces of structures.
     pub terms: &'a [&'a dyn MomentumTerm<D>],
     /// Blocks of unknowns of structures.
@@ -74,6 +77,7 @@ impl<'a, const D: usize> Step<'a, D> {
             dt,
             weight: 1.0,
             history,
+            convection: Convection::InHistory,
             terms: &[],
             blocks: &[],
             predicted: None,

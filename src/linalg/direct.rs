@@ -9,12 +9,14 @@ use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw};
 use super::single::Single;
 use super::size::{FactorSize, Precision};
 use super::substitution::Supernodes;
-use super::{Ordering, SymmetricMatrix};
+use super::{Addition, Ordering, SymmetricMatrix};
 use crate::base::{Error, Result, available_memory, readable_bytes};
 
 mod kernel;
+mod lu;
 
 use kernel::{numeric, supernodes, symbolic_factor, view_of_pattern};
+use lu::Lu;
 
 /// Relative residual above which a solution is refused.
 const TOLERANCE: f64 = 1e-9;
@@ -40,10 +42,12 @@ pub struct SolveReport {
 enum Values {
     Double(Vec<f64>),
     Single(Single),
+    Unsymmetric(Box<Lu>),
 }
 
 /// The factorisation `P A P^T = L D L^T` of a symmetric matrix that needs no pivoting: positive
-/// definite, or a saddle point in the order of [`Ordering::saddle_point`].
+/// definite, or a saddle point in the order of [`Ordering::saddle_point`]. With a part that is not
+/// symmetric it is `L D U` on the same pattern, in single precision.
 ///
 /// Sequential, so that results do not depend on the number of threads.
 pub struct Factor {
@@ -116,11 +120,22 @@ impl Factor {
         Factor { values, is_valid: false, scratch: MemBuffer::new(StackReq::EMPTY), ..self }
     }
 
+    /// The factor `L D U`, for matrices with a part that is not symmetric, without values.
+    pub fn unsymmetric(self) -> Factor {
+        let values = Values::Unsymmetric(Box::default());
+        Factor { values, is_valid: false, scratch: MemBuffer::new(StackReq::EMPTY), ..self }
+    }
+
+    /// True for a factor `L D U`.
+    pub fn is_unsymmetric(&self) -> bool {
+        matches!(self.values, Values::Unsymmetric(_))
+    }
+
     /// The precision of the factor.
     pub fn precision(&self) -> Precision {
         match self.values {
             Values::Double(_) => Precision::Double,
-            Values::Single(_) => Precision::Single,
+            Values::Single(_) | Values::Unsymmetric(_) => Precision::Single,
         }
     }
 
@@ -154,11 +169,13 @@ impl Factor {
 
     /// Size of the factor, and an estimate of the time of a factorisation.
     pub fn size(&self) -> FactorSize {
+        // L and U are each read once, L of a symmetric factor twice.
+        let halves = if self.is_unsymmetric() { 2 } else { 1 };
         FactorSize {
             unknowns: self.order(),
-            entries: self.nonzeros(),
+            entries: halves * self.nonzeros(),
             read: self.nonzeros(),
-            operations: self.operations(),
+            operations: halves as f64 * self.operations(),
             bytes: self.bytes(),
             precision: self.precision(),
         }
@@ -173,24 +190,25 @@ impl Factor {
     /// Bytes of the factor with its working space; allocated at the first
     /// [`refactor`](Self::refactor).
     pub fn bytes(&self) -> usize {
-        let extra = match self.precision() {
-            Precision::Double => 0,
-            Precision::Single => Single::extra_bytes(self.order(), self.matrix_entries),
+        let (order, entries, nonzeros) = (self.order(), self.matrix_entries, self.nonzeros());
+        let values = match self.values {
+            Values::Double(_) => size_of::<f64>() * nonzeros,
+            Values::Single(_) => size_of::<f32>() * nonzeros + Single::extra_bytes(order, entries),
+            Values::Unsymmetric(_) => Lu::bytes(nonzeros, [order, entries]),
         };
-        self.precision().bytes() * self.nonzeros()
-            + extra
-            + self.supernodes.bytes()
-            + self.scratch_request().unaligned_bytes_required()
+        values + self.supernodes.bytes() + self.scratch_request().unaligned_bytes_required()
     }
 
     fn scratch_request(&self) -> StackReq {
-        match self.precision() {
-            Precision::Double => {
-                self.symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
+        let symbolic = &self.symbolic;
+        match self.values {
+            Values::Double(_) => {
+                symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
             }
-            Precision::Single => {
-                self.symbolic.factorize_numeric_ldlt_scratch::<f32>(Par::Seq, Default::default())
+            Values::Single(_) => {
+                symbolic.factorize_numeric_ldlt_scratch::<f32>(Par::Seq, Default::default())
             }
+            Values::Unsymmetric(_) => StackReq::EMPTY,
         }
     }
 
@@ -200,6 +218,19 @@ impl Factor {
     /// Computation, if an entry is not finite, a pivot is zero, or the memory does not suffice;
     /// internal, if the pattern differs.
     pub fn refactor(&mut self, matrix: &SymmetricMatrix) -> Result<()> {
+        self.refactor_with(matrix, None)
+    }
+
+    /// [`refactor`](Self::refactor) of a matrix with an addition, which only a factor `L D U`
+    /// takes into account; other factors are those of the matrix.
+    ///
+    /// # Errors
+    /// As [`refactor`](Self::refactor).
+    pub fn refactor_with(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        addition: Option<&dyn Addition>,
+    ) -> Result<()> {
         self.is_valid = false;
         self.require_pattern_of(matrix)?;
         if let Some(k) = matrix.values().iter().position(|v| !v.is_finite()) {
@@ -219,6 +250,14 @@ impl Factor {
                 single.take(matrix);
                 numeric(symbolic, pattern, &single.matrix, &mut single.factor, scratch)
             }
+            Values::Unsymmetric(lu) => {
+                let [symmetric, skew] = lu.halves(matrix);
+                addition.map_or(Ok(()), |n| n.add_halves(symmetric, skew))?;
+                let none = Vec::new();
+                let positions = symbolic.perm().map_or(&none[..], |p| p.arrays().1);
+                lu.factor(&self.supernodes, positions)
+                    .map_err(|index| LdltError::ZeroPivot { index })
+            }
         };
         if let Err(LdltError::ZeroPivot { index }) = factored {
             return Err(self.zero_pivot(index));
@@ -235,6 +274,7 @@ impl Factor {
             Values::Single(single) => {
                 resize(&mut single.factor, length) && resize(&mut single.matrix, entries)
             }
+            Values::Unsymmetric(lu) => lu.reserve(length, entries),
         };
         if !reserved {
             return Err(self.too_large(None));
@@ -297,9 +337,7 @@ impl Factor {
 
     /// Replaces each right-hand side in `x` by its solution, without refinement.
     pub(super) fn substitute(&mut self, x: &mut [f64]) {
-        if let Values::Single(single) = &self.values {
-            single.scale(x);
-        }
+        self.values.scale(x);
         let unknowns = self.symbolic.perm().map(|p| p.arrays().0);
         for x in x.chunks_exact_mut(self.symbolic.nrows()) {
             let Some(unknowns) = unknowns else {
@@ -310,9 +348,7 @@ impl Factor {
             self.values.solve(&mut self.supernodes, &mut self.permuted);
             self.permuted.iter().zip(unknowns).for_each(|(&v, &i)| x[i] = v);
         }
-        if let Values::Single(single) = &self.values {
-            single.scale(x);
-        }
+        self.values.scale(x);
     }
 
     /// Computes the residuals `b - A x` and returns the largest relative one; infinite if one is
@@ -383,8 +419,20 @@ impl Factor {
 impl Values {
     fn solve(&self, supernodes: &mut Supernodes, x: &mut [f64]) {
         match self {
-            Values::Double(factor) => supernodes.solve(factor, x),
-            Values::Single(single) => supernodes.solve(&single.factor, x),
+            Values::Double(factor) => supernodes.solve([factor, factor], x),
+            Values::Single(single) => supernodes.solve([&single.factor, &single.factor], x),
+            Values::Unsymmetric(lu) => supernodes.solve([&lu.lower, &lu.upper], x),
+        }
+    }
+    /// Multiplies right-hand sides or solutions by the scale of the factored matrix.
+    fn scale(&self, x: &mut [f64]) {
+        let scale = match self {
+            Values::Double(_) => return,
+            Values::Single(single) => single.scale(),
+            Values::Unsymmetric(lu) => &lu.scale,
+        };
+        for x in x.chunks_exact_mut(scale.len()) {
+            x.iter_mut().zip(scale).for_each(|(x, s)| *x *= s);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::gmres::RESTART;
 use super::schur::{Saddle, Schur};
-use super::{Factor, FactorSize, Multipliers, Ordering, Precision, SymmetricMatrix};
+use super::{Factor, FactorSize, Multipliers, Operator, Ordering, Precision, SymmetricMatrix};
 use crate::base::{Cause, Error, Result, available_memory, readable_bytes, rounded};
 use std::fmt;
 
@@ -11,6 +11,9 @@ use std::fmt;
 pub enum SolverKind {
     /// Direct: factor of the whole matrix in double precision.
     Direct,
+    /// The same for a matrix with a part that is not symmetric: GMRES preconditioned by an older
+    /// factor `L D U` of the whole in single precision.
+    Lu,
     /// GMRES preconditioned by the factor of the whole matrix in single precision: half the memory,
     /// 2 to 3 iterations.
     Single,
@@ -23,7 +26,7 @@ impl SolverKind {
     /// Name in a scene (`numerics.solver`).
     pub fn name(self) -> &'static str {
         match self {
-            SolverKind::Direct => "direct",
+            SolverKind::Direct | SolverKind::Lu => "direct",
             SolverKind::Single => "single",
             SolverKind::Schur => "schur",
         }
@@ -32,7 +35,7 @@ impl SolverKind {
     pub(super) fn most_iterations(self) -> usize {
         match self {
             SolverKind::Direct => 0,
-            SolverKind::Single => 40,
+            SolverKind::Lu | SolverKind::Single => 40,
             SolverKind::Schur => 400,
         }
     }
@@ -41,6 +44,7 @@ impl SolverKind {
         let directions = match self {
             SolverKind::Direct => 0,
             SolverKind::Single => 5,
+            SolverKind::Lu => 20,
             SolverKind::Schur => RESTART,
         };
         (2 * directions + 2) * unknowns * size_of::<f64>()
@@ -51,6 +55,7 @@ impl fmt::Display for SolverKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             SolverKind::Direct => "a factor of the whole matrix (direct)",
+            SolverKind::Lu => "GMRES with an older LU factor in single precision (direct)",
             SolverKind::Single => "GMRES with a factor in single precision (single)",
             SolverKind::Schur => "GMRES with scalar factors and a Schur complement (schur)",
         })
@@ -65,6 +70,8 @@ pub struct SolverOptions {
     /// Largest number of bytes of the factors with all working space; `None` for the memory
     /// available when they are planned.
     pub memory: Option<usize>,
+    /// True if a part that is not symmetric is added to the matrix.
+    pub unsymmetric: bool,
 }
 
 /// Exponent of the number of unknowns in the bytes of a factor, for the size that an error message
@@ -90,24 +97,26 @@ impl Engine {
         saddle: impl FnOnce() -> Result<Saddle>,
     ) -> Result<Engine> {
         let limit = options.memory.or_else(available_memory);
+        let whole = if options.unsymmetric { SolverKind::Lu } else { SolverKind::Direct };
+        let allowed = options.kind.map(|k| if k == SolverKind::Direct { whole } else { k });
         let mut tried = Vec::new();
-        if options.kind != Some(SolverKind::Schur) {
+        if allowed != Some(SolverKind::Schur) {
             let mut factor = Factor::plan(matrix, Ordering::saddle_point(matrix, multipliers)?)?;
-            for (kind, precision) in
-                [(SolverKind::Direct, Precision::Double), (SolverKind::Single, Precision::Single)]
-            {
-                factor = factor.with_precision(precision);
+            for kind in [whole, SolverKind::Single] {
+                factor = match kind {
+                    SolverKind::Lu => factor.unsymmetric(),
+                    SolverKind::Single => factor.with_precision(Precision::Single),
+                    _ => factor.with_precision(Precision::Double),
+                };
                 let engine = Engine::Whole(factor);
-                if options.kind.is_none_or(|allowed| allowed == kind)
-                    && engine.fits(limit, &mut tried)
-                {
+                if allowed.is_none_or(|allowed| allowed == kind) && engine.fits(limit, &mut tried) {
                     return Ok(engine);
                 }
                 let Engine::Whole(back) = engine else { break };
                 factor = back;
             }
         }
-        if options.kind.is_none_or(|allowed| allowed == SolverKind::Schur) {
+        if allowed.is_none_or(|allowed| allowed == SolverKind::Schur) {
             let engine = Engine::Schur(Box::new(Schur::plan(matrix, saddle()?)?));
             if engine.fits(limit, &mut tried) {
                 return Ok(engine);
@@ -125,6 +134,7 @@ impl Engine {
 
     pub fn kind(&self) -> SolverKind {
         match self {
+            Engine::Whole(factor) if factor.is_unsymmetric() => SolverKind::Lu,
             Engine::Whole(factor) if factor.precision() == Precision::Single => SolverKind::Single,
             Engine::Whole(_) => SolverKind::Direct,
             Engine::Schur(_) => SolverKind::Schur,
@@ -154,10 +164,12 @@ impl Engine {
         }
     }
 
-    pub fn refactor(&mut self, matrix: &SymmetricMatrix) -> Result<()> {
+    pub fn refactor(&mut self, operator: &Operator<'_>) -> Result<()> {
         match self {
-            Engine::Whole(factor) => factor.refactor(matrix),
-            Engine::Schur(schur) => schur.refactor(matrix),
+            Engine::Whole(factor) => {
+                factor.refactor_with(operator.matrix, operator.addition.as_deref())
+            }
+            Engine::Schur(schur) => schur.refactor(operator.matrix),
         }
     }
 

@@ -1,6 +1,6 @@
-//! GMRES for a symmetric matrix with any preconditioner.
+//! GMRES for any operator, with any preconditioner.
 
-use super::SymmetricMatrix;
+use super::Operator;
 
 /// Number of Krylov vectors before a restart.
 pub(super) const RESTART: usize = 40;
@@ -43,7 +43,7 @@ impl Gmres {
     /// bit-identical for any number of threads.
     pub fn solve(
         &mut self,
-        matrix: &SymmetricMatrix,
+        operator: &mut Operator<'_>,
         mut precondition: impl FnMut(&mut [f64]),
         rhs: &[f64],
         x: &mut [f64],
@@ -57,7 +57,7 @@ impl Gmres {
             x.fill(0.0);
             return done;
         }
-        let first = self.start(matrix, rhs, x) / scale;
+        let first = self.start(operator, rhs, x) / scale;
         let mut relative = first;
         loop {
             done.residual = relative;
@@ -67,7 +67,7 @@ impl Gmres {
             }
             let (mut j, mut hopeless) = (0, false);
             while j < RESTART && done.iterations < most && relative > tolerance && !hopeless {
-                relative = self.expand(j, matrix, &mut precondition) / scale;
+                relative = self.expand(j, operator, &mut precondition) / scale;
                 j += 1;
                 done.iterations += 1;
                 hopeless = !relative.is_finite()
@@ -77,7 +77,7 @@ impl Gmres {
                             > 1.5 * most as f64);
             }
             self.add_solution(j, x);
-            let true_residual = self.start(matrix, rhs, x) / scale;
+            let true_residual = self.start(operator, rhs, x) / scale;
             // Rounding: what was gained is kept, more is not to be had.
             let stalled = true_residual > 0.5 * done.residual;
             relative = true_residual;
@@ -88,8 +88,8 @@ impl Gmres {
     }
 
     /// Sets the first direction to the residual of `x`; returns its norm.
-    fn start(&mut self, matrix: &SymmetricMatrix, rhs: &[f64], x: &[f64]) -> f64 {
-        matrix.multiply(x, &mut self.residual);
+    fn start(&mut self, operator: &mut Operator<'_>, rhs: &[f64], x: &[f64]) -> f64 {
+        operator.multiply(x, &mut self.residual);
         self.residual.iter_mut().zip(rhs).for_each(|(r, b)| *r = b - *r);
         let norm = dot(&self.residual, &self.residual).sqrt();
         let v = slot(&mut self.basis, 0, rhs.len());
@@ -105,7 +105,7 @@ impl Gmres {
     fn expand(
         &mut self,
         j: usize,
-        matrix: &SymmetricMatrix,
+        operator: &mut Operator<'_>,
         precondition: &mut impl FnMut(&mut [f64]),
     ) -> f64 {
         let n = self.residual.len();
@@ -114,7 +114,7 @@ impl Gmres {
         precondition(z);
         let z = &self.directions[j];
         let w = &mut self.residual;
-        matrix.multiply(z, w);
+        operator.multiply(z, w);
         let mut column = Vec::with_capacity(j + 2);
         for v in &self.basis[..=j] {
             let h = dot(v, w);
@@ -185,6 +185,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::super::testing::{laplacian, scattered};
     use super::*;
+    use crate::linalg::SymmetricMatrix;
 
     /// The residual is what it says, and without preconditioner as many iterations as distinct
     /// eigenvalues suffice.
@@ -196,7 +197,7 @@ mod tests {
         }
         let rhs = scattered(60);
         let mut x = vec![0.0; 60];
-        let done = Gmres::default().solve(&a, |_| (), &rhs, &mut x, (1e-13, 10));
+        let done = Gmres::default().solve(&mut (&a).into(), |_| (), &rhs, &mut x, (1e-13, 10));
         assert!(done.converged && done.iterations == 3, "{done:?}");
         for i in 0..60 {
             assert!((x[i] - rhs[i] / [2.0, -3.0, 5.0][i % 3]).abs() < 1e-13);
@@ -209,7 +210,7 @@ mod tests {
         let rhs = scattered(a.order());
         let mut x = vec![0.0; a.order()];
         let mut method = Gmres::default();
-        let done = method.solve(&a, |_| (), &rhs, &mut x, (1e-8, 500));
+        let done = method.solve(&mut (&a).into(), |_| (), &rhs, &mut x, (1e-8, 500));
         assert!(done.converged && done.iterations > RESTART, "{done:?}");
         let mut r = vec![0.0; a.order()];
         a.multiply(&x, &mut r);
@@ -220,7 +221,7 @@ mod tests {
             "{relative:e}, {done:?}"
         );
         // A start that is the solution needs none.
-        assert_eq!(method.solve(&a, |_| (), &rhs, &mut x, (1e-8, 500)).iterations, 0);
+        assert_eq!(method.solve(&mut (&a).into(), |_| (), &rhs, &mut x, (1e-8, 500)).iterations, 0);
     }
 
     #[test]
@@ -228,9 +229,15 @@ mod tests {
         let a = laplacian(40, 0.0);
         let rhs = scattered(a.order());
         let mut x = vec![0.0; a.order()];
-        let done = Gmres::default().solve(&a, |_| (), &rhs, &mut x, (1e-10, 8));
+        let done = Gmres::default().solve(&mut (&a).into(), |_| (), &rhs, &mut x, (1e-10, 8));
         assert!(!done.converged && done.iterations <= 8 && done.residual > 1e-10, "{done:?}");
-        let zero = Gmres::default().solve(&a, |_| (), &vec![0.0; a.order()], &mut x, (1e-10, 8));
+        let zero = Gmres::default().solve(
+            &mut (&a).into(),
+            |_| (),
+            &vec![0.0; a.order()],
+            &mut x,
+            (1e-10, 8),
+        );
         assert!(zero.converged && x.iter().all(|v| *v == 0.0));
     }
 }

@@ -4,7 +4,7 @@ use super::direct::require_finite;
 use super::engine::{Engine, SolverKind, SolverOptions};
 use super::gmres::{Gmres, Iterated, RESTART};
 use super::schur::Saddle;
-use super::{Factor, FactorSize, Multipliers, Ordering, SolveReport, SymmetricMatrix};
+use super::{Factor, FactorSize, Multipliers, Operator, Ordering, SolveReport, SymmetricMatrix};
 use crate::base::{Cause, Error, Result};
 use cpu_time::ProcessTime;
 
@@ -227,8 +227,12 @@ impl LaggedFactor {
     ///
     /// # Errors
     /// As [`Factor::refactor`].
-    pub fn restore(&mut self, matrix: &SymmetricMatrix, solve_cost: SolveCost) -> Result<()> {
-        self.engine.refactor(matrix)?;
+    pub fn restore<'a>(
+        &mut self,
+        operator: impl Into<Operator<'a>>,
+        solve_cost: SolveCost,
+    ) -> Result<()> {
+        self.engine.refactor(&operator.into())?;
         self.solve_cost = solve_cost;
         Ok(())
     }
@@ -236,7 +240,9 @@ impl LaggedFactor {
     /// Largest number of iterations with an old factor: no more than a factorisation costs.
     fn most_iterations(&self) -> usize {
         match self.kind() {
-            SolverKind::Direct | SolverKind::Single => (self.cost + DIRECT_SOLVE) as usize,
+            SolverKind::Direct | SolverKind::Lu | SolverKind::Single => {
+                (self.cost + DIRECT_SOLVE) as usize
+            }
             kind @ SolverKind::Schur => self.cost as usize + kind.most_iterations(),
         }
     }
@@ -246,15 +252,16 @@ impl LaggedFactor {
     /// # Errors
     /// Those of [`Factor::refactor`] and [`Factor::solve`]; no convergence of iterations with a
     /// factor of the matrix itself.
-    pub fn solve(
+    pub fn solve<'a>(
         &mut self,
-        matrix: &SymmetricMatrix,
+        operator: impl Into<Operator<'a>>,
         change: Change,
         rhs: &[f64],
         x: &mut [f64],
     ) -> Result<LaggedReport> {
+        let operator = &mut operator.into();
         if change == Change::None && self.engine.is_valid() {
-            return Ok(LaggedReport::direct(self.solve_own(matrix, rhs, x)?, None));
+            return Ok(LaggedReport::direct(self.solve_own(operator, rhs, x)?, None));
         }
         let try_krylov = change == Change::Passing
             && self.may_iterate()
@@ -262,7 +269,7 @@ impl LaggedFactor {
             && !self.solve_cost.should_factor();
         let mut wasted = 0;
         if try_krylov {
-            let done = self.iterate(matrix, rhs, x, (self.tolerance, self.most_iterations()));
+            let done = self.iterate(operator, rhs, x, (self.tolerance, self.most_iterations()));
             if done.converged {
                 self.solve_cost.iterated(done.iterations);
                 let solve = SolveReport {
@@ -281,23 +288,25 @@ impl LaggedFactor {
             wasted = done.iterations;
         }
         let start = ProcessTime::now();
-        self.engine.refactor(matrix)?;
+        self.engine.refactor(operator)?;
         let factoring = start.elapsed().as_secs_f64();
-        let solve = self.solve_own(matrix, rhs, x)?;
+        let solve = self.solve_own(operator, rhs, x)?;
         self.solve_cost.factored(self.cost, DIRECT_SOLVE.max(solve.iterations as f64), wasted);
         let solve = SolveReport { iterations: wasted + solve.iterations, ..solve };
         Ok(LaggedReport { given_up: wasted > 0, ..LaggedReport::direct(solve, Some(factoring)) })
     }
 
-    /// Solves with the factor of `matrix` itself.
+    /// Solves with the factor of the operator itself.
     fn solve_own(
         &mut self,
-        matrix: &SymmetricMatrix,
+        operator: &mut Operator<'_>,
         rhs: &[f64],
         x: &mut [f64],
     ) -> Result<SolveReport> {
-        if let (SolverKind::Direct, Engine::Whole(factor)) = (self.kind(), &mut self.engine) {
-            return factor.solve(matrix, rhs, x);
+        if let (SolverKind::Direct, Engine::Whole(factor)) = (self.kind(), &mut self.engine)
+            && operator.addition.is_none()
+        {
+            return factor.solve(operator.matrix, rhs, x);
         }
         require_finite(rhs)?;
         if !x.iter().all(|v| v.is_finite()) {
@@ -305,7 +314,7 @@ impl LaggedFactor {
         }
         let tolerance = if self.tolerance > 0.0 { self.tolerance } else { OWN_TOLERANCE };
         let most = self.kind().most_iterations();
-        let done = self.iterate(matrix, rhs, x, (tolerance, most));
+        let done = self.iterate(operator, rhs, x, (tolerance, most));
         if done.converged {
             return Ok(SolveReport {
                 residual: done.residual,
@@ -328,13 +337,13 @@ impl LaggedFactor {
 
     fn iterate(
         &mut self,
-        matrix: &SymmetricMatrix,
+        operator: &mut Operator<'_>,
         rhs: &[f64],
         x: &mut [f64],
         limits: (f64, usize),
     ) -> Iterated {
-        let engine = &mut self.engine;
-        self.krylov.solve(matrix, |v| engine.precondition(matrix, v), rhs, x, limits)
+        let (engine, matrix) = (&mut self.engine, operator.matrix);
+        self.krylov.solve(operator, |v| engine.precondition(matrix, v), rhs, x, limits)
     }
 }
 

@@ -4,6 +4,7 @@
 //! [`Ordering`], analyse it once with [`Factor::analyse`], call [`Factor::refactor`] when values
 //! change, and [`Factor::solve`] as often as needed.
 
+mod addition;
 mod direct;
 mod engine;
 mod gmres;
@@ -19,6 +20,7 @@ mod symmetric;
 #[cfg(test)]
 mod testing;
 
+pub use addition::{Addition, Operator};
 pub use direct::{Factor, SolveReport};
 pub use engine::{SolverKind, SolverOptions};
 pub use lagged::{Change, LaggedFactor, LaggedReport, SolveCost};

@@ -21,18 +21,11 @@ impl Single {
     }
 
     /// Copies the values of a matrix, scaled.
-    ///
-    /// `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or small beside the entries
-    /// above it (a pressure), near the reciprocal of the largest `S_i |a_ij|`.
     pub fn take(&mut self, matrix: &SymmetricMatrix) {
-        self.scale.clear();
+        self.scale = scales(matrix);
         let mut entry = 0;
         for j in 0..matrix.order() {
             let (rows, values) = matrix.column(j);
-            let above = rows.iter().zip(values).filter(|(i, _)| **i < j);
-            let largest = above.map(|(&i, v)| self.scale[i] * v.abs()).fold(0.0, f64::max);
-            let diagonal = values.last().map_or(0.0, |d| d.abs()).sqrt();
-            self.scale.push(power_of_two_near(1.0 / diagonal.max(largest)));
             for (&i, v) in rows.iter().zip(values) {
                 self.matrix[entry] = (v * self.scale[i] * self.scale[j]) as f32;
                 entry += 1;
@@ -40,12 +33,25 @@ impl Single {
         }
     }
 
-    /// Multiplies right-hand sides or solutions by `S`.
-    pub fn scale(&self, x: &mut [f64]) {
-        for x in x.chunks_exact_mut(self.scale.len()) {
-            x.iter_mut().zip(&self.scale).for_each(|(x, s)| *x *= s);
-        }
+    /// The diagonal of `S`.
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
     }
+}
+
+/// The diagonal `S` for a matrix: `S_j` is near `1/sqrt |a_jj|`, and where the diagonal is zero, or
+/// small beside the entries above it (a pressure), near the reciprocal of the largest
+/// `S_i |a_ij|`.
+pub(super) fn scales(matrix: &SymmetricMatrix) -> Vec<f64> {
+    let mut scale = Vec::with_capacity(matrix.order());
+    for j in 0..matrix.order() {
+        let (rows, values) = matrix.column(j);
+        let above = rows.iter().zip(values).filter(|(i, _)| **i < j);
+        let largest = above.map(|(&i, v)| scale[i] * v.abs()).fold(0.0, f64::max);
+        let diagonal = values.last().map_or(0.0, |d| d.abs()).sqrt();
+        scale.push(power_of_two_near(1.0 / diagonal.max(largest)));
+    }
+    scale
 }
 
 /// Nearest power of two; 1 if there is none.

@@ -1,4 +1,5 @@
-//! Forward and backward substitution with a supernodal factor `L D L^T`.
+//! Forward and backward substitution with a supernodal factor `L D U`; for a symmetric matrix
+//! `U = L^T`.
 //!
 //! The time is that of reading the factor from the memory, twice. Eight columns are processed
 //! together: the entries of the solution that they share are read and written once, and in the
@@ -40,11 +41,14 @@ pub(super) struct Supernodes {
     panel: Vec<f64>,
 }
 
-struct Block {
-    column: usize,
-    width: usize,
+#[derive(Clone, Copy)]
+pub(super) struct Block {
+    /// Its first column.
+    pub column: usize,
+    /// Number of columns.
+    pub width: usize,
     /// Index of its first entry among all entries of the factor.
-    entries: usize,
+    pub entries: usize,
     /// Start and end of its rows.
     rows: [usize; 2],
 }
@@ -72,11 +76,28 @@ impl Supernodes {
             + size_of_val(self.panel.as_slice())
     }
 
-    /// Replaces the right-hand side `x`, in the order of elimination, by the solution.
-    pub fn solve<E: Entry>(&mut self, factor: &[E], x: &mut [f64]) {
+    /// Number of blocks.
+    pub fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Block `s`.
+    pub fn block(&self, s: usize) -> Block {
+        self.blocks[s]
+    }
+
+    /// Block `s` and its rows below the triangle.
+    pub fn with_rows(&self, s: usize) -> (Block, &[u32]) {
+        let block = self.blocks[s];
+        (block, &self.rows[block.rows[0]..block.rows[1]])
+    }
+
+    /// Replaces the right-hand side `x`, in the order of elimination, by the solution. `lower`
+    /// holds the columns of `L` and `D`, `upper` those of `U^T`.
+    pub fn solve<E: Entry>(&mut self, [lower, upper]: [&[E]; 2], x: &mut [f64]) {
         for block in &self.blocks {
             let rows = &self.rows[block.rows[0]..block.rows[1]];
-            let (entries, panel) = block.parts(rows, factor, &mut self.panel);
+            let (entries, panel) = block.parts(rows, lower, &mut self.panel);
             panel[..block.width].copy_from_slice(&x[block.column..][..block.width]);
             panel[block.width..].fill(0.0);
             eliminate(entries, block.width, panel);
@@ -85,10 +106,11 @@ impl Supernodes {
         }
         for block in self.blocks.iter().rev() {
             let rows = &self.rows[block.rows[0]..block.rows[1]];
-            let (entries, panel) = block.parts(rows, factor, &mut self.panel);
+            let (entries, panel) = block.parts(rows, upper, &mut self.panel);
             let height = panel.len();
+            let pivots = &lower[block.entries..];
             for k in 0..block.width {
-                panel[k] = x[block.column + k] / entries[k * height + k].wide();
+                panel[k] = x[block.column + k] / pivots[k * height + k].wide();
             }
             rows.iter().zip(&mut panel[block.width..]).for_each(|(&i, v)| *v = x[i as usize]);
             substitute_back(entries, block.width, panel);

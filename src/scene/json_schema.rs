@@ -108,6 +108,9 @@ fn values(kind: Kind, sections: &[Section]) -> Value {
         Kind::Count(range) => of_form(Form::Whole(range), sections),
         Kind::Counts(n, range) => list(Form::Whole(range), n),
         Kind::Choice(words) => json!({ "enum": words }),
+        Kind::ChoiceOrFalse(words) => {
+            json!({ "anyOf": [{ "enum": words }, { "const": false }] })
+        }
         Kind::Set(words) => {
             json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true })
         }

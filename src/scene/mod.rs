@@ -58,6 +58,7 @@ pub use structures::{StructureKind, Traits};
 
 use crate::base::{Error, Result, Snippet};
 use crate::flow::Fluid;
+use crate::sim::ConvectionScheme;
 use keys::{Document, Item};
 use std::path::{Path, PathBuf};
 
@@ -254,6 +255,12 @@ impl Scene {
     /// True if some fluid has mass; otherwise the Stokes equations are solved.
     pub fn has_inertia(&self) -> bool {
         self.fluids().any(|f| f.density > 0.0)
+    }
+
+    /// The scheme for convection; `None` for no convection.
+    pub fn convection(&self) -> Option<ConvectionScheme> {
+        let derived = self.has_inertia().then_some(ConvectionScheme::Characteristics);
+        self.numerics.convection.unwrap_or(derived)
     }
 
     /// Checks that all files named in the scene can be read.

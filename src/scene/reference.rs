@@ -112,6 +112,7 @@ fn entry(key: &Key) -> String {
             format!("{} whole numbers from {least} to {most}", in_words(n))
         }
         Kind::Choice(words) => quoted(words, "`"),
+        Kind::ChoiceOrFalse(words) => format!("{} or false", quoted(words, "`")),
         Kind::Set(words) => format!("list of {}", quoted(words, "")),
         Kind::Table(_) => "table".to_string(),
         Kind::List(_) => "list of tables".to_string(),

@@ -176,7 +176,7 @@ fn everything_written_is_read() {
     );
     assert_eq!(s.output.profiles[0].times, [0.0, 0.1]);
     assert_eq!(s.output.forces[0].about.as_deref(), Some(&[1.0, 0.0][..]));
-    assert_eq!((s.numerics.convection, s.numerics.quadrature), (Some(false), Some(5)));
+    assert_eq!((s.numerics.convection, s.numerics.quadrature), (Some(None), Some(5)));
     assert_eq!(s.check_files().unwrap_err().kind(), Kind::Input);
 }
 

@@ -10,7 +10,7 @@ use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x08";
+const MAGIC: &[u8; 8] = b"immersa\x09";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
@@ -31,9 +31,11 @@ impl<const D: usize> State<D> {
         out.numbers(&self.flow.p);
         self.fields.write(&mut out);
         out.integer(u64::from(self.factored.is_some()));
-        if let Some(Factored { fields, backflow, weight, dt, solve_cost: l }) = &self.factored {
+        if let Some(Factored { fields, backflow, wind, weight, dt, solve_cost: l }) = &self.factored
+        {
             fields.write(&mut out);
             out.numbers(backflow);
+            out.vectors(wind);
             out.numbers(&[*weight, *dt, l.solves, l.spent, l.last, l.hold, l.failures]);
         }
         let (e, b) = (self.energies, self.balance);
@@ -116,11 +118,12 @@ impl<const D: usize> State<D> {
         let factored = match from.integer()? {
             0 => None,
             _ => {
-                let (fields, backflow) = (Fields::read(from)?, from.numbers()?);
+                let (fields, backflow, wind) =
+                    (Fields::read(from)?, from.numbers()?, from.vectors()?);
                 let [weight, dt, solves, spent, last, hold, failures] =
                     from.numbers()?.try_into().ok()?;
                 let solve_cost = SolveCost { solves, spent, last, hold, failures };
-                Some(Factored { fields, backflow, weight, dt, solve_cost })
+                Some(Factored { fields, backflow, wind, weight, dt, solve_cost })
             }
         };
         let [kinetic, elastic, dissipation, grad_div, power, divergence] =
@@ -188,6 +191,7 @@ mod tests {
             factored: Some(Factored {
                 fields: fields(3.0),
                 backflow: vec![0.0, 0.5],
+                wind: vec![SVector::<f64, 2>::new(0.7, -0.2)],
                 weight: 1.5,
                 dt: 0.1,
                 solve_cost: SolveCost { spent: 9.0, ..SolveCost::default() },

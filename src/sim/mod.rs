@@ -13,6 +13,7 @@ mod state;
 mod strain;
 mod transfer;
 
+pub use crate::flow::ConvectionScheme;
 pub use crate::flow::Fluid;
 pub use crate::linalg::{SolverKind, SolverOptions};
 pub use crate::structure::{

@@ -25,6 +25,8 @@ pub struct Factored<const D: usize> {
     pub fields: Fields<D>,
     /// Rates of the fluid that comes in through open sides.
     pub backflow: Vec<f64>,
+    /// Velocity of implicit convection; empty without.
+    pub wind: Vec<SVector<f64, D>>,
     /// Coefficient of the new velocity in the discrete time derivative, over the step.
     pub weight: f64,
     /// The step.

@@ -48,7 +48,7 @@ fn solver(case: &Case, solving: SolverOptions) -> FlowSolver<3> {
 }
 
 fn by(kind: SolverKind) -> SolverOptions {
-    SolverOptions { kind: Some(kind), memory: None }
+    SolverOptions { kind: Some(kind), memory: None, ..SolverOptions::default() }
 }
 
 fn swirl(x: &Point<3>) -> V {
@@ -216,15 +216,26 @@ fn the_way_of_solving_is_the_first_that_fits() {
         (bytes[0] - 1, SolverKind::Single),
         (bytes[1] - 1, SolverKind::Schur),
     ] {
-        assert_eq!(size(SolverOptions { kind: None, memory: Some(limit) }).unwrap().0, kind);
+        assert_eq!(
+            size(SolverOptions { kind: None, memory: Some(limit), ..SolverOptions::default() })
+                .unwrap()
+                .0,
+            kind
+        );
     }
     let refused =
-        size(SolverOptions { kind: None, memory: Some(bytes[2] - 1) }).unwrap_err().to_string();
+        size(SolverOptions { kind: None, memory: Some(bytes[2] - 1), ..SolverOptions::default() })
+            .unwrap_err()
+            .to_string();
     for part in ["by direct", "by single", "by schur", "may be taken", "unknowns by schur"] {
         assert!(refused.contains(part), "{part}: {refused}");
     }
-    let refused =
-        size(SolverOptions { kind: Some(SolverKind::Direct), memory: Some(bytes[2]) }).unwrap_err();
+    let refused = size(SolverOptions {
+        kind: Some(SolverKind::Direct),
+        memory: Some(bytes[2]),
+        ..SolverOptions::default()
+    })
+    .unwrap_err();
     assert_eq!(refused.cause(), Some(Cause::SolverMemory), "{refused}");
 }
 

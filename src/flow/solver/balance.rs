@@ -67,6 +67,7 @@ impl<const D: usize> FlowSolver<D> {
             }
             (f0, f1)
         });
+        self.transport.add(velocity, cells, &state.u, (r, scratch));
         for term in step.terms.iter().filter(|t| t.is_implicit()) {
             let space = velocity.space();
             add_point_vector(space, term.support().points(), r, |at| {

@@ -6,6 +6,7 @@ use crate::fem::{
     At, Cells, Space, VectorForm, add_point_vector, assemble_scalar, assemble_source,
     assemble_vector, integrate,
 };
+use crate::flow::convection::{Convection, explicit_force};
 use crate::flow::step::Step;
 use crate::flow::term::{MomentumTerm, Support};
 use crate::mesh::Mesh;
@@ -43,6 +44,11 @@ impl<const D: usize> FlowSolver<D> {
                     let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
                     cell.add(q, step.gravity * weight.at(&at) + force);
                 }
+            });
+        }
+        if let Convection::Explicit(earlier) = step.convection {
+            assemble_vector(velocity, Cells::All, load, scratch, |at| {
+                explicit_force(velocity, &self.density, earlier, at)
             });
         }
         self.phases.end(Phase::Assembly);
@@ -120,6 +126,12 @@ impl<const D: usize> FlowSolver<D> {
                 (-f0, -f1)
             });
         }
+        // Minus the form of the boundary values: that of minus them.
+        work.lift.iter_mut().for_each(|g| *g = -*g);
+        let out = (&mut work.residual[..], &mut work.vectors);
+        self.transport.add(velocity, cells, &work.lift, out);
+        work.lift.iter_mut().for_each(|g| *g = -*g);
+        let g = &work.lift;
         assemble_scalar(&self.pressure, cells, &mut work.continuity, &mut work.scalars, |at| {
             (velocity.jacobian(at, g).trace(), SVector::zeros())
         });

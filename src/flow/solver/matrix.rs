@@ -5,9 +5,10 @@ use crate::base::{Error, Phase, Result};
 use crate::fem::{
     At, Cells, VectorForm, add_point_matrix, assemble_flow_matrix, assemble_scalar_matrix,
 };
+use crate::flow::convection::{Convection, OnNodes, OnUnknowns};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::linalg::{
-    CONSTRAINED, Change, LaggedFactor, Multipliers, Saddle, SolveCost, SymmetricMatrix,
+    CONSTRAINED, Change, LaggedFactor, Multipliers, Operator, Saddle, SolveCost, SymmetricMatrix,
 };
 use nalgebra::{SMatrix, SVector};
 
@@ -126,10 +127,16 @@ impl<const D: usize> FlowSolver<D> {
         &mut self,
         weight: f64,
         terms: &[&dyn MomentumTerm<D>],
+        convection: Convection<'_, D>,
     ) -> Result<Change> {
         let implicit = terms.iter().any(|t| t.is_implicit());
         self.analyse(weight)?;
-        if self.factor_is_base && !implicit {
+        let wind = match convection {
+            Convection::Implicit(w) => Some(w),
+            _ => None,
+        };
+        self.transport.prepare(&self.velocity, &self.density, wind);
+        if self.factor_is_base && !implicit && wind.is_none() {
             return Ok(Change::None);
         }
         let Some((base, _)) = &self.base else {
@@ -158,7 +165,10 @@ impl<const D: usize> FlowSolver<D> {
         }
         self.fill_operators(weight)?;
         self.phases.end(Phase::Assembly);
-        let constant = !implicit && self.density.is_constant() && self.viscosity.is_constant();
+        let constant = !implicit
+            && wind.is_none()
+            && self.density.is_constant()
+            && self.viscosity.is_constant();
         self.factor_is_base = constant && self.factored_plain && self.factored_weight == weight;
         if self.factor_is_base {
             return Ok(Change::None);
@@ -169,8 +179,8 @@ impl<const D: usize> FlowSolver<D> {
         Ok(if lasting { Change::Lasting } else { Change::Passing })
     }
 
-    /// Computes the factor of an interrupted run again: with `weight / dt`, the current materials
-    /// and `terms`.
+    /// Computes the factor of an interrupted run again: with `weight / dt`, the current materials,
+    /// `terms` and `convection`.
     ///
     /// # Errors
     /// A factorisation that fails.
@@ -178,14 +188,22 @@ impl<const D: usize> FlowSolver<D> {
         &mut self,
         weight: f64,
         terms: &[&dyn MomentumTerm<D>],
+        convection: Convection<'_, D>,
         solve_cost: SolveCost,
     ) -> Result<()> {
-        self.prepare(weight, terms)?;
+        self.prepare(weight, terms, convection)?;
         let Some(factor) = &mut self.factor else {
             return Err(Error::internal("the flow matrix was not analysed"));
         };
+        let (transport, velocity, numbering) = (&self.transport, &self.velocity, &self.numbering);
         self.factored_weight = weight;
-        self.factored_plain = terms.iter().all(|t| !t.is_implicit());
-        factor.restore(&self.matrix, solve_cost)
+        self.factored_plain = !transport.is_active() && terms.iter().all(|t| !t.is_implicit());
+        let mut work = OnNodes::default();
+        let mut convection = OnUnknowns { transport, velocity, numbering, work: &mut work };
+        let mut operator = Operator::from(&self.matrix);
+        if transport.is_active() {
+            operator.addition = Some(&mut convection);
+        }
+        factor.restore(operator, solve_cost)
     }
 }

@@ -18,7 +18,7 @@ fn case() -> (SymmetricMatrix, usize, Saddle) {
 
 fn solver(kind: SolverKind) -> (SymmetricMatrix, LaggedFactor) {
     let (matrix, first, saddle) = case();
-    let options = SolverOptions { kind: Some(kind), memory: None };
+    let options = SolverOptions { kind: Some(kind), memory: None, ..SolverOptions::default() };
     let solver = LaggedFactor::choose(&matrix, first, options, 0.0, || Ok(saddle)).unwrap();
     (matrix, solver)
 }
@@ -59,7 +59,8 @@ fn an_iteration_that_does_not_converge_is_an_error() {
     for (k, v) in saddle.operators[0].values_mut().iter_mut().enumerate() {
         *v = if k % 2 == 0 { 1e-8 } else { 1e8 };
     }
-    let options = SolverOptions { kind: Some(SolverKind::Schur), memory: None };
+    let options =
+        SolverOptions { kind: Some(SolverKind::Schur), memory: None, ..SolverOptions::default() };
     let mut solver = LaggedFactor::choose(&matrix, first, options, 1e-10, || Ok(saddle)).unwrap();
     let rhs = scattered(matrix.order());
     let error = solver
@@ -91,7 +92,8 @@ fn a_factor_in_single_precision_does_not_depend_on_the_units() {
 fn less_memory_takes_the_next_way_and_none_is_refused() {
     let (matrix, first, saddle) = case();
     let choose = |memory: usize| {
-        let options = SolverOptions { kind: None, memory: Some(memory) };
+        let options =
+            SolverOptions { kind: None, memory: Some(memory), ..SolverOptions::default() };
         LaggedFactor::choose(&matrix, first, options, 0.0, || Ok(saddle.clone()))
     };
     let large = choose(usize::MAX).unwrap();

@@ -67,6 +67,8 @@ pub enum Kind {
     Counts(usize, [usize; 2]),
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// One of these words, or false.
+    ChoiceOrFalse(&'static [&'static str]),
     /// A list of these words.
     Set(&'static [&'static str]),
     /// A table.

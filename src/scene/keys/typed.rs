@@ -174,6 +174,7 @@ impl<K: Typed> Typed for OrFalse<K> {
     type Out = Option<K::Out>;
     const KIND: Kind = match K::KIND {
         Kind::Value(words, form) => Kind::OrFalse(words, form),
+        Kind::Choice(words) => Kind::ChoiceOrFalse(words),
         other => other,
     };
     fn read(item: &Item<'_>, context: &Context) -> Result<Self::Out> {

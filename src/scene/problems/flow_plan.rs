@@ -9,7 +9,7 @@ use crate::scene::problem::{ElasticWave, FIRST_STRETCH, Limits};
 use crate::scene::redistance::in_words;
 use crate::scene::schema::Contrast;
 use crate::scene::view::View;
-use crate::sim::{Coupling, Simulation};
+use crate::sim::{ConvectionScheme, Coupling, Simulation};
 use crate::transport::Method;
 
 /// The data for the plan of an immersed flow.
@@ -47,11 +47,11 @@ impl<const D: usize> FlowPlan<'_, D> {
         let (scene, sim) = (self.scene, self.sim);
         let equations = match (sim.is_stokes(), sim.settings().convection) {
             (true, _) => "Stokes flow (density 0): -div(2 mu D(u)) + grad p = F, div u = 0",
-            (false, true) => {
+            (false, Some(_)) => {
                 "Navier-Stokes flow (3.20)-(3.21): rho Du/Dt - div(2 mu D(u)) + grad p = F, div u \
                  = 0"
             }
-            (false, false) => {
+            (false, None) => {
                 "unsteady Stokes flow (convection = false): rho du/dt - div(2 mu D(u)) + grad p = \
                  F, div u = 0"
             }
@@ -81,22 +81,25 @@ impl<const D: usize> FlowPlan<'_, D> {
         let implicit =
             sim.structures().iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         let constant = flow.density().is_constant() && flow.viscosity().is_constant();
+        let unsymmetric =
+            !sim.is_stokes() && sim.settings().convection == Some(ConvectionScheme::Implicit);
         let (kind, why) = match (constant, implicit) {
-            (true, false) if sim.has_backflow() => (
+            (true, false) if sim.has_backflow() && !unsymmetric => (
                 "constant while no fluid comes in through an open side",
                 "factored once".to_string(),
             ),
-            (true, false) => ("constant", "factored once".to_string()),
+            (true, false) if !unsymmetric => ("constant", "factored once".to_string()),
             (true, true) => {
                 ("changes with the interface (implicit coupling)", flow.solver_description())
             }
+            (true, false) => ("changes with convection", flow.solver_description()),
             (false, _) => ("changes with density or viscosity", flow.solver_description()),
         };
         lines.push(format!("matrix {kind}: {why}"));
         lines.extend(flow.solver_summary());
         if let Some((_, factor)) = flow.solver_size() {
             lines.push(format!(
-                "matrix {} entries (one triangle), LDL^T factor {} entries; memory about {:.0} \
+                "matrix {} entries (one triangle), factor {} entries; memory about {:.0} \
                  MB, of which factors {:.0} MB",
                 flow.matrix_nonzeros(),
                 factor.entries,
@@ -113,8 +116,19 @@ impl<const D: usize> FlowPlan<'_, D> {
             (true, _) => {
                 format!("no time derivative in the flow, step {} of order {}", s.dt, s.order)
             }
-            (false, true) => format!("BDF{} along characteristics, step {}", s.order, s.dt),
-            (false, false) => format!("BDF{}, step {}", s.order, s.dt),
+            (false, Some(scheme)) => {
+                let convection = match scheme {
+                    ConvectionScheme::Characteristics => "along characteristics (pironneau1982)",
+                    ConvectionScheme::Implicit => {
+                        "with implicit convection by the extrapolated velocity (baker1982)"
+                    }
+                    ConvectionScheme::Explicit => {
+                        "with extrapolated explicit convection (karniadakis1991)"
+                    }
+                };
+                format!("BDF{} {convection}, step {}", s.order, s.dt)
+            }
+            (false, None) => format!("BDF{}, step {}", s.order, s.dt),
         }];
         let derived = self
             .velocity_scale

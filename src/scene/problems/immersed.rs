@@ -466,7 +466,7 @@ fn settings<const D: usize>(
     SimulationSettings {
         order: scene.time.order,
         transport: ground::transport(scene),
-        convection: numerics.convection.unwrap_or(scene.has_inertia()),
+        convection: scene.convection(),
         grad_div,
         solve_tolerance: numerics.solve_tolerance,
         solver: numerics.solver(),

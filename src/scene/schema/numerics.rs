@@ -6,10 +6,10 @@ use crate::elastic::Band;
 use crate::fem::Element;
 use crate::levelset::{Kernel, Norm};
 use crate::scene::keys::{
-    Auto, Context, Count, Flag, Form, Item, Kind, Nested, NonNegative, Opt, Positive, Table,
+    Auto, Context, Count, Form, Item, Kind, Nested, NonNegative, Opt, OrFalse, Positive, Table,
     Tabled, Writer, kinds, table, words,
 };
-use crate::sim::{Coupling, SolverKind, SolverOptions};
+use crate::sim::{ConvectionScheme, Coupling, SolverKind, SolverOptions};
 use crate::transport::Method;
 
 table! {
@@ -53,8 +53,12 @@ table! {
         /// Elements of the pressure: continuous and linear, or with a constant of each cell added,
         /// which can jump and conserves the volume of each cell; in the plane alone.
         pressure: Element [Pressures, Default("P1")],
-        /// Whether velocity carries itself. "auto": where there is inertia.
-        convection: Option<bool> [Auto<Flag>],
+        /// How velocity carries itself, after its source, or false for not at all: along
+        /// characteristics (Pironneau 1982), stable for any step; implicit with the extrapolated
+        /// velocity (Baker, Dougalis and Karakashian 1982), whose steady states do not depend on
+        /// the step; or explicit, extrapolated (Karniadakis, Israeli and Orszag 1991), stable below a
+        /// Courant number of about .3. "auto": along characteristics, where there is inertia.
+        convection: Option<Option<ConvectionScheme>> [Auto<OrFalse<Convections>>],
         /// Where the matrix changes from step to step, it is solved for by GMRES with an older
         /// factor, to this relative residual, as long as that costs less than factoring. 0 factors
         /// every matrix.
@@ -90,6 +94,13 @@ words! {
         "lafaurie1994" = TensionScheme { by_curvature: false, coupling: Coupling::Explicit },
         "baensch2001" = TensionScheme { by_curvature: false, coupling: Coupling::Implicit },
         "cottet2016" = TensionScheme { by_curvature: false, coupling: Coupling::SemiImplicit },
+    }
+}
+words! {
+    Convections: ConvectionScheme {
+        "pironneau1982" = ConvectionScheme::Characteristics,
+        "baker1982" = ConvectionScheme::Implicit,
+        "karniadakis1991" = ConvectionScheme::Explicit,
     }
 }
 words! { Pressures: Element { "P1" = Element::P1, "P1+P0" = Element::P1P0 } }
@@ -150,7 +161,7 @@ impl Numerics {
     /// The solver for the linear systems of the flow, and its memory limit.
     pub fn solver(&self) -> SolverOptions {
         let memory = self.memory.map(|gigabytes| (gigabytes * GIGABYTE) as usize);
-        SolverOptions { kind: self.solver, memory }
+        SolverOptions { kind: self.solver, memory, ..SolverOptions::default() }
     }
 
     /// Sets the coupling of a published scheme, beside which no other one may be given.

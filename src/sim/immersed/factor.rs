@@ -3,9 +3,10 @@
 use super::Simulation;
 use crate::base::Result;
 use crate::flow::term::MomentumTerm;
-use crate::flow::{FlowSolver, FlowState, StepReport};
+use crate::flow::{Convection, FlowSolver, FlowState, StepReport};
 use crate::sim::{Factored, State};
 use crate::structure::{Fields, Place};
+use nalgebra::SVector;
 
 /// Initial guess of iterations: the velocity `u^n + ratio (u^n - u^{n-1})` and the pressure `p^n`.
 /// (Extrapolating the pressure too saved no iteration.)
@@ -24,21 +25,28 @@ pub(super) fn extrapolate<const D: usize>(
 
 impl<const D: usize> Simulation<D> {
     /// Keeps the ingredients of the factor after a step in which the matrix was that of the
-    /// structures at `fields` with the coefficient `weight`.
-    pub(super) fn note_factor(&mut self, report: &StepReport, weight: f64, fields: &Fields<D>) {
+    /// structures at `fields` with the coefficient `weight` and convection by `wind`.
+    pub(super) fn note_factor(
+        &mut self,
+        report: &StepReport,
+        weight: f64,
+        (fields, wind): (&Fields<D>, &[SVector<f64, D>]),
+    ) {
         let has_blocks = !self.flow.block_values().is_empty();
         if self.settings.solve_tolerance == 0.0 || self.flow.is_constant() || has_blocks {
             return;
         }
         let (dt, solve_cost) = (self.settings.dt, self.flow.solve_cost());
         let empty = || {
-            let (fields, backflow) = (Fields::default(), Vec::new());
-            Factored { fields, backflow, weight, dt, solve_cost }
+            let (fields, backflow, wind) = (Fields::default(), Vec::new(), Vec::new());
+            Factored { fields, backflow, wind, weight, dt, solve_cost }
         };
         let kept = self.state.factored.get_or_insert_with(empty);
         if report.refactored {
             kept.fields.clone_from(fields);
             kept.backflow = self.backflow.rates().to_vec();
+            kept.wind.clear();
+            kept.wind.extend_from_slice(wind);
             (kept.weight, kept.dt) = (weight, dt);
         }
         kept.solve_cost = solve_cost;
@@ -61,7 +69,12 @@ impl<const D: usize> Simulation<D> {
         if self.backflow.is_active() {
             terms.push(&self.backflow);
         }
-        let made = self.flow.restore_factor(kept.weight / kept.dt, &terms, kept.solve_cost);
+        let convection = match kept.wind.is_empty() {
+            true => Convection::InHistory,
+            false => Convection::Implicit(&kept.wind),
+        };
+        let weight = kept.weight / kept.dt;
+        let made = self.flow.restore_factor(weight, &terms, convection, kept.solve_cost);
         self.state.factored = Some(kept);
         made
     }

@@ -109,7 +109,7 @@ impl<const D: usize> Simulation<D> {
         // No outflow through walls at rest; periodic sides cancel.
         let numbering = self.flow.numbering();
         let closed = !numbering.is_open() && numbering.is_homogeneous();
-        if closed || self.is_stokes() || !self.settings.convection {
+        if closed || self.is_stokes() || self.settings.convection.is_none() {
             return 0.0;
         }
         let density = self.density();

@@ -18,7 +18,8 @@ use super::outlets::Outlets;
 use super::state::State;
 use crate::base::{Error, PHASES, Phases, Result};
 use crate::fem::{Basis, Condition, Element, Rule, Space, condition_of_facets};
-use crate::flow::{Backflow, FlowSolver, FlowState, Fluid};
+use crate::flow::{Backflow, ConvectionScheme, FlowSolver, FlowState, Fluid};
+use crate::linalg::SolverOptions;
 use crate::mesh::{Mesh, Point};
 use crate::structure::{Coupling, Fields, Place, Structure};
 use crate::transport::Feet;
@@ -75,6 +76,8 @@ struct Work<const D: usize> {
     current: Vec<SVector<f64, D>>,
     /// Mean of two velocities.
     mean: Vec<SVector<f64, D>>,
+    /// Velocity that convects implicitly; empty without.
+    wind: Vec<SVector<f64, D>>,
     /// Flow at the end of the step.
     next: FlowState<D>,
     /// Fields predicted for the end of the step.
@@ -161,7 +164,10 @@ impl<const D: usize> Simulation<D> {
         let rule = Arc::new(Rule::simplex(D, settings.quadrature));
         let (conditions, grad_div) = (&settings.conditions, settings.grad_div);
         let mut flow = FlowSolver::new(&space, &pressure, &rule, conditions, grad_div)?;
-        flow.solve_by(settings.solver);
+        let inertial = settings.fluids(&structures).any(|f| f.density > 0.0);
+        let scheme = settings.convection.filter(|_| inertial);
+        let unsymmetric = scheme == Some(ConvectionScheme::Implicit);
+        flow.solve_by(SolverOptions { unsymmetric, ..settings.solver });
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         let mut open: Vec<(u32, usize)> = condition_of_facets(mesh, conditions)?
             .into_iter()
@@ -170,12 +176,12 @@ impl<const D: usize> Simulation<D> {
             .collect();
         let outlets = Outlets::new(&space, open.iter().map(|(facet, _)| *facet));
         // What comes in changes the matrix, where there is convection.
-        if !settings.convection || settings.fluids(&structures).all(|f| f.density == 0.0) {
+        if scheme.is_none() {
             open.clear();
         }
         let varies = !settings.has_constant_materials(&structures) || !open.is_empty();
         // A constant matrix is factored once.
-        if implicit || varies {
+        if implicit || varies || unsymmetric {
             flow.iterate(settings.solve_tolerance);
         }
         let degree = ENERGY_DEGREE[D - 2].max(settings.quadrature);

@@ -1,6 +1,7 @@
 //! Coefficients of the time discretisation.
 
 use super::Simulation;
+use crate::flow::ConvectionScheme;
 use nalgebra::SVector;
 
 /// A step of backward Euler (order 1) or of BDF2 with variable steps.
@@ -16,8 +17,8 @@ pub(super) struct Scheme {
     pub ratio: f64,
     /// True if the flow has inertia.
     pub inertia: bool,
-    /// True if convection is included.
-    pub convection: bool,
+    /// Convection, in a flow with inertia.
+    pub convection: Option<ConvectionScheme>,
 }
 
 impl Scheme {
@@ -36,6 +37,17 @@ impl Scheme {
             false => [1.0, 0.0],
             true => [1.0 + self.ratio, -self.ratio * self.ratio / (1.0 + self.ratio)],
         }
+    }
+    /// Coefficients of the same velocities in their extrapolation to the end of the step.
+    pub fn extrapolation(&self) -> [f64; 2] {
+        match self.second {
+            false => [1.0, 0.0],
+            true => [1.0 + self.ratio, -self.ratio],
+        }
+    }
+    /// True if convection is along characteristics.
+    pub fn traces(&self) -> bool {
+        self.convection == Some(ConvectionScheme::Characteristics)
     }
     /// Order of this step.
     pub fn order(&self) -> usize {
@@ -56,7 +68,7 @@ impl<const D: usize> Simulation<D> {
             time: self.time() + dt,
             ratio: self.state.pace.as_ref().map_or(1.0, paced),
             inertia,
-            convection: inertia && self.settings.convection,
+            convection: self.settings.convection.filter(|_| inertia),
         }
     }
 }
@@ -83,7 +95,7 @@ mod tests {
         for ratio in [0.4, 1.0, 1.9] {
             for second in [false, true] {
                 let (dt, time) = (0.3, 0.7);
-                let s = Scheme { second, dt, time, ratio, inertia: true, convection: true };
+                let s = Scheme { second, dt, time, ratio, inertia: true, convection: None };
                 for power in 0..=s.order() as i32 {
                     let f = |t: f64| t.powi(power);
                     let [a, b] = s.history();

@@ -1,7 +1,7 @@
 //! Settings of an immersed flow.
 
 use crate::fem::{Conditions, Element};
-use crate::flow::{BodyForce, Fluid};
+use crate::flow::{BodyForce, ConvectionScheme, Fluid};
 use crate::linalg::SolverOptions;
 use crate::sim::carried::Transport;
 use crate::structure::Structure;
@@ -17,8 +17,8 @@ pub struct SimulationSettings<const D: usize> {
     pub order: usize,
     /// Transport of fields.
     pub transport: Transport,
-    /// True if convection is included.
-    pub convection: bool,
+    /// How velocity carries itself; `None` for no convection.
+    pub convection: Option<ConvectionScheme>,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: f64,
     /// Relative residual of iterations with an old factor, if the matrix changes from step to step;
@@ -51,7 +51,7 @@ impl<const D: usize> SimulationSettings<D> {
             dt,
             order: 2,
             transport: Transport::default(),
-            convection: fluid.density > 0.0,
+            convection: (fluid.density > 0.0).then_some(ConvectionScheme::Characteristics),
             grad_div: 0.0,
             solve_tolerance: 1e-10,
             solver: SolverOptions::default(),

@@ -7,7 +7,7 @@ use crate::base::{Kind, Phase, Result};
 use crate::fem::Cells;
 use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
-use crate::flow::{History, Step, StepReport};
+use crate::flow::{Convection, ConvectionScheme, History, Step, StepReport};
 use crate::structure::{Coupling, Place, Velocity};
 
 impl<const D: usize> Simulation<D> {
@@ -67,7 +67,7 @@ impl<const D: usize> Simulation<D> {
         // Velocity and pressure.
         let (report, powers) = self.solve(&scheme, work)?;
         self.carried.check_speed(&work.next.u, scheme.dt, scheme.time)?;
-        self.note_factor(&report, scheme.weight(), &work.ahead);
+        self.note_factor(&report, scheme.weight(), (&work.ahead, &work.wind));
         self.phases.end(Phase::Diagnostics);
         // Transport of structures, and materials.
         self.follow(&scheme, work)?;
@@ -117,7 +117,7 @@ impl<const D: usize> Simulation<D> {
     fn trace(&mut self, scheme: &Scheme, Work { current, mean, .. }: &mut Work<D>) {
         let (tracer, basis) = (&self.carried.carrier.tracer, self.flow.velocity());
         let (dt, ratio, earlier) = (scheme.dt, scheme.ratio, &self.state.earlier_u);
-        if !scheme.convection {
+        if !scheme.traces() {
             return;
         }
         if !scheme.second {
@@ -143,14 +143,8 @@ impl<const D: usize> Simulation<D> {
 
     /// Takes the stress on open sides for the velocity that the step is expected to have there.
     fn meet_inflow(&mut self, scheme: &Scheme, Work { current, mean, .. }: &mut Work<D>) {
-        let second = f64::from(u8::from(scheme.second));
-        combine(
-            1.0 + second * scheme.ratio,
-            current,
-            -second * scheme.ratio,
-            &self.state.earlier_u,
-            mean,
-        );
+        let [now, earlier] = scheme.extrapolation();
+        combine(now, current, earlier, &self.state.earlier_u, mean);
         let mut backflow = std::mem::take(&mut self.backflow);
         let start = scheme.second.then_some(&current[..]);
         backflow.prepare(&self.carried.space, self.density(), mean, start);
@@ -159,16 +153,30 @@ impl<const D: usize> Simulation<D> {
 
     /// Solves for velocity and pressure. Also returns the powers of the step.
     fn solve(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<(StepReport, Powers)> {
-        if scheme.convection && self.has_backflow() {
+        if scheme.convection.is_some() && self.has_backflow() {
             self.meet_inflow(scheme, work);
         }
-        let Work { current, mean, next, ahead, .. } = work;
-        let feet = |k: usize| scheme.convection.then_some(&self.feet[k]);
+        let Work { current, mean, wind, next, ahead, .. } = work;
+        let feet = |k: usize| scheme.traces().then_some(&self.feet[k]);
         let [now, earlier] = scheme.history();
         let history = [
             History { weight: now, u: current, feet: feet(0) },
             History { weight: earlier, u: &self.state.earlier_u, feet: feet(1) },
         ];
+        let [ahead_of_now, ahead_of_earlier] = scheme.extrapolation();
+        if scheme.convection == Some(ConvectionScheme::Implicit) {
+            combine(ahead_of_now, current, ahead_of_earlier, &self.state.earlier_u, wind);
+            self.flow.impose(scheme.time, wind);
+        }
+        let extrapolated: [(f64, &[_]); 2] =
+            [(ahead_of_now, current), (ahead_of_earlier, &self.state.earlier_u)];
+        let convection = match scheme.convection {
+            Some(ConvectionScheme::Implicit) => Convection::Implicit(wind),
+            Some(ConvectionScheme::Explicit) => {
+                Convection::Explicit(&extrapolated[..scheme.order()])
+            }
+            _ => Convection::InHistory,
+        };
         let (mut terms, mut blocks): (Vec<&dyn MomentumTerm<D>>, Vec<&dyn Block<D>>) =
             <_>::default();
         let leaving = self.leaving_at(ahead);
@@ -186,6 +194,7 @@ impl<const D: usize> Simulation<D> {
             dt: scheme.dt,
             weight: scheme.weight(),
             history: &history[..if scheme.inertia { scheme.order() } else { 0 }],
+            convection,
             terms: &terms,
             blocks: &blocks,
             predicted: scheme.second.then_some(&current[..]),

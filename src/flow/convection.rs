@@ -1,0 +1,186 @@
+//! Convection that is not along characteristics: linearised implicit, or extrapolated explicit.
+
+use crate::base::{Result, parallel};
+use crate::fem::{At, Basis, Cells, Numbering, VectorForm, assemble_local};
+use crate::flow::Coefficient;
+use crate::linalg::{Addition, SymmetricMatrix};
+use nalgebra::{SMatrix, SVector};
+
+/// A scheme for the convection of velocity; all are of second order in time with BDF2, of first
+/// with backward Euler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConvectionScheme {
+    /// Along characteristics: O. Pironneau, On the transport-diffusion algorithm and its
+    /// applications to the Navier-Stokes equations, Numer. Math. 38 (1982) 309.
+    Characteristics,
+    /// Implicit, linearised with the extrapolated velocity: G. A. Baker, V. A. Dougalis and O. A.
+    /// Karakashian, On a higher order accurate fully discrete Galerkin approximation to the
+    /// Navier-Stokes equations, Math. Comp. 39 (1982) 339.
+    Implicit,
+    /// Explicit, extrapolated: G. E. Karniadakis, M. Israeli and S. A. Orszag, High-order splitting
+    /// methods for the incompressible Navier-Stokes equations, J. Comput. Phys. 97 (1991) 414.
+    Explicit,
+}
+
+/// How a step takes the convection of velocity into account.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Convection<'a, const D: usize> {
+    /// Not at all, or by the feet of [`History`](super::History).
+    #[default]
+    InHistory,
+    /// By the form [`Transport`] with a velocity that is known.
+    Implicit(&'a [SVector<f64, D>]),
+    /// By the force `-sum_k w_k rho ((u_k . grad) u_k + (div u_k) u_k / 2)` of earlier velocities.
+    Explicit(&'a [(f64, &'a [SVector<f64, D>])]),
+}
+
+/// The bilinear form `C(u, v) = int rho ((w . grad) u + (div w) u / 2) . v` with a given velocity
+/// `w`: the convection of Navier-Stokes, linearised.
+///
+/// `C(u, u) = int rho (w . n) |u|^2 / 2 ds` on the boundary alone if the density is constant, so
+/// that it makes no energy whatever `w` is (R. Temam, Une methode d'approximation de la solution
+/// des equations de Navier-Stokes, Bull. SMF 96 (1968) 115). No integration by parts: the condition
+/// on open sides stays what it is. Its matrix acts on each component alike; one of `n x n` numbers
+/// a cell is kept, for `n` velocity functions.
+#[derive(Default)]
+pub(super) struct Transport {
+    /// `C(phi_b, phi_a)` of cell `c` at `(c n + a) n + b`; empty if there is no convection.
+    locals: Vec<f64>,
+}
+
+impl Transport {
+    /// Integrates the form for the velocity `w`; `None` for no convection.
+    pub fn prepare<const D: usize>(
+        &mut self,
+        velocity: &Basis<D>,
+        density: &Coefficient,
+        w: Option<&[SVector<f64, D>]>,
+    ) {
+        let Some(w) = w else { return self.locals.clear() };
+        let (space, n) = (velocity.space(), velocity.space().local_count());
+        let mesh = space.mesh();
+        self.locals.resize(mesh.cell_count() * n * n, 0.0);
+        parallel::fill(&mut self.locals, n * n, |first, part| {
+            for (i, local) in part.chunks_exact_mut(n * n).enumerate() {
+                let c = first + i;
+                let (wind, inverse) = (space.on_cell(w, c), &mesh.map(c).inverse);
+                local.fill(0.0);
+                for q in 0..velocity.rule().len() {
+                    let (values, gradients) = (velocity.values(q), velocity.reference_gradients(q));
+                    let weight = velocity.weight(c, q) * density.value(c, q);
+                    let half = 0.5 * (wind.reference_jacobian(gradients) * inverse).trace();
+                    // Along the wind, in coordinates of the reference cell.
+                    let along = inverse * wind.combined(values);
+                    for b in 0..n {
+                        let slope = weight * (along.dot(&gradients[b]) + half * values[b]);
+                        for a in 0..n {
+                            local[a * n + b] += values[a] * slope;
+                        }
+                    }
+                }
+            }
+        });
+    }
+
+    /// True if there is convection.
+    pub fn is_active(&self) -> bool {
+        !self.locals.is_empty()
+    }
+
+    /// Adds `C(u, v)`, for all `v`, to `out`, one vector per node.
+    pub fn add<const D: usize>(
+        &self,
+        velocity: &Basis<D>,
+        cells: Cells<'_>,
+        u: &[SVector<f64, D>],
+        (out, scratch): (&mut [SVector<f64, D>], &mut Vec<SVector<f64, D>>),
+    ) {
+        if !self.is_active() {
+            return;
+        }
+        let (space, n) = (velocity.space(), velocity.space().local_count());
+        assemble_local(velocity, cells, out, scratch, SVector::<f64, D>::zeros(), |c, sums| {
+            let (nodes, local) = (space.cell_nodes(c), &self.locals[c * n * n..][..n * n]);
+            for (row, sum) in local.chunks_exact(n).zip(sums) {
+                for (&node, v) in nodes.iter().zip(row) {
+                    *sum += u[node as usize] * *v;
+                }
+            }
+        });
+    }
+}
+
+/// The force of [`Convection::Explicit`] at a point.
+pub(super) fn explicit_force<const D: usize>(
+    velocity: &Basis<D>,
+    density: &Coefficient,
+    earlier: &[(f64, &[SVector<f64, D>])],
+    at: &At<D>,
+) -> VectorForm<D> {
+    let of = |(weight, u): &(f64, &[SVector<f64, D>])| {
+        let (value, gradient) = (velocity.value(at, u), velocity.jacobian(at, u));
+        (gradient * value + value * (0.5 * gradient.trace())) * (-weight * density.at(at))
+    };
+    (earlier.iter().map(of).sum(), SMatrix::zeros())
+}
+
+/// The form on the unknowns of a system.
+pub(super) struct OnUnknowns<'a, const D: usize> {
+    pub transport: &'a Transport,
+    pub velocity: &'a Basis<D>,
+    pub numbering: &'a Numbering<D>,
+    pub work: &'a mut OnNodes<D>,
+}
+
+/// Buffers of a product.
+#[derive(Default)]
+pub(super) struct OnNodes<const D: usize> {
+    zero: Vec<SVector<f64, D>>,
+    u: Vec<SVector<f64, D>>,
+    p: Vec<f64>,
+    product: Vec<SVector<f64, D>>,
+    scratch: Vec<SVector<f64, D>>,
+    rows: Vec<f64>,
+}
+
+impl<const D: usize> Addition for OnUnknowns<'_, D> {
+    fn add_product(&mut self, x: &[f64], y: &mut [f64]) {
+        let (nodes, zero) = (self.velocity.space().len(), SVector::<f64, D>::zeros());
+        let OnNodes { zero: lift, u, p, product, scratch, rows } = &mut *self.work;
+        lift.resize(nodes, zero);
+        u.resize(nodes, zero);
+        p.resize(self.numbering.pressure_unknowns().len(), 0.0);
+        product.clear();
+        product.resize(nodes, zero);
+        rows.resize(x.len(), 0.0);
+        self.numbering.scatter(x, lift, u, p);
+        self.transport.add(self.velocity, Cells::All, u, (product, scratch));
+        self.numbering.gather(product, &[], rows);
+        y.iter_mut().zip(rows).for_each(|(y, r)| *y += *r);
+    }
+
+    fn add_halves(
+        &self,
+        symmetric: &mut SymmetricMatrix,
+        skew: &mut SymmetricMatrix,
+    ) -> Result<()> {
+        let (space, n) = (self.velocity.space(), self.velocity.space().local_count());
+        let m = D * n;
+        let (mut unknowns, mut halves) = (Vec::new(), [vec![0.0; m * m], vec![0.0; m * m]]);
+        for (c, local) in self.transport.locals.chunks_exact(n * n).enumerate() {
+            let nodes = space.cell_nodes(c);
+            self.numbering.cell_unknowns(nodes, None, &mut unknowns);
+            for (half, sign) in halves.iter_mut().zip([1.0, -1.0]) {
+                half.fill(0.0);
+                for (a, b, i) in (0..n * n * D).map(|k| (k / D / n, k / D % n, k % D)) {
+                    let value = 0.5 * (local[a * n + b] + sign * local[b * n + a]);
+                    half[(D * a + i) * m + D * b + i] = value;
+                }
+                self.numbering.rotate_local(nodes, m, half);
+            }
+            symmetric.add_group(&unknowns, &halves[0])?;
+            skew.add_group(&unknowns, &halves[1])?;
+        }
+        Ok(())
+    }
+}
