@@ -4,7 +4,11 @@ use super::script::Script;
 use crate::sim::Pacing;
 
 /// Bounds of the adaptive steps, and all times of output, which steps must end at.
-pub(super) fn pacing(scene: &Script, tolerance: f64, [speed, length]: [f64; 2]) -> Pacing {
+pub(super) fn pacing(
+    scene: &Script,
+    [tolerance, memory]: [f64; 2],
+    [speed, length]: [f64; 2],
+) -> Pacing {
     let (time, output) = (&scene.time, &scene.output);
     let [least, most] = time.bounds();
     let mut instants = vec![time.end];
@@ -19,7 +23,7 @@ pub(super) fn pacing(scene: &Script, tolerance: f64, [speed, length]: [f64; 2]) 
     if let Some(last) = instants.last_mut() {
         *last = time.end;
     }
-    Pacing { tolerance, first: time.step, least, most, instants, speed, length }
+    Pacing { tolerance, memory, first: time.step, least, most, instants, speed, length }
 }
 
 /// Output times closer than this fraction of the end time are merged.

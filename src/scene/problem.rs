@@ -220,6 +220,10 @@ pub trait Problem {
     fn leaving(&self) -> Vec<String> {
         Vec::new()
     }
+    /// A warning of steps that are too long for the flow, by a row of its series.
+    fn hasty(&self, _row: &Row) -> Option<Warning> {
+        None
+    }
     /// The open side through which fluid comes in most quickly, with a warning that has the speed
     /// and the place; `None` where it is slow.
     fn inflow(&self) -> Option<(String, Warning)> {

@@ -9,7 +9,7 @@ use super::schema::{
 use super::structures::{KINDS, StructureKind, Traits};
 use crate::base::{Error, Result};
 use crate::fem::Element;
-use crate::sim::SolverKind;
+use crate::sim::{ConvectionScheme, SolverKind};
 use crate::transport::Method;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -180,6 +180,7 @@ fn check(
     if time.tolerance.is_some() {
         check_tolerance(scene, fluid, adapt)?;
     }
+    check_convection(scene, numerics, time)?;
     let adapt_item = adapt_item(scene)?;
     if let (Some(item), Some(adapt)) = (&adapt_item, adapt) {
         adapt.check_use(item, !structures.is_empty(), prescribed)?;
@@ -246,6 +247,24 @@ fn check_elements(
         Some(item) if adapts => Err(item
             .key_error("a pressure with jumps is not brought to a new mesh")
             .remedy("take pressure = \"P1\", or leave mesh.adapt out")),
+        _ => Ok(()),
+    }
+}
+
+/// Explicit convection needs steps that keep below its limit.
+fn check_convection(scene: &Table<'_>, numerics: &Numerics, time: &Time) -> Result<()> {
+    let explicit = numerics.convection == Some(Some(ConvectionScheme::Explicit));
+    let table = scene.get("numerics").map(|i| i.open_table()).transpose()?;
+    match table.and_then(|t| t.get("convection")).filter(|_| explicit) {
+        Some(item) if time.tolerance.is_none() => Err(item
+            .key_error(
+                "explicit convection is unstable above a Courant number of about .3, and steps of \
+                 one length do not keep below it",
+            )
+            .remedy(
+                "add time.tolerance = 1e-2: the steps then follow the speed; or take \
+                 convection = \"baker1982\", stable for any step",
+            )),
         _ => Ok(()),
     }
 }

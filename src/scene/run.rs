@@ -203,7 +203,7 @@ impl<'a> Run<'a> {
             run.record.note_waves(&*run.problem);
             let told = run.record.note_open_sides(&*run.problem);
             told.iter().for_each(|w| observer.warning(w));
-            run.sample(0)?;
+            run.sample(0, observer)?;
         }
         // Those of the first mesh, also where it was adapted before the run was interrupted.
         let boundaries = folder.boundaries();
@@ -256,7 +256,7 @@ impl<'a> Run<'a> {
             self.record.note_waves(&*self.problem);
             let told = self.record.note_open_sides(&*self.problem);
             told.iter().for_each(|w| observer.warning(w));
-            self.timed("output", |run| run.sample(run.problem.moment().steps as usize))?;
+            self.timed("output", |run| run.sample(run.problem.moment().steps as usize, observer))?;
             let elapsed = self.saved.elapsed().as_secs_f64();
             let due = self.scene.output.checkpoint.is_some_and(|s| elapsed >= s);
             if due && !self.is_done() {
@@ -296,7 +296,7 @@ impl<'a> Run<'a> {
     }
 
     /// Writes the output that is due after `step`.
-    fn sample(&mut self, step: usize) -> Result<()> {
+    fn sample(&mut self, step: usize, observer: &mut dyn Observer) -> Result<()> {
         let (output, time, moment) = (&self.scene.output, &self.scene.time, self.problem.moment());
         let now = moment.time;
         let (last, paced) = (self.is_done(), time.tolerance.is_some());
@@ -315,6 +315,8 @@ impl<'a> Run<'a> {
             self.record.rows = self.series.rows();
             self.record.note_structures(&*self.problem)?;
             self.record.note_row(self.scene, &row);
+            let told = self.record.note_haste((&*self.problem, &row), time.end);
+            told.iter().for_each(|w| observer.warning(w));
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
             self.problem.write_fields(&self.folder.fields(step))?;

@@ -5,9 +5,12 @@ use crate::base::{Cause, Error, Result};
 /// Parameters of adaptive time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pacing {
-    /// Tolerance for the sum of the errors of all steps, relative: a step `dt` may have the error
-    /// `tolerance dt / end`.
+    /// Tolerance for the sum of the errors of all steps within `memory`, relative: a step `dt` may
+    /// have the error `tolerance dt / memory`.
     pub tolerance: f64,
+    /// The time that an error stays: the whole run with structures, whose positions keep it; in a
+    /// flow alone the time in which it is carried through the domain, at most the run.
+    pub memory: f64,
     /// Length of the first two steps, if the error allows.
     pub first: f64,
     /// Shortest step.
@@ -161,6 +164,7 @@ mod tests {
         let instants = vec![0.1, 0.2, 0.25, 1.0];
         Pacing {
             tolerance: 1e-3,
+            memory: 1.0,
             first: 0.004,
             least: 1e-6,
             most: 0.3,

@@ -8,10 +8,9 @@ use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{fields, flow_advice, forces, interfaces, scales};
 use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a, rounded};
-use crate::flow::{BodyForce, StepReport};
+use crate::flow::{BodyForce, ConvectionScheme, StepReport};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
-use crate::scene::Scene;
 use crate::scene::adapt::{self, Lengths};
 use crate::scene::checks::check_flow;
 use crate::scene::initial::{self, InitialFlow};
@@ -27,6 +26,7 @@ use crate::scene::sides::spread;
 use crate::scene::site::{Site, vector, wall_facets};
 use crate::scene::start::start;
 use crate::scene::view::View;
+use crate::scene::{CONVECTED, Scene};
 use crate::sim::{Energies, EnergyBalance, Simulation, SimulationSettings, State, Transfer};
 use crate::structure::Structure;
 use nalgebra::SVector;
@@ -37,6 +37,8 @@ use std::sync::Arc;
 
 /// Number of times at which prescribed velocities are checked to balance.
 const INSTANTS: usize = 16;
+/// Estimated error of the velocity due to the steps that is told.
+const HASTY: f64 = 0.01;
 /// Speed inward through an open side over the largest in the flow that is told.
 const SLOW: f64 = 0.02;
 
@@ -70,6 +72,8 @@ pub struct ImmersedFlow<const D: usize = 2> {
     is_impulsive: bool,
     /// Velocities that the scene gives.
     given: scales::Given,
+    /// The time that an error of velocity stays, in a flow whose error in time is estimated.
+    memory: Option<f64>,
     /// Nodes on the boundary without periodic and open sides, with the longest edge of a cell
     /// there.
     walls: Vec<(u32, f64)>,
@@ -94,7 +98,9 @@ impl<const D: usize> ImmersedFlow<D> {
         let scales = [scales::velocity(scene, &site, &given), site.size()];
         let grad_div = scene.numerics.grad_div.unwrap_or_else(|| scales::grad_div(scene, scales));
         let least_energy = scales::least_energy(scene, &site, scales);
-        let settings = settings(scene, &site, grad_div);
+        let reynolds = scales::reynolds(scene, scales[0], given.side);
+        let convection = scene.convection(reynolds);
+        let settings = settings(scene, &site, (grad_div, convection));
         let of_coupling = settings.check_couplings(&structures);
         of_coupling.map_err(|e| scene.blame(&["numerics", "coupling"], e))?;
         let start = start(scene, &site, &initial.given)?;
@@ -134,7 +140,9 @@ impl<const D: usize> ImmersedFlow<D> {
         let walls = closed_nodes(&simulation);
         forces::check(scene)?;
         warnings.extend(forces::warnings(scene));
-        warnings.extend(numbers::coarse(scene, &quality, &given));
+        if convection.is_some() {
+            warnings.extend(numbers::coarse(scene, &quality, &given));
+        }
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
@@ -154,6 +162,8 @@ impl<const D: usize> ImmersedFlow<D> {
             walls,
             lengths,
             given,
+            memory: (scene.structures().is_empty() && convection.is_some() && reynolds > CONVECTED)
+                .then(|| scales::memory(scene, scales)),
         };
         flow.check_outlets()?;
         flow.explicit_limit = flow.step_limit();
@@ -181,7 +191,8 @@ impl<const D: usize> ImmersedFlow<D> {
     /// Enables adaptive steps if the scene gives a tolerance.
     fn follow_error(&mut self, scales: [f64; 2]) -> Result<()> {
         let Some(tolerance) = self.scene.time.tolerance else { return Ok(()) };
-        let pacing = pacing(&self.scene, tolerance, scales);
+        let memory = scales::memory(&self.scene, scales);
+        let pacing = pacing(&self.scene, [tolerance, memory], scales);
         self.simulation.pace(pacing).map_err(|e| self.scene.blame(&["time", "tolerance"], e))
     }
 
@@ -229,6 +240,9 @@ impl<const D: usize> ImmersedFlow<D> {
         row.put("velocity_max", sim.largest_speed());
         row.put("divergence", e.divergence);
         row.put("cfl", sim.courant());
+        if let Some(memory) = self.memory {
+            row.put("time_error", sim.time_error(memory));
+        }
         let over_limit = self.step_limit().map_or(0.0, |limit| sim.settings().dt / limit);
         row.put("step_over_limit", over_limit);
     }
@@ -394,6 +408,25 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn leaving(&self) -> Vec<String> {
         self.simulation.leaving().map(str::to_string).collect()
     }
+    fn hasty(&self, row: &Row) -> Option<Warning> {
+        let error = row.get("time_error").filter(|e| *e > HASTY)?;
+        let sim = &self.simulation;
+        let what = format!(
+            "the steps are long for this flow: at t = {:.4} they make an estimated error of {} % of \
+             the velocity, at Courant number {}; forces may be off by more",
+            sim.time(),
+            rounded(100.0 * error, 2),
+            rounded(sim.courant(), 2)
+        );
+        let shorter = "half of time.step makes it a quarter";
+        let remedy = match sim.settings().convection {
+            Some(ConvectionScheme::Characteristics) => format!(
+                "{shorter}; numerics.convection = \"baker1982\" makes no such error in steady flows"
+            ),
+            _ => shorter.into(),
+        };
+        Some(Warning::new(what, remedy))
+    }
     fn inflow(&self) -> Option<(String, Warning)> {
         let sim = &self.simulation;
         let (side, speed, x) = sim.inflow()?;
@@ -456,7 +489,7 @@ fn edges_in_bands<const D: usize>(sim: &Simulation<D>, thickness: Option<f64>) -
 fn settings<const D: usize>(
     scene: &Scene,
     site: &Site<'_, D>,
-    grad_div: f64,
+    (grad_div, convection): (f64, Option<ConvectionScheme>),
 ) -> SimulationSettings<D> {
     let (fluid, numerics) = (&scene.fluid, &scene.numerics);
     let body_force = fluid.has_force().then(|| {
@@ -466,7 +499,7 @@ fn settings<const D: usize>(
     SimulationSettings {
         order: scene.time.order,
         transport: ground::transport(scene),
-        convection: scene.convection(),
+        convection,
         grad_div,
         solve_tolerance: numerics.solve_tolerance,
         solver: numerics.solver(),

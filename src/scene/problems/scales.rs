@@ -23,6 +23,8 @@ const GRAD_DIV_STOKES: [f64; 2] = [10.0, 500.0];
 const ROUNDING: f64 = 1e-10;
 /// Strain of a membrane below which its energy is not judged.
 const SMALL: f64 = 0.01;
+/// Lengths of the domain that an error is carried before it has left or decayed.
+const CROSSINGS: f64 = 2.0;
 /// Number of times at which prescribed velocities are sampled for the velocity scale.
 const SAMPLES: usize = 64;
 
@@ -68,6 +70,19 @@ pub(super) fn given<const D: usize>(
     let differences = ranges.iter().flatten().map(|(low, high)| (high - low).norm());
     let difference = differences.fold(0.0, f64::max);
     Given { speed, difference, side: 2.0 * site.size() }
+}
+
+/// The time that an error of velocity stays: the whole run with structures, whose positions keep
+/// it; in a flow alone that in which it is carried through the domain, at most the run.
+pub(super) fn memory(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
+    let alone = scene.structures().is_empty() && speed > 0.0;
+    if alone { scene.time.end.min(CROSSINGS * length / speed) } else { scene.time.end }
+}
+
+/// Reynolds number `rho U L/mu` of the fluid outside; 0 without viscosity.
+pub(super) fn reynolds(scene: &Scene, speed: f64, length: f64) -> f64 {
+    let fluid = scene.outside();
+    if fluid.viscosity > 0.0 { fluid.density * speed * length / fluid.viscosity } else { 0.0 }
 }
 
 /// The largest of the speeds due to walls, the initial state, gravity and the elastic waves of the

@@ -309,6 +309,8 @@ impl Folder {
             Err(_) => "failed",
         };
         let energies = problem.energies();
+        let warnings = problem.warnings().iter().map(ToString::to_string);
+        let warnings: Vec<_> = warnings.chain(record.hasty.clone()).collect();
         let summary = json!({
             "title": scene.title,
             "version": crate::base::VERSION,
@@ -333,7 +335,7 @@ impl Folder {
             "strouhal": self.strouhal(scene)?,
             "leaves": record.left,
             "fluid_enters": record.entered,
-            "warnings": problem.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "warnings": warnings,
             "plan": plan,
             "balance": {
                 "energy": energies.map(|(energies, budget)| budget.residual(&energies)),

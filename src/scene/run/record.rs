@@ -10,6 +10,9 @@ use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Part of a run in which the error in time of the start is not told.
+const START: f64 = 0.25;
+
 /// A column of a profile: its name, which contains the time, and its values.
 pub(super) type Column = (String, Vec<f64>);
 
@@ -65,6 +68,9 @@ pub(super) struct Record {
     /// Open sides through which fluid has come in, and when it first did.
     #[serde(default)]
     pub entered: BTreeMap<String, f64>,
+    /// What was told of steps that are too long for the flow.
+    #[serde(default)]
+    pub hasty: Option<String>,
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
@@ -231,6 +237,22 @@ impl Record {
             });
         }
         told
+    }
+
+    /// Records that the steps are too long for the flow, after the first quarter of the run, and
+    /// returns what is to be told if it was not known.
+    pub(super) fn note_haste(
+        &mut self,
+        (problem, row): (&dyn Problem, &Row),
+        end: f64,
+    ) -> Option<Warning> {
+        // A flow that starts at once has no short enough step.
+        if self.hasty.is_some() || problem.moment().time < START * end {
+            return None;
+        }
+        let warning = problem.hasty(row)?;
+        self.hasty = Some(warning.to_string());
+        Some(warning)
     }
 
     /// Records the structures whose bands reach the boundary, and those that the mesh does not

@@ -8,6 +8,7 @@ mod remesh;
 mod scheme;
 mod settings;
 mod step;
+mod time_error;
 
 pub use settings::SimulationSettings;
 

@@ -24,8 +24,7 @@ pub(super) fn coarse<const D: usize>(
 ) -> Option<Warning> {
     let (fluid, edge) = (scene.outside(), quality.greatest_diameter.value);
     let reynolds = fluid.density * given.difference * edge / fluid.viscosity;
-    let convects = scene.convection().is_some();
-    (convects && reynolds > COARSE).then(|| {
+    (reynolds > COARSE).then(|| {
         let what = format!(
             "the Reynolds number of a cell is {}: layers at walls and in shear are far thinner \
              than the mesh",

@@ -1,0 +1,72 @@
+//! Estimate of the error that the length of the steps makes.
+
+use super::Simulation;
+use super::scheme::Scheme;
+use crate::fem::{Cells, integrate};
+use crate::flow::ConvectionScheme;
+use nalgebra::SVector;
+
+impl<const D: usize> Simulation<D> {
+    /// Estimate of the error of the velocity due to the length of the last step, relative to the
+    /// velocity, both as root mean squares over the domain; NaN before the third step, and in a
+    /// Stokes flow, whose velocity depends on no step.
+    ///
+    /// It is the error of the discrete acceleration `Du/Dt`, times `memory`, the time for which an
+    /// error stays in the domain. The error has the parts
+    /// - of BDF2, `dt^2 u'''/3`, where `u'''` is taken as `u''` times the rate `|u''|/|u'|` (an
+    ///   oscillation has exactly this), of backward Euler `dt u''/2`;
+    /// - of characteristics, their difference from `(u . grad) u` beside the same time derivative:
+    ///   the only part in a steady flow;
+    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, twice for the explicit form.
+    ///
+    /// It tells the size of the error, not its sign, and knows nothing of what the error does to a
+    /// force. Costs one pass over the cells.
+    pub fn time_error(&self, memory: f64) -> f64 {
+        let (state, before) = (&self.state, &self.work.current);
+        if self.is_stokes() || state.steps < 3 || before.len() != state.flow.u.len() {
+            return f64::NAN;
+        }
+        let (basis, space) = (self.flow.velocity(), self.space());
+        let points = basis.rule().len();
+        let dt = self.settings.dt;
+        let last = state.pace.as_ref().map_or(dt, |p| p.clock.before);
+        let scheme = Scheme { dt, ratio: dt / last, ..self.scheme() };
+        let weights = scheme.history();
+        let earlier = [&state.earlier_u, before];
+        let extrapolated = match scheme.convection {
+            Some(ConvectionScheme::Implicit) => 1.0,
+            Some(ConvectionScheme::Explicit) => 2.0,
+            _ => 0.0,
+        };
+        let sums = integrate(basis, Cells::All, |at| {
+            let u = basis.value(at, &state.flow.u);
+            let gradient = basis.jacobian(at, &state.flow.u);
+            let [now, then] = earlier.map(|u| basis.value(at, u));
+            let (first, slope) = ((u - now) / dt, (now - then) / last);
+            let bend = (first - slope) * (2.0 / (dt + last));
+            let rate = first + bend * (0.5 * dt);
+            let mut path = SVector::<f64, D>::zeros();
+            if scheme.traces() {
+                path = gradient * u;
+                for (k, weight) in weights.iter().enumerate().take(scheme.order()) {
+                    let foot = self.feet[k].get(at.cell * points + at.q);
+                    let carried = space.value(earlier[k], foot.cell as usize, &foot.barycentric);
+                    path += (carried - [now, then][k]) * (weight / dt);
+                }
+            }
+            let convected = gradient * bend;
+            [u, rate, bend, path, convected].map(|v| v.norm_squared())
+        });
+        let [u, rate, bend, path, convected] = sums.map(f64::sqrt);
+        let derivative = match scheme.second {
+            true if rate * dt > ROUNDING * u => dt * last * bend * bend / (3.0 * rate),
+            true => 0.0,
+            false => 0.5 * dt * bend,
+        };
+        let extrapolation = extrapolated * dt * last * convected;
+        if u > 0.0 { memory * (derivative + path + extrapolation) / u } else { 0.0 }
+    }
+}
+
+/// Relative change of the velocity in a step that is not told from rounding and iterations.
+const ROUNDING: f64 = 1e-6;
