@@ -1,6 +1,7 @@
 //! Point location: by walking along a segment from a known cell, or with a grid.
 
 use super::{Mesh, NONE, Point};
+use nalgebra::SVector;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 /// A barycentric coordinate above `-TOLERANCE` counts as inside. Coordinates of size `|x|` are
@@ -29,10 +30,22 @@ pub struct Location {
 
 impl<const D: usize> Mesh<D> {
     /// The point at a location.
+    #[inline]
     pub fn point_at(&self, at: &Location) -> Point<D> {
         let cell = self.cell(at.cell as usize);
         (0..=D).fold(Point::<D>::zeros(), |x, k| {
             x + self.points()[cell[k] as usize] * at.barycentric[k]
+        })
+    }
+
+    /// The displacement that changes the barycentric coordinates `l_k`, `k = 1..=D`, of cell `c` by
+    /// `change`.
+    #[inline]
+    pub fn spanned(&self, c: usize, change: &SVector<f64, D>) -> SVector<f64, D> {
+        let cell = self.cell(c);
+        let origin = self.points()[cell[0] as usize];
+        (0..D).fold(SVector::zeros(), |step, k| {
+            step + (self.points()[cell[k + 1] as usize] - origin) * change[k]
         })
     }
 
@@ -44,24 +57,40 @@ impl<const D: usize> Mesh<D> {
     /// inside a cell up to [`TOLERANCE`]. If `to` is not finite the result is `cell` with NaN
     /// coordinates, and `false`.
     ///
-    /// Does not allocate. The cost is one or two small products per crossed cell.
+    /// Does not allocate. The cost is two small products per crossed cell.
     pub fn walk(&self, cell: u32, from: &Point<D>, to: &Point<D>) -> (Location, bool) {
+        let map = self.map(cell as usize);
+        let mut at = Location { cell, barycentric: map.barycentric(from) };
+        let inside = self.walk_on(&mut at, &map.barycentric(to), from, to);
+        (at, inside)
+    }
+
+    /// [`walk`](Self::walk) from the location `at` of `from`, which becomes that of the end, where
+    /// the barycentric coordinates `end` of `to` in the cell of `at` are known, too.
+    #[inline]
+    pub fn walk_on(
+        &self,
+        at: &mut Location,
+        end: &[f64; 4],
+        from: &Point<D>,
+        to: &Point<D>,
+    ) -> bool {
         if !to.iter().all(|x| x.is_finite()) {
-            return (Location { cell, barycentric: [f64::NAN; 4] }, false);
+            at.barycentric = [f64::NAN; 4];
+            return false;
         }
-        let mut cell = cell as usize;
+        let mut cell = at.cell as usize;
+        let (mut a, mut b) = (at.barycentric, *end);
         let mut reached = 0.0;
         let mut stalled = 0;
         let mut ignored = [false; 4];
         // A segment meets a cell once; the bound is a safeguard against a defective mesh.
         for _ in 0..(PATIENCE + 1) * (self.cell_count() + 1) {
-            let b = self.map(cell).barycentric(to);
-            if b[..=D].iter().all(|&l| l >= -TOLERANCE) {
-                return (Location { cell: cell as u32, barycentric: b }, true);
-            }
-            let a = self.map(cell).barycentric(from);
             let Some((k, t)) = exit::<D>(&a, &b, &ignored) else {
-                return (Location { cell: cell as u32, barycentric: clamped::<D>(b) }, true);
+                let within = ignored == [false; 4];
+                let barycentric = if within { b } else { within_tolerance::<D>(b) };
+                *at = Location { cell: cell as u32, barycentric };
+                return true;
             };
             ignored = [false; 4];
             if t > reached {
@@ -73,15 +102,17 @@ impl<const D: usize> Mesh<D> {
             let next = self.neighbours(cell)[k];
             if next != NONE && stalled < PATIENCE {
                 cell = next as usize;
-                continue;
+            } else {
+                stalled = 0;
+                match self.onward(cell, from, to, reached) {
+                    Some((other, along)) => (cell, ignored) = (other, along),
+                    None => break,
+                }
             }
-            stalled = 0;
-            match self.onward(cell, from, to, reached) {
-                Some((other, along)) => (cell, ignored) = (other, along),
-                None => return (self.on_segment(cell, from, to, reached), false),
-            }
+            (a, b) = (self.map(cell).barycentric(from), self.map(cell).barycentric(to));
         }
-        (self.on_segment(cell, from, to, reached), false)
+        *at = self.on_segment(cell, from, to, reached);
+        false
     }
 
     /// A point of `cell` near `x`: `x` itself if the cell holds it, or else on the boundary of the
@@ -143,19 +174,23 @@ impl<const D: usize> Mesh<D> {
 
 /// The facet by which the segment with end points `a`, `b` (barycentric) leaves a cell, and the
 /// parameter in `[0, 1]`.
+#[inline(always)]
 fn exit<const D: usize>(a: &[f64; 4], b: &[f64; 4], ignored: &[bool; 4]) -> Option<(usize, f64)> {
-    let mut first = None;
-    let mut least = f64::INFINITY;
+    let (mut first, mut least) = (D + 1, f64::INFINITY);
     for k in 0..=D {
         if b[k] < -TOLERANCE && !ignored[k] {
             let t = if a[k] > 0.0 { a[k] / (a[k] - b[k]) } else { 0.0 };
             if t < least {
-                least = t;
-                first = Some((k, t));
+                (first, least) = (k, t);
             }
         }
     }
-    first
+    (first <= D).then_some((first, least))
+}
+
+/// `b` if it is that of a point of the cell, or else clamped.
+fn within_tolerance<const D: usize>(b: [f64; 4]) -> [f64; 4] {
+    if b[..=D].iter().all(|&l| l >= -TOLERANCE) { b } else { clamped::<D>(b) }
 }
 
 /// Sets negative barycentric coordinates to zero; the sum stays 1.

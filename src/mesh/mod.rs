@@ -43,6 +43,7 @@ pub struct Affine<const D: usize> {
 
 impl<const D: usize> Affine<D> {
     /// Barycentric coordinates of `x`; entries `0..=D` are used.
+    #[inline]
     pub fn barycentric(&self, x: &Point<D>) -> [f64; 4] {
         let l = self.inverse * (x - self.origin);
         let mut b = [0.0; 4];
@@ -57,14 +58,8 @@ impl<const D: usize> Affine<D> {
     /// lies in the cell.
     #[inline]
     pub fn moved(&self, l: &[f64; 4], step: &SVector<f64, D>) -> Option<[f64; 4]> {
-        let dl = self.inverse * step;
-        let (mut b, mut inside) = (*l, true);
-        for k in 0..D {
-            b[k + 1] += dl[k];
-            b[0] -= dl[k];
-            inside &= b[k + 1] >= -TOLERANCE;
-        }
-        (inside && b[0] >= -TOLERANCE).then_some(b)
+        let (b, inside) = shifted(l, &(self.inverse * step));
+        inside.then_some(b)
     }
     /// Gradient of barycentric coordinate `k`.
     pub fn gradient(&self, k: usize) -> SVector<f64, D> {
@@ -78,6 +73,19 @@ impl<const D: usize> Affine<D> {
             self.inverse.row(k - 1).transpose()
         }
     }
+}
+
+/// The barycentric coordinates `l` after `l_k`, `k = 1..=D`, have changed by `change`, and true if
+/// they are those of a point of the cell.
+#[inline(always)]
+pub fn shifted<const D: usize>(l: &[f64; 4], change: &SVector<f64, D>) -> ([f64; 4], bool) {
+    let (mut b, mut inside) = (*l, true);
+    for k in 0..D {
+        b[k + 1] += change[k];
+        b[0] -= change[k];
+        inside &= b[k + 1] >= -TOLERANCE;
+    }
+    (b, inside && b[0] >= -TOLERANCE)
 }
 
 /// A facet on the boundary of the mesh.

@@ -1,13 +1,12 @@
 //! Feet of characteristics: departure points of particles.
 
+use super::drift::Drifts;
+use super::passage::Passage;
 use crate::base::parallel;
 use crate::fem::{Basis, Numbering, OnCell, Space, Translation, VelocityFunction};
 use crate::mesh::{Location, Locator, NONE, Point};
 use nalgebra::SVector;
-use std::sync::{Arc, OnceLock};
-
-/// Largest number of periodic sides that one displacement crosses.
-const MOST_CROSSINGS: usize = 64;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Feet of a list of characteristics, in the order of their arrival points.
 #[derive(Clone, Debug, Default)]
@@ -64,17 +63,16 @@ pub struct Tracer<const D: usize> {
     /// A cell of every node with the barycentric coordinates of the node; `cell` is [`NONE`] for
     /// nodes of no cell.
     node_locations: Vec<Location>,
-    /// For every facet (cell, opposite vertex) on a periodic side: the cell on the other side and
-    /// the translation. Sorted by facet.
-    periodic_links: Vec<(u32, u32, SVector<f64, D>)>,
-    /// The different translations.
-    shifts: Vec<SVector<f64, D>>,
+    /// The mesh with its periodic sides.
+    passage: Passage<D>,
     /// One number per node, equal for nodes that periodic sides identify.
     unknowns: Vec<u32>,
     /// The shortest diameter of a cell.
     finest: f64,
     /// Finds cells where a straight walk is not possible; built at first use.
     locator: OnceLock<Locator<D>>,
+    /// Memory for the drifts of all cells, kept from one call to the next.
+    drifts: Arc<Mutex<Drifts<D>>>,
 }
 
 impl<const D: usize> Tracer<D> {
@@ -90,31 +88,15 @@ impl<const D: usize> Tracer<D> {
                 }
             }
         }
-        let mut periodic_links: Vec<_> = translations
-            .iter()
-            .map(|t| {
-                let (mine, theirs) =
-                    (mesh.facets()[t.facet as usize], mesh.facets()[t.partner as usize]);
-                (mine.cell * (D as u32 + 1) + mine.opposite, theirs.cell, t.shift)
-            })
-            .collect();
-        periodic_links.sort_by_key(|d| d.0);
-        periodic_links.dedup_by_key(|d| d.0);
-        let mut shifts: Vec<SVector<f64, D>> = Vec::new();
-        for (_, _, shift) in &periodic_links {
-            if shifts.iter().all(|s| (s - shift).norm() > 1e-6 * shift.norm()) {
-                shifts.push(*shift);
-            }
-        }
         let finest = (0..mesh.cell_count()).map(|c| mesh.diameter(c)).fold(f64::INFINITY, f64::min);
         Tracer {
             space: Arc::clone(space),
             node_locations,
-            periodic_links,
-            shifts,
+            passage: Passage::new(mesh, translations),
             unknowns: Numbering::scalar_unknowns(space, translations).0,
             finest,
             locator: OnceLock::new(),
+            drifts: Arc::default(),
         }
     }
     /// The space of the velocities.
@@ -129,15 +111,7 @@ impl<const D: usize> Tracer<D> {
     /// The cell beyond facet `k` of a cell, also through a periodic side, with the translation to
     /// its points; `None` on other boundaries.
     pub fn beyond(&self, cell: u32, k: usize) -> Option<(u32, SVector<f64, D>)> {
-        match self.space.mesh().neighbours(cell as usize)[k] {
-            NONE => {
-                let facet = cell * (D as u32 + 1) + k as u32;
-                let found = self.periodic_links.binary_search_by_key(&facet, |d| d.0).ok()?;
-                let (_, partner, shift) = self.periodic_links[found];
-                Some((partner, shift))
-            }
-            next => Some((next, SVector::zeros())),
-        }
+        self.passage.beyond(cell, k)
     }
     /// A cell of node `n` and its barycentric coordinates there; any location for a node of no
     /// cell.
@@ -185,6 +159,7 @@ impl<const D: usize> Tracer<D> {
         let count = self.space.mesh().cell_count() * points;
         feet.0.resize(count, Location { cell: NONE, barycentric: [0.0; 4] });
         let steps = self.steps(advecting, dt);
+        let drifts = self.drifts(advecting, -dt, steps);
         parallel::fill(&mut feet.0, points, |first, part| {
             for (i, feet) in part.chunks_exact_mut(points).enumerate() {
                 let c = first + i;
@@ -203,18 +178,26 @@ impl<const D: usize> Tracer<D> {
                             );
                         }
                     }
-                    _ => feet
-                        .iter_mut()
-                        .enumerate()
-                        .for_each(|(q, foot)| *foot = self.foot(advecting, dt, steps, start(q))),
+                    AdvectingVelocity::Nodal(_) => {
+                        for (q, foot) in feet.iter_mut().enumerate() {
+                            *foot = drifts.end(&self.passage, steps, start(q)).0;
+                        }
+                    }
+                    AdvectingVelocity::Given { velocity, arrival, .. } => {
+                        for (q, foot) in feet.iter_mut().enumerate() {
+                            *foot = self.given_foot(velocity, *arrival, dt, steps, start(q));
+                        }
+                    }
                 }
             }
         });
+        self.keep(drifts);
     }
     /// [`from_nodes`](Self::from_nodes) with any velocity.
     pub fn feet_of_nodes(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, feet: &mut Feet) {
         feet.0.resize(self.space.len(), Location { cell: NONE, barycentric: [0.0; 4] });
         let steps = self.steps(advecting, dt);
+        let drifts = self.drifts(advecting, -dt, steps);
         parallel::fill(&mut feet.0, 1, |first, part| {
             for (i, foot) in part.iter_mut().enumerate() {
                 let n = first + i;
@@ -225,10 +208,34 @@ impl<const D: usize> Tracer<D> {
                         let own = self.space.on_cell(u, start.cell as usize);
                         self.foot_of_short_step(u, dt, &own, u[n], start)
                     }
-                    (start, _) => self.foot(advecting, dt, steps, start),
+                    (start, AdvectingVelocity::Nodal(_)) => {
+                        drifts.end(&self.passage, steps, start).0
+                    }
+                    (start, AdvectingVelocity::Given { velocity, arrival, .. }) => {
+                        self.given_foot(velocity, *arrival, dt, steps, start)
+                    }
                 };
             }
         });
+        self.keep(drifts);
+    }
+    /// The drifts in a substep, if there are several, in the memory of those before.
+    fn drifts(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64, steps: usize) -> Drifts<D> {
+        let mut drifts =
+            self.drifts.lock().map(|mut d| std::mem::take(&mut *d)).unwrap_or_default();
+        match advecting {
+            AdvectingVelocity::Nodal(u) if steps > 1 => {
+                drifts.compute(&self.space, u, dt / steps as f64);
+            }
+            _ => {}
+        }
+        drifts
+    }
+    /// Keeps the memory of drifts for the next call.
+    fn keep(&self, drifts: Drifts<D>) {
+        if let Ok(mut kept) = self.drifts.lock() {
+            *kept = drifts;
+        }
     }
     /// Number of substeps, at most 100, so that a diverging velocity does not stop the program.
     fn steps(&self, advecting: &AdvectingVelocity<'_, D>, dt: f64) -> usize {
@@ -242,21 +249,17 @@ impl<const D: usize> Tracer<D> {
         };
         (courant.ceil() as usize).clamp(1, 100)
     }
-    fn foot(
+    fn given_foot(
         &self,
-        advecting: &AdvectingVelocity<'_, D>,
+        velocity: &VelocityFunction<D>,
+        arrival: f64,
         dt: f64,
         steps: usize,
         start: Location,
     ) -> Location {
-        match advecting {
-            AdvectingVelocity::Nodal(u) => self.end(u, dt, steps, start).0,
-            AdvectingVelocity::Given { velocity, arrival, .. } => {
-                let from = self.space.mesh().point_at(&start);
-                let x = path(velocity, from, *arrival, -dt, steps);
-                self.displaced(start, x - from)
-            }
-        }
+        let from = self.space.mesh().point_at(&start);
+        let x = path(velocity, from, arrival, -dt, steps);
+        self.displaced(start, x - from)
     }
     /// One midpoint step from `start`, where the velocity is `w`; `own` is the velocity on that
     /// cell, which the characteristic rarely leaves.
@@ -272,35 +275,23 @@ impl<const D: usize> Tracer<D> {
         let map = self.space.mesh().map(start.cell as usize);
         let w = match map.moved(&start.barycentric, &(w * (-0.5 * dt))) {
             Some(middle) => own.value(&middle),
-            None => self.velocity(u, &self.travel(start, -w * (0.5 * dt)).0),
+            None => self.velocity(u, &self.passage.travel(start, -w * (0.5 * dt)).0),
         };
         match map.moved(&start.barycentric, &(w * -dt)) {
             Some(barycentric) => Location { cell: start.cell, barycentric },
-            None => self.travel(start, -w * dt).0,
+            None => self.passage.travel(start, -w * dt).0,
         }
     }
-    /// The place a time `dt` earlier (later if `dt < 0`) of the particle at `start`, and false if
-    /// the path leaves the domain, at that place.
-    fn end(
+    /// Where the particle at `start` is after one midpoint step, and false if it leaves the domain
+    /// there.
+    fn end_of_short_step(
         &self,
         u: &[SVector<f64, D>],
         dt: f64,
-        steps: usize,
         start: Location,
     ) -> (Location, bool) {
-        let tau = dt / steps as f64;
-        let mut here = start;
-        for _ in 0..steps {
-            let w = self.velocity(u, &here);
-            let (middle, _) = self.travel(here, -w * (0.5 * tau));
-            let w = self.velocity(u, &middle);
-            let (next, inside) = self.travel(here, -w * tau);
-            here = next;
-            if !inside {
-                return (here, false);
-            }
-        }
-        (here, true)
+        let (middle, _) = self.passage.travel(start, self.velocity(u, &start) * (0.5 * dt));
+        self.passage.travel(start, self.velocity(u, &middle) * dt)
     }
     /// Where the particle at `start` is after the step, and true if it does not leave the domain.
     pub fn ahead(
@@ -310,27 +301,34 @@ impl<const D: usize> Tracer<D> {
         starts: &[Location],
     ) -> Vec<(Location, bool)> {
         let steps = self.steps(advecting, dt);
+        let drifts = self.drifts(advecting, dt, steps);
         let mut ends = vec![(Location { cell: NONE, barycentric: [0.0; 4] }, false); starts.len()];
         parallel::fill(&mut ends, 1, |first, part| {
             for (i, end) in part.iter_mut().enumerate() {
                 *end = match advecting {
-                    AdvectingVelocity::Nodal(u) => self.end(u, -dt, steps, starts[first + i]),
+                    AdvectingVelocity::Nodal(u) if steps == 1 => {
+                        self.end_of_short_step(u, dt, starts[first + i])
+                    }
+                    AdvectingVelocity::Nodal(_) => {
+                        drifts.end(&self.passage, steps, starts[first + i])
+                    }
                     AdvectingVelocity::Given { velocity, arrival, .. } => {
                         let from = self.space.mesh().point_at(&starts[first + i]);
                         let step = path(velocity, from, arrival - dt, dt, steps) - from;
-                        self.travel(starts[first + i], step)
+                        self.passage.travel(starts[first + i], step)
                     }
                 };
             }
         });
+        self.keep(drifts);
         ends
     }
     /// End of a straight step of any length. A target in the domain is found even if the segment
     /// leaves the domain (around an obstacle); a target outside is replaced by the point where the
     /// segment leaves the domain.
     pub fn displaced(&self, from: Location, step: SVector<f64, D>) -> Location {
-        let (end, inside) = self.travel(from, step);
-        if inside || !self.periodic_links.is_empty() {
+        let (end, inside) = self.passage.travel(from, step);
+        if inside || self.passage.has_periodic_sides() {
             return end;
         }
         let target = self.space.mesh().point_at(&from) + step;
@@ -342,46 +340,12 @@ impl<const D: usize> Tracer<D> {
         self.locator.get_or_init(|| Locator::new(mesh)).locate(mesh, x)
     }
     /// The shortest periodic image of a displacement that is shorter than half a period.
-    pub fn unwrapped(&self, mut step: SVector<f64, D>) -> SVector<f64, D> {
-        // One pair of sides after the other; a corner needs one of each.
-        for _ in 0..D {
-            let images = self.shifts.iter().map(|shift| step - shift);
-            step = images.fold(
-                step,
-                |best, s| if s.norm_squared() < best.norm_squared() { s } else { best },
-            );
-        }
-        step
+    pub fn unwrapped(&self, step: SVector<f64, D>) -> SVector<f64, D> {
+        self.passage.unwrapped(step)
     }
     #[inline]
     fn velocity(&self, u: &[SVector<f64, D>], at: &Location) -> SVector<f64, D> {
         self.space.value(u, at.cell as usize, &at.barycentric)
-    }
-    /// Moves by `step`, through periodic sides. Returns the end, and false if the step leaves the
-    /// domain.
-    fn travel(&self, from: Location, step: SVector<f64, D>) -> (Location, bool) {
-        let mesh = self.space.mesh();
-        let (mut cell, mut x) = (from.cell, mesh.point_at(&from));
-        let mut target: Point<D> = x + step;
-        // More periodic sides than a particle can cross in a step, or in the time of a submap.
-        for _ in 0..MOST_CROSSINGS {
-            let (end, inside) = mesh.walk(cell, &x, &target);
-            if inside || self.periodic_links.is_empty() {
-                return (end, inside);
-            }
-            let facets = (0..=D as u32)
-                .filter(|&k| end.barycentric[k as usize] <= 1e-9)
-                .map(|k| end.cell * (D as u32 + 1) + k);
-            let link = facets
-                .filter_map(|s| self.periodic_links.binary_search_by_key(&s, |d| d.0).ok())
-                .map(|i| &self.periodic_links[i])
-                .find(|d| d.2.dot(&(target - x)) < 0.0);
-            let Some(&(_, partner, shift)) = link else { return (end, false) };
-            x = mesh.point_at(&end) + shift;
-            target += shift;
-            cell = partner;
-        }
-        mesh.walk(cell, &x, &target)
     }
 }
 
@@ -407,77 +371,5 @@ pub fn path<const D: usize>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fem::{Element, Rule};
-    use crate::mesh::{Diagonals, rectangle};
-
-    /// Solid rotation: the exact foot is a rotation; the midpoint rule is of third order in one
-    /// step.
-    #[test]
-    fn feet_of_a_rotation_converge_with_order_three() {
-        let mesh = Arc::new(rectangle([-1.0, -1.0], [1.0, 1.0], [8, 8], Diagonals::Right).unwrap());
-        let space = Arc::new(Space::new(&mesh, Element::P2));
-        let u = space.interpolate(|x| Point::<2>::new(-x[1], x[0]));
-        let basis = Basis::new(&space, &Arc::new(Rule::simplex(2, 5)));
-        let tracer = Tracer::new(&space, &[]);
-        let error = |dt: f64| {
-            let mut feet = Feet::default();
-            tracer.from_quadrature(&u, dt, &basis, &mut feet);
-            let mut worst: f64 = 0.0;
-            for c in 0..mesh.cell_count() {
-                for q in 0..7 {
-                    let x = basis.at(c, q).x;
-                    if x.norm() < 0.9 {
-                        let exact = Point::<2>::new(
-                            x[0] * dt.cos() + x[1] * dt.sin(),
-                            x[1] * dt.cos() - x[0] * dt.sin(),
-                        );
-                        worst = worst.max((mesh.point_at(feet.get(c * 7 + q)) - exact).norm());
-                    }
-                }
-            }
-            worst
-        };
-        let order = (error(0.04) / error(0.02)).log2();
-        assert!((order - 3.0).abs() < 0.1, "order {order}");
-        assert!(error(0.04) < 2e-5);
-    }
-
-    /// A uniform velocity moves a quadratic function without error, in both methods of transport,
-    /// whatever the Courant number; at the inflow the value of the boundary is taken.
-    #[test]
-    fn a_uniform_velocity_translates_a_quadratic_function_exactly() {
-        let mesh =
-            Arc::new(rectangle([0.0; 2], [4.0, 1.0], [16, 4], Diagonals::UnionJack).unwrap());
-        let space = Arc::new(Space::new(&mesh, Element::P2));
-        let (w, dt) = (Point::<2>::new(1.0, 0.0), 0.7);
-        let u = vec![w; space.len()];
-        let tracer = Tracer::new(&space, &[]);
-        assert!(tracer.courant(&u, dt) > 1.9, "{}", tracer.courant(&u, dt));
-        let f = |x: &Point<2>| x[0] * x[0] - 3.0 * x[0] * x[1] + 0.5;
-        let old = space.interpolate(f);
-        let mut feet = Feet::default();
-        tracer.from_nodes(&u, dt, &mut feet);
-        let mut new = vec![0.0; space.len()];
-        crate::transport::carry_nodal(&space, &old, &feet, &mut new);
-        for (x, v) in space.nodes().iter().zip(&new) {
-            let from = Point::<2>::new((x[0] - dt).max(0.0), x[1]);
-            assert!((v - f(&from)).abs() < 1e-12, "{x} {v}");
-        }
-    }
-
-    /// The classical Runge-Kutta rule along a given velocity: fifth order in one step, in time too.
-    #[test]
-    fn paths_of_a_given_velocity_are_of_fourth_order() {
-        // The solution of x' = (t x, 1) from (1, 0) at t = 0 is (exp(t^2/2), t).
-        let velocity: VelocityFunction<2> =
-            Arc::new(|x: &Point<2>, t: f64| Point::<2>::new(t * x[0], 1.0));
-        let error = |steps| {
-            let end = path(&velocity, Point::<2>::new(1.0, 0.0), 0.0, 1.0, steps);
-            (end - Point::<2>::new(0.5f64.exp(), 1.0)).norm()
-        };
-        let order = (error(8) / error(16)).log2();
-        assert!((order - 4.0).abs() < 0.15 && error(16) < 1e-6, "{order} {:e}", error(16));
-    }
-}
+#[path = "feet_tests.rs"]
+mod tests;

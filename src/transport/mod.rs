@@ -4,8 +4,10 @@
 //! time `t` of the characteristic that arrives at `x` at `t + dt` (book, section 2.1.1; FreeFEM's
 //! `convect`).
 
+mod drift;
 mod feet;
 mod map;
+mod passage;
 
 pub use feet::{AdvectingVelocity, Feet, Tracer, path};
 pub use map::CharacteristicMap;
