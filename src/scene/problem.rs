@@ -190,11 +190,6 @@ pub trait Problem {
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         None
     }
-    /// True if the first step changes the velocity at once, which takes energy: a fluid at rest that
-    /// is set in motion, or an initial velocity that does not fit.
-    fn is_impulsive(&self) -> bool {
-        false
-    }
     /// CPU seconds by [phase](PHASES) since the last call, and number of substitutions with the
     /// factor of the flow.
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64);

@@ -10,7 +10,7 @@ use crate::linalg::SolveCost;
 use crate::structure::Fields;
 
 /// First bytes of a checkpoint; the last one is the version.
-const MAGIC: &[u8; 8] = b"immersa\x08";
+const MAGIC: &[u8; 8] = b"immersa\x09";
 
 impl<const D: usize> State<D> {
     /// The state as bytes, marked with `tag`, which identifies the scene: numbers of 8 bytes, each
@@ -40,7 +40,8 @@ impl<const D: usize> State<D> {
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
         out.numbers(&[e.elastic_power, e.elastic_traffic]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred, b.least]);
-        out.numbers(&[b.elastic_initial, b.elastic_work, b.elastic_traffic]);
+        out.numbers(&[b.elastic_initial, b.elastic_work, b.elastic_traffic, b.start]);
+        out.integer(b.settling);
         let check = fnv1a(&out.0);
         out.integer(check);
         out.0
@@ -138,7 +139,9 @@ impl<const D: usize> State<D> {
         };
         let [initial, dissipated, work, exchanged, transferred, least] =
             from.numbers()?.try_into().ok()?;
-        let [elastic_initial, elastic_work, elastic_traffic] = from.numbers()?.try_into().ok()?;
+        let [elastic_initial, elastic_work, elastic_traffic, start] =
+            from.numbers()?.try_into().ok()?;
+        let settling = from.integer()?;
         let balance = EnergyBalance {
             initial,
             dissipated,
@@ -149,6 +152,8 @@ impl<const D: usize> State<D> {
             elastic_initial,
             elastic_work,
             elastic_traffic,
+            start,
+            settling,
         };
         let flow = FlowState { u, p };
         Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
@@ -197,6 +202,8 @@ mod tests {
                 work: 0.25,
                 least: 1e-9,
                 elastic_work: 0.5,
+                start: -0.75,
+                settling: 2,
                 ..EnergyBalance::default()
             },
         }

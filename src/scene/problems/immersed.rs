@@ -66,8 +66,6 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub(in crate::scene) lengths: Option<Lengths>,
     /// The start, where it is taken from another run.
     initial: Option<InitialFlow<D>>,
-    /// True if the first step changes the velocity at once.
-    is_impulsive: bool,
     /// Velocities that the scene gives.
     given: scales::Given,
     /// Nodes on the boundary without periodic and open sides, with the longest edge of a cell
@@ -146,7 +144,6 @@ impl<const D: usize> ImmersedFlow<D> {
             stretched_limit: None,
             radii: Vec::new(),
             initial: scene.initial.is_some().then_some(initial),
-            is_impulsive: start.impulsive,
             simulation,
             warnings,
             thickness,
@@ -161,6 +158,9 @@ impl<const D: usize> ImmersedFlow<D> {
         flow.radii = flow.equal_radii()?;
         let least = scales::least_elastic_energy::<D>(scene, &flow.radii);
         flow.simulation.neglect_energy(least_energy + least);
+        if start.impulsive {
+            flow.simulation.start_at_once();
+        }
         flow.warn_of_waves();
         flow.follow_error(scales).map(|()| flow)
     }
@@ -340,9 +340,6 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         let state = self.simulation.state();
         Some((state.energies, state.balance))
-    }
-    fn is_impulsive(&self) -> bool {
-        self.is_impulsive
     }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         self.simulation.take_costs()

@@ -337,6 +337,7 @@ impl Folder {
             "plan": plan,
             "balance": {
                 "energy": energies.map(|(energies, budget)| budget.residual(&energies)),
+                "start": energies.map(|(_, budget)| budget.share(budget.start)),
                 "largest_energy": energies.map(|_| record.worst_balance),
                 "largest_rise": energies.map(|_| record.largest_rise),
                 scene.extents()[0]: record.area_change,

@@ -31,18 +31,15 @@ pub(super) struct Record {
     /// Largest rise of kinetic and elastic energy in one step that is not the work of walls and
     /// forces, over the initial energy.
     pub largest_rise: f64,
-    /// Spurious energy of the first step if it changes the velocity at once, at most 0.
-    #[serde(default)]
-    pub start: f64,
-    /// Largest residual of the energy balance, without the start.
+    /// Largest residual of the energy balance.
     pub worst_balance: f64,
-    /// Least residual of the energy balance, with the start: negative where the scheme lost energy.
+    /// Least residual of the energy balance: negative where the scheme lost energy.
     #[serde(default)]
     pub least_balance: f64,
     /// The elastic waves that steps were too long for, in words, by structure: the quickest.
     #[serde(default)]
     pub lost_waves: BTreeMap<String, LostWave>,
-    /// The residual after the last step, without the start.
+    /// The residual after the last step.
     #[serde(default)]
     pub last_balance: f64,
     /// Spurious elastic energy where it was largest of that in play, that in play, and the time:
@@ -172,10 +169,7 @@ impl Record {
                 self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
         let spurious = budget.spurious(&e);
-        if problem.moment().steps == 1 && problem.is_impulsive() {
-            self.start = spurious.min(0.0);
-        }
-        self.last_balance = budget.share(spurious - self.start);
+        self.last_balance = budget.share(spurious);
         self.largest_elastic = self.largest_elastic.max(e.elastic);
         let [elastic, in_play] = budget.elastic(&e);
         if in_play > 0.0 {
@@ -185,7 +179,7 @@ impl Record {
             }
         }
         self.worst_balance = self.worst_balance.max(self.last_balance);
-        self.least_balance = self.least_balance.min(budget.share(spurious));
+        self.least_balance = self.least_balance.min(self.last_balance);
     }
 
     /// The largest spurious elastic energy over that in play, of either sign, and its time. What

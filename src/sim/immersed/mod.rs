@@ -142,6 +142,14 @@ impl<const D: usize> Simulation<D> {
         Ok(self)
     }
 
+    /// Declares that the first step changes the velocity at once, as a flow that is set in motion by
+    /// its sides does: what the balance misses then is kept apart, as that of the
+    /// [start](EnergyBalance::start). Steps of order 2 know the velocity before it for two steps
+    /// more.
+    pub fn start_at_once(&mut self) {
+        self.state.balance.settling = if self.settings.order == 2 { 3 } else { 1 };
+    }
+
     /// Energies below `least` are errors of rounding or of the mesh, which the balance does not
     /// judge.
     pub fn neglect_energy(&mut self, least: f64) {

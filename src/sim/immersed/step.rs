@@ -87,6 +87,7 @@ impl<const D: usize> Simulation<D> {
         balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
         balance.work += brought;
         balance.elastic_work += brought;
+        balance.settle(&now);
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
