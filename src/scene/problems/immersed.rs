@@ -393,11 +393,22 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn inflow(&self) -> Option<(String, Warning)> {
         let sim = &self.simulation;
-        let (side, speed, x) = sim.inflow()?;
         let fastest = sim.largest_speed();
-        if speed <= SLOW * fastest {
-            return None;
-        }
+        let quick = |(_, speed, _): &(&str, f64, Point<D>)| *speed > SLOW * fastest;
+        let Some((side, speed, x)) = sim.inflow().filter(quick) else {
+            let (side, speed, x) = sim.oblique_inflow().filter(quick)?;
+            let what = format!(
+                "fluid comes in obliquely through boundary.{side}, where a pressure is given, from \
+                 t = {:.4} on: at {:.4?} with {} inward and along the side, the largest speed is {}",
+                sim.time(),
+                x.as_slice(),
+                rounded(speed, 3),
+                rounded(fastest, 3)
+            );
+            let remedy = "a pressure bounds no energy of what comes in: give total_pressure if the \
+                          flow grows";
+            return Some((side.to_string(), Warning::new(what, remedy)));
+        };
         let what = format!(
             "fluid comes in through boundary.{side}, which is open, from t = {:.4} on: at {:.4?} with \
              {}, the largest speed is {}",
