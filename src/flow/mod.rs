@@ -11,12 +11,14 @@ mod solenoidal;
 mod solver;
 mod step;
 pub mod term;
+mod wake;
 
 pub use backflow::Backflow;
-pub use boundary::{Load, flux, kinetic_outflow, nodal_traction, traction};
+pub use boundary::{Load, flux, kinetic_outflow, nodal_traction, stress_size, traction};
 pub use coefficient::{Coefficient, Fluid};
 pub use opening::{GivenStress, GradientForm};
 pub use pressure::nodal_pressure;
 pub use solenoidal::solenoidal;
 pub use solver::FlowSolver;
 pub use step::{BodyForce, FlowState, History, Step, StepReport};
+pub use wake::Wake;

@@ -7,6 +7,7 @@ use crate::flow::StepReport;
 use crate::mesh::Mesh;
 use crate::output::rounded;
 use crate::sim::{Energies, EnergyBalance};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Position of a problem in time.
@@ -108,6 +109,17 @@ pub struct Advice {
     pub blow_up: Vec<String>,
     /// Against what fluid that comes in through an open side does.
     pub inflow: Vec<String>,
+}
+
+/// A force on a boundary in two ways.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Gap {
+    /// Length of the difference of the force by the residual and by the stress.
+    pub difference: f64,
+    /// The larger of the two.
+    pub force: f64,
+    /// Integral of the size of the stress: what the force is a difference of.
+    pub stresses: f64,
 }
 
 /// A column of a profile: the suffix of its name, and its values.
@@ -226,6 +238,13 @@ pub trait Problem {
     /// # Errors
     /// A level set that is not finite.
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
+        Ok(Vec::new())
+    }
+    /// How far forces by the residual and by the stress are apart now, by name.
+    ///
+    /// # Errors
+    /// A boundary that the mesh does not have.
+    fn force_gaps(&self) -> Result<Vec<(String, Gap)>> {
         Ok(Vec::new())
     }
     /// Remedies of alarms.

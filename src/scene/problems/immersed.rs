@@ -8,7 +8,7 @@ use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{fields, flow_advice, forces, interfaces, scales};
 use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a, rounded};
-use crate::flow::{BodyForce, StepReport};
+use crate::flow::{BodyForce, StepReport, Wake};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
 use crate::scene::Scene;
@@ -18,7 +18,9 @@ use crate::scene::initial::{self, InitialFlow};
 use crate::scene::measure::{self, Probes};
 use crate::scene::pacing::pacing;
 use crate::scene::plan::{self, Plan};
-use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
+use crate::scene::problem::{
+    Advice, ElasticWave, Facts, Gap, Limits, Moment, Problem, ProfileColumn,
+};
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::{of_step, tables_of, with_keys};
 use crate::scene::row::Row;
@@ -72,6 +74,8 @@ pub struct ImmersedFlow<const D: usize = 2> {
     /// there.
     walls: Vec<(u32, f64)>,
     probes: Probes<D>,
+    /// Of each force with a reference.
+    wakes: Vec<Option<Wake<D>>>,
     carried_bands: Vec<Option<f64>>,
 }
 
@@ -137,6 +141,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
             probes: Probes::new(scene, &mesh)?,
+            wakes: forces::wakes(scene, &mesh)?,
             carried_bands: ground::carried_bands(scene),
             velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
             scene: scene.clone(),
@@ -211,6 +216,7 @@ impl<const D: usize> ImmersedFlow<D> {
         (flow.quality, _) = mesh::check(sim.space().mesh());
         flow.walls = closed_nodes(sim);
         flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
+        flow.wakes = forces::wakes(&flow.scene, sim.space().mesh())?;
         Ok(())
     }
 
@@ -284,7 +290,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             row.put("energy_transferred", self.simulation.state().balance.transferred);
         }
         self.probes.measure(&view, &mut row);
-        forces::measure(&self.simulation, &self.scene, &mut row)?;
+        forces::measure(&self.simulation, (&self.scene, &self.wakes), &mut row)?;
         measure::rest(&view, &mut row)?;
         if self.scene.time.tolerance.is_some() {
             row.put("step", self.simulation.settings().dt);
@@ -420,6 +426,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let remedy = "what comes in is not known there, and a stress takes its energy back \
                       (directional do-nothing): put the side farther away if the flow near it counts";
         Some((side.to_string(), Warning::new(what, remedy)))
+    }
+    fn force_gaps(&self) -> Result<Vec<(String, Gap)>> {
+        forces::gaps(&self.simulation, &self.scene)
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         let kinds = self.scene.structures();

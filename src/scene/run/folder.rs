@@ -333,7 +333,12 @@ impl Folder {
             "strouhal": self.strouhal(scene)?,
             "leaves": record.left,
             "fluid_enters": record.entered,
-            "warnings": problem.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "warnings": problem
+                .warnings()
+                .iter()
+                .map(ToString::to_string)
+                .chain(record.told.iter().cloned())
+                .collect::<Vec<_>>(),
             "plan": plan,
             "balance": {
                 "energy": energies.map(|(energies, budget)| budget.residual(&energies)),

@@ -5,7 +5,7 @@ use super::session::{Session, now};
 use super::solves::Solves;
 use crate::base::{PHASES, Result, Warning};
 use crate::scene::Scene;
-use crate::scene::problem::{Moment, Problem};
+use crate::scene::problem::{Gap, Moment, Problem};
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -65,6 +65,13 @@ pub(super) struct Record {
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
+    /// Sums over the rows in the second half of the run: of the squares of how far each force by the
+    /// residual and by the stress are apart.
+    #[serde(default)]
+    pub forces: BTreeMap<String, Gap>,
+    /// What was told at the end.
+    #[serde(default)]
+    pub told: Vec<String>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
     /// Solves of the linear systems.
@@ -90,6 +97,12 @@ pub(super) struct Record {
     #[serde(default)]
     pub factor_bytes_read: f64,
 }
+
+/// Relative difference of a force by the residual and by the stress that is told.
+const FORCES_APART: f64 = 0.02;
+/// Force over the integral of the size of the stress below which it is a small difference of large
+/// numbers, of which only the latter can be resolved.
+const TINY: f64 = 0.01;
 
 /// An elastic wave that the steps were too long for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -244,6 +257,48 @@ impl Record {
             }
         }
         Ok(())
+    }
+
+    /// Records how far forces by the residual and by the stress are apart.
+    ///
+    /// # Errors
+    /// A boundary that the mesh does not have.
+    pub(super) fn note_forces(&mut self, scene: &Scene, problem: &dyn Problem) -> Result<()> {
+        if scene.output.forces.is_empty() || problem.moment().time < 0.5 * scene.time.end {
+            return Ok(());
+        }
+        for (name, gap) in problem.force_gaps()? {
+            let sum = self.forces.entry(name).or_default();
+            sum.difference += gap.difference.powi(2);
+            sum.force += gap.force.powi(2);
+            sum.stresses += gap.stresses.powi(2);
+        }
+        Ok(())
+    }
+
+    /// A warning for each force whose two values are too far apart.
+    pub(super) fn force_warnings(&mut self, scene: &Scene) -> Vec<Warning> {
+        let warning = |(name, gap): (&String, &Gap)| {
+            let force = gap.force.sqrt().max(TINY * gap.stresses.sqrt());
+            let apart = gap.difference.sqrt() / force;
+            let boundary =
+                scene.output.forces.iter().find(|f| f.name == *name).map(|f| &f.boundary)?;
+            (apart > FORCES_APART).then(|| {
+                let what = format!(
+                    "the force `{name}` by the residual and by the stress are {:.1} % apart \
+                     (root mean square in the second half of the run)",
+                    100.0 * apart
+                );
+                let remedy = format!(
+                    "the mesh at boundary `{boundary}` is too coarse for them: take a finer one \
+                     there until they agree; the one by the residual, `{name}_x`, is the better"
+                );
+                Warning::new(what, remedy)
+            })
+        };
+        let told: Vec<Warning> = self.forces.iter().filter_map(warning).collect();
+        self.told = told.iter().map(Warning::to_string).collect();
+        told
     }
 
     /// Records a row of the series.
