@@ -163,6 +163,29 @@ mod tests {
         assert_eq!(after(2), [3.0, 1.0, 3.0]);
     }
 
+    /// Half the work of the impulse of a sudden start is missing: it is kept apart, as long as the
+    /// scheme knows the velocity before, and is no energy in play. What is spurious stays.
+    #[test]
+    fn the_start_is_kept_apart() {
+        let rest = Energies::default();
+        let moved = |kinetic| Energies { kinetic, ..Energies::default() };
+        let mut balance = EnergyBalance { settling: 2, ..EnergyBalance::new(&rest) };
+        // Work 2 for the energy 1, then 0.25 more of it, then a loss of 0.5.
+        for (work, kinetic, start, spurious) in
+            [(2.0, 1.0, -1.0, 0.0), (0.5, 1.25, -1.25, 0.0), (0.0, 0.75, -1.25, -0.5)]
+        {
+            balance.work += work;
+            balance.exchanged += work;
+            balance.settle(&moved(kinetic));
+            assert_eq!(balance.start, start);
+            assert_eq!(balance.spurious(&moved(kinetic)), spurious);
+        }
+        assert_eq!(balance.residual(&moved(0.75)), -0.5 / 1.25);
+        let mut gained = EnergyBalance { settling: 1, ..EnergyBalance::new(&rest) };
+        gained.settle(&moved(1.0));
+        assert_eq!((gained.start, gained.spurious(&moved(1.0))), (0.0, 1.0));
+    }
+
     /// Exchanged energy counts as energy in play; without energy in play the residual is zero.
     #[test]
     fn the_residual_is_relative_to_the_energy_in_play() {

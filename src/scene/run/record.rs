@@ -65,10 +65,10 @@ pub(super) struct Record {
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
-    /// Sums over the rows in the second half of the run: of the squares of how far each force by the
-    /// residual and by the stress are apart.
+    /// Sums over rows of the squares of how far each force by the residual and by the stress are
+    /// apart, while the time was between powers of two with these exponents.
     #[serde(default)]
-    pub forces: BTreeMap<String, Gap>,
+    pub forces: BTreeMap<String, BTreeMap<i32, Gap>>,
     /// What was told at the end.
     #[serde(default)]
     pub told: Vec<String>,
@@ -264,11 +264,13 @@ impl Record {
     /// # Errors
     /// A boundary that the mesh does not have.
     pub(super) fn note_forces(&mut self, scene: &Scene, problem: &dyn Problem) -> Result<()> {
-        if scene.output.forces.is_empty() || problem.moment().time < 0.5 * scene.time.end {
+        let time = problem.moment().time;
+        if scene.output.forces.is_empty() || time <= 0.0 {
             return Ok(());
         }
         for (name, gap) in problem.force_gaps()? {
-            let sum = self.forces.entry(name).or_default();
+            let of_name = self.forces.entry(name).or_default();
+            let sum = of_name.entry(time.log2().floor() as i32).or_default();
             sum.difference += gap.difference.powi(2);
             sum.force += gap.force.powi(2);
             sum.stresses += gap.stresses.powi(2);
@@ -278,15 +280,19 @@ impl Record {
 
     /// A warning for each force whose two values are too far apart.
     pub(super) fn force_warnings(&mut self, scene: &Scene) -> Vec<Warning> {
-        let warning = |(name, gap): (&String, &Gap)| {
-            let force = gap.force.sqrt().max(TINY * gap.stresses.sqrt());
-            let apart = gap.difference.sqrt() / force;
+        let warning = |(name, gaps): (&String, &BTreeMap<i32, Gap>)| {
+            // The last two powers of two: half of the run to three quarters of it.
+            let last = gaps.keys().next_back()?;
+            let late = || gaps.range(last - 1..).map(|(_, gap)| gap);
+            let sum = |of: fn(&Gap) -> f64| late().map(of).sum::<f64>().sqrt();
+            let force = sum(|gap| gap.force).max(TINY * sum(|gap| gap.stresses));
+            let apart = sum(|gap| gap.difference) / force;
             let boundary =
                 scene.output.forces.iter().find(|f| f.name == *name).map(|f| &f.boundary)?;
             (apart > FORCES_APART).then(|| {
                 let what = format!(
                     "the force `{name}` by the residual and by the stress are {:.1} % apart \
-                     (root mean square in the second half of the run)",
+                     (root mean square in the later part of the run)",
                     100.0 * apart
                 );
                 let remedy = format!(

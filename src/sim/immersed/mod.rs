@@ -151,7 +151,8 @@ impl<const D: usize> Simulation<D> {
     /// [start](EnergyBalance::start). Steps of order 2 know the velocity before it for two steps
     /// more.
     pub fn start_at_once(&mut self) {
-        self.state.balance.settling = if self.settings.order == 2 { 3 } else { 1 };
+        let remembers = self.settings.order == 2 && !self.is_stokes();
+        self.state.balance.settling = if remembers { 3 } else { 1 };
     }
 
     /// Energies below `least` are errors of rounding or of the mesh, which the balance does not
