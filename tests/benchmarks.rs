@@ -110,6 +110,9 @@ fn flow_around_a_cylinder() {
     // The lift is 2e-3 of the drag: another mesh of this size gave 11 % more.
     assert!(relative(case.get("cylinder_lift"), 0.0106189).abs() < 0.02);
     assert!(relative(drop, 0.1175202).abs() < 5e-3);
+    // Length of the recirculation, by the same authors.
+    println!("recirculation {:.5}", case.get("cylinder_recirculation"));
+    assert!(relative(case.get("cylinder_recirculation"), 0.08460).abs() < 5e-3);
     assert!((case.get("inflow") + case.get("outflow")).abs() < 1e-12);
     assert!((case.get("inflow") + 0.2 * 0.41).abs() < 1e-4);
 }

@@ -10,6 +10,9 @@ use std::sync::Arc;
 pub type VelocityFunction<const D: usize> =
     Arc<dyn Fn(&Point<D>, f64) -> SVector<f64, D> + Send + Sync>;
 
+/// A number as a function of position and time.
+pub type ScalarFunction<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> f64 + Send + Sync>;
+
 /// Condition on a part of the boundary.
 #[derive(Clone)]
 pub enum Condition<const D: usize> {
@@ -21,8 +24,33 @@ pub enum Condition<const D: usize> {
     Slip,
     /// No stress: `(2 mu D(u) - p) n = 0`, "do nothing".
     Open,
+    /// The same with the gradient: `(mu grad u - p) n = 0`.
+    Gradient,
+    /// Prescribed traction: `(2 mu D(u) - p) n = t`.
+    Traction(VelocityFunction<D>),
+    /// Prescribed pressure: `(mu grad u - p) n = -P n`.
+    Pressure(ScalarFunction<D>),
+    /// The same where fluid leaves; where it comes in along the normal, `p + rho |u|^2 / 2 = P`.
+    TotalPressure(ScalarFunction<D>),
     /// Periodic with the named part, which is a translate of this one.
     Periodic(String),
+}
+
+impl<const D: usize> Condition<D> {
+    /// True if fluid passes under a given stress, which determines the pressure.
+    pub fn is_open(&self) -> bool {
+        use Condition::{Gradient, Open, Pressure, TotalPressure, Traction};
+        matches!(self, Open | Gradient | Traction(_) | Pressure(_) | TotalPressure(_))
+    }
+    /// True if the stress is that of the gradient, `(mu grad u - p) n`.
+    pub fn has_gradient(&self) -> bool {
+        matches!(self, Condition::Gradient | Condition::Pressure(_) | Condition::TotalPressure(_))
+    }
+    /// True if a stress takes the energy of fluid back that comes in (directional do-nothing). A
+    /// prescribed pressure is meant as it is given.
+    pub fn is_directional(&self) -> bool {
+        self.is_open() && !matches!(self, Condition::Pressure(_))
+    }
 }
 
 /// Conditions by boundary name, in the order of the scene. If a facet has several names, the one

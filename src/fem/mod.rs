@@ -26,7 +26,7 @@ pub use assembly::{
     At, Basis, CellLoad, Cells, VectorForm, assemble_flow_matrix, assemble_local, assemble_scalar,
     assemble_scalar_matrix, assemble_source, assemble_vector, integrate,
 };
-pub use condition::{Condition, Conditions, VelocityFunction, condition_of_facets};
+pub use condition::{Condition, Conditions, ScalarFunction, VelocityFunction, condition_of_facets};
 pub use element::{EDGES, Element, MAX_LOCAL};
 pub use norms::{Errors, scalar_errors, vector_errors};
 pub use numbering::Numbering;

@@ -346,8 +346,9 @@ impl<const D: usize> Marks<D> {
                 Condition::Slip => {
                     nodes.iter().for_each(|&n| marks.normals.entry(n).or_default().push(normal))
                 }
-                Condition::Open => marks.open = true,
                 Condition::Periodic(_) => {}
+                // Fluid passes under a given stress.
+                _ => marks.open = true,
             }
         }
         // No flow through a slip wall, also at its ends.

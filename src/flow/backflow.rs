@@ -97,15 +97,35 @@ impl<const D: usize> Backflow<D> {
         };
         self.points.iter().map(of).sum()
     }
-    /// The greatest speed into the domain, and the condition and the point where it is.
+    /// The greatest speed into the domain through the sides whose conditions are `told`, and the
+    /// condition and the point where it is.
     pub fn greatest(
         &self,
         space: &Space<D>,
         u: &[SVector<f64, D>],
+        told: impl Fn(usize) -> bool,
     ) -> Option<(f64, usize, Point<D>)> {
         let speed = |(at, n, condition): &Site<D>| {
             (-space.value(u, at.cell, &at.barycentric).dot(n), *condition, at.x)
         };
+        self.greatest_by(|site| if told(site.2) { speed(site) } else { (0.0, site.2, site.0.x) })
+    }
+    /// The same of the speed with which fluid comes in and goes along the side, whichever is less.
+    pub fn greatest_oblique(
+        &self,
+        space: &Space<D>,
+        u: &[SVector<f64, D>],
+    ) -> Option<(f64, usize, Point<D>)> {
+        self.greatest_by(|(at, n, condition)| {
+            let v = space.value(u, at.cell, &at.barycentric);
+            let inward = -v.dot(n);
+            (inward.min((v + n * inward).norm()), *condition, at.x)
+        })
+    }
+    fn greatest_by(
+        &self,
+        speed: impl Fn(&Site<D>) -> (f64, usize, Point<D>),
+    ) -> Option<(f64, usize, Point<D>)> {
         self.sites.iter().map(speed).filter(|s| s.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

@@ -82,6 +82,24 @@ pub fn traction<const D: usize>(
     Ok(load)
 }
 
+/// Integral of the size of the stress over a boundary, `int |(2 mu D(u) - p) n| ds`: what a force
+/// on it is a difference of.
+///
+/// # Errors
+/// A boundary that the mesh does not have.
+pub fn stress_size<const D: usize>(
+    [velocity, pressure]: [&Space<D>; 2],
+    viscosity: impl Fn(usize, &[f64; 4]) -> f64,
+    state: &FlowState<D>,
+    name: &str,
+) -> Result<f64> {
+    let (mesh, mut sum) = (velocity.mesh(), 0.0);
+    over_boundary(mesh, mesh.boundary(name)?, |facet, l, w| {
+        sum += w * stress_on(velocity, pressure, &viscosity, state, facet, l).norm();
+    });
+    Ok(sum)
+}
+
 /// Forces that the fluid exerts on `facets`, `-int (2 mu D(u) - p) n N_a ds`, at those of their
 /// nodes for which `at` is true: what a residual at a node that several boundaries share owes to
 /// these facets. The list may name a node several times.

@@ -3,10 +3,9 @@
 use super::coefficient::Coefficient;
 use super::convection::{OnNodes, OnUnknowns, Transport};
 use super::step::{FlowState, Step, StepReport};
+use super::term::MomentumTerm;
 use crate::base::{Error, PHASES, Phase, Phases, Result};
-use crate::fem::{
-    At, Basis, Cells, Condition, Conditions, Numbering, Rule, Space, assemble_scalar,
-};
+use crate::fem::{At, Basis, Cells, Conditions, Numbering, Rule, Space, assemble_scalar};
 use crate::linalg::{
     Change, Factor, FactorSize, LaggedFactor, LaggedReport, Operator, SolveCost, SolverKind,
     SolverOptions, SymmetricMatrix,
@@ -65,6 +64,8 @@ pub struct FlowSolver<const D: usize> {
     tolerance: f64,
     /// Allowed linear solvers.
     options: SolverOptions,
+    /// A term of the constant part of the matrix beside those of the fluid.
+    kept: Option<Arc<dyn MomentumTerm<D> + Send>>,
     /// Nodes of the pressure on open boundaries.
     open_nodes: Vec<u32>,
     /// True if `factor` is that of `base` without terms.
@@ -151,7 +152,7 @@ fn nodes_on_open<const D: usize>(
     conditions: &Conditions<D>,
 ) -> Result<Vec<u32>> {
     let (mesh, mut nodes) = (pressure.mesh(), Vec::new());
-    for (name, _) in conditions.iter().filter(|(_, c)| matches!(c, Condition::Open)) {
+    for (name, _) in conditions.iter().filter(|(_, c)| c.is_open()) {
         let facets = mesh.boundary(name)?.iter().map(|&f| &mesh.facets()[f as usize]);
         nodes.extend(facets.flat_map(|facet| pressure.facet_nodes(facet).collect::<Vec<_>>()));
     }
@@ -191,6 +192,7 @@ impl<const D: usize> FlowSolver<D> {
             buoyancy: None,
             transport: Transport::default(),
             base: None,
+            kept: None,
             matrix,
             factor: None,
             tolerance: 0.0,
@@ -218,6 +220,11 @@ impl<const D: usize> FlowSolver<D> {
     /// step.
     pub fn solve_by(&mut self, options: SolverOptions) {
         self.options = options;
+    }
+    /// Adds an implicit term without an explicit force that never changes, on points: it is part of
+    /// the constant matrix. To be called before the first step.
+    pub fn keep(&mut self, term: Arc<dyn MomentumTerm<D> + Send>) {
+        self.kept = Some(term);
     }
     /// Declares that the length of the step, and with it the matrix, will change: no change is
     /// treated as lasting.

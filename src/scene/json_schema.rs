@@ -129,6 +129,7 @@ fn of_form(form: Form, sections: &[Section]) -> Value {
         Form::Text => json!({ "type": "string" }),
         Form::Flag => json!({ "type": "boolean" }),
         Form::True => json!({ "const": true }),
+        Form::TrueOr(word) => json!({ "enum": [true, word] }),
         Form::Number { least, most, open } => {
             let mut number = json!({ "type": "number" });
             if least.is_finite() {

@@ -3,7 +3,7 @@
 use super::Scene;
 use super::adapt::Lengths;
 use super::meshing::cells;
-use super::schema::{Adapt, BallInBox, Block, Condition, MeshSource, Rectangle};
+use super::schema::{Adapt, BallInBox, Block, Condition, MeshSource, Opening, Rectangle};
 use super::script::Script;
 use super::view::View;
 use crate::base::length;
@@ -130,7 +130,19 @@ pub(super) fn boundaries(script: &Script) -> Vec<String> {
         }
         Condition::NoSlip => "no slip".into(),
         Condition::Slip => "slip".into(),
-        Condition::Open => "open (no stress where fluid leaves)".into(),
+        Condition::Open(Opening::Stress) => "open (no stress where fluid leaves)".into(),
+        Condition::Open(Opening::Gradient) => {
+            "open, (mu grad u - p) n = 0 where fluid leaves".into()
+        }
+        Condition::Pressure(p) => format!("pressure {}", p.text()),
+        Condition::TotalPressure(p) => format!(
+            "pressure {} where fluid leaves, total pressure {0} where it comes in",
+            p.text()
+        ),
+        Condition::Traction(t) => {
+            let t: Vec<&str> = t.iter().map(super::Expression::text).collect();
+            format!("traction ({}) where fluid leaves", t.join(", "))
+        }
         Condition::Periodic(other) => format!("periodic with {other}"),
     };
     let line =

@@ -7,6 +7,7 @@ use crate::flow::StepReport;
 use crate::mesh::Mesh;
 use crate::output::rounded;
 use crate::sim::{Energies, EnergyBalance};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Position of a problem in time.
@@ -110,6 +111,17 @@ pub struct Advice {
     pub inflow: Vec<String>,
 }
 
+/// A force on a boundary in two ways.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Gap {
+    /// Length of the difference of the force by the residual and by the stress.
+    pub difference: f64,
+    /// The larger of the two.
+    pub force: f64,
+    /// Integral of the size of the stress: what the force is a difference of.
+    pub stresses: f64,
+}
+
 /// A column of a profile: the suffix of its name, and its values.
 pub type ProfileColumn = (&'static str, Vec<f64>);
 
@@ -190,11 +202,6 @@ pub trait Problem {
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         None
     }
-    /// True if the first step changes the velocity at once, which takes energy: a fluid at rest that
-    /// is set in motion, or an initial velocity that does not fit.
-    fn is_impulsive(&self) -> bool {
-        false
-    }
     /// CPU seconds by [phase](PHASES) since the last call, and number of substitutions with the
     /// factor of the flow.
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64);
@@ -235,6 +242,13 @@ pub trait Problem {
     /// # Errors
     /// A level set that is not finite.
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
+        Ok(Vec::new())
+    }
+    /// How far forces by the residual and by the stress are apart now, by name.
+    ///
+    /// # Errors
+    /// A boundary that the mesh does not have.
+    fn force_gaps(&self) -> Result<Vec<(String, Gap)>> {
         Ok(Vec::new())
     }
     /// Remedies of alarms.

@@ -167,6 +167,7 @@ mod tests {
             boundary.walls.no_slip = true
             time = { end = 1, step = 0.1 }";
         let driven = flow.replace("walls.no_slip", "right.open = true\nboundary.walls.slip");
+        let pushed = driven.replace("right.open = true", "right.pressure = 1");
         let carried = "mesh.rectangle = { min = [0, 0], max = [2, 2], cells = [16, 16] }
             fluid.prescribed_velocity = [\"1 - y\", \"x - 1\"]
             time = { end = 1, step = 0.1 }";
@@ -183,9 +184,10 @@ mod tests {
         let passive = format!("[[level_set]]\n{circle}");
         let none = String::new();
         let smeared = "membrane.0.force=\"smeared\"";
-        let cases: [(&str, &String, &[&str]); 20] = [
+        let cases: [(&str, &String, &[&str]); 21] = [
             (flow, &none, &[]),
             (&driven, &none, &["time.order=1"]),
+            (&pushed, &none, &[]),
             (solid, &none, &[]),
             (flow, &passive, &[]),
             (flow, &membrane, &[]),

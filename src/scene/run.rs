@@ -265,6 +265,8 @@ impl<'a> Run<'a> {
             let [done, all] = self.progress();
             observer.progress(done, all, self.problem.moment().time);
         }
+        let told = self.record.force_warnings(self.scene);
+        told.iter().for_each(|w| observer.warning(w));
         Ok(())
     }
 
@@ -317,6 +319,7 @@ impl<'a> Run<'a> {
             self.record.note_row(self.scene, &row);
             let told = self.record.note_haste((&*self.problem, &row), time.end);
             told.iter().for_each(|w| observer.warning(w));
+            self.record.note_forces(self.scene, &*self.problem)?;
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
             self.problem.write_fields(&self.folder.fields(step))?;

@@ -3,12 +3,15 @@
 
 use super::Scene;
 use super::expression::Expression;
+use super::points::coordinates;
 use super::schema::{Boundary, Condition};
 use super::site::{Site, vector};
 use crate::base::{Error, Result, Warning, rounded};
+use crate::fem::{self, condition_of_facets};
 use crate::mesh::Point;
 use nalgebra::SVector;
 use std::collections::BTreeSet;
+use std::slice;
 
 /// Number of times, beside the start, at which values are looked at.
 const TIMES: usize = 256;
@@ -24,13 +27,17 @@ const ALONG: f64 = 1e-6;
 pub(super) fn check<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Vec<Warning>> {
     let nodes = site.space.nodes();
     for b in &scene.boundaries {
-        if let Condition::Velocity(v) = &b.condition {
-            let facets = site.mesh.boundary(&b.name)?;
-            let on = |f: &u32| site.space.facet_nodes(&site.mesh.facets()[*f as usize]);
-            let points: Vec<_> = facets.iter().flat_map(on).map(|n| nodes[n as usize]).collect();
-            let keys = ["boundary", &b.name, "velocity"];
-            check_finite(scene, (v, &points), &keys)?;
-        }
+        let (v, key) = match &b.condition {
+            Condition::Velocity(v) => (v.as_slice(), "velocity"),
+            Condition::Traction(t) => (t.as_slice(), "traction"),
+            Condition::Pressure(p) => (slice::from_ref(p), "pressure"),
+            Condition::TotalPressure(p) => (slice::from_ref(p), "total_pressure"),
+            _ => continue,
+        };
+        let facets = site.mesh.boundary(&b.name)?;
+        let on = |f: &u32| site.space.facet_nodes(&site.mesh.facets()[*f as usize]);
+        let points: Vec<_> = facets.iter().flat_map(on).map(|n| nodes[n as usize]).collect();
+        check_finite(scene, (v, &points), &["boundary", &b.name, key])?;
     }
     check_finite(scene, (&scene.fluid.force, nodes), &["fluid", "force"])?;
     let initial = &scene.fluid.initial_velocity;
@@ -38,6 +45,7 @@ pub(super) fn check<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result
     if let Some(v) = &scene.fluid.prescribed_velocity {
         check_finite(scene, (v, nodes), &["fluid", "prescribed_velocity"])?;
     }
+    check_forms(scene, site)?;
     let mut warnings = conflicts(scene, site)?;
     warnings.extend(unheld(scene, site)?);
     Ok(warnings)
@@ -67,7 +75,12 @@ fn check_finite<const D: usize>(
         false => ("has no finite value everywhere", "that is finite on the whole mesh at t = 0"),
     };
     let e = Error::scene(format!("`{}` {what}", keys.join(".")))
-        .value(format!("{:?} at {:?}, t = {}", f(&x, t).as_slice(), x.as_slice(), rounded(t, 6)))
+        .value(format!(
+            "{:?} at {:?}, t = {}",
+            &f(&x, t).as_slice()[..v.len()],
+            x.as_slice(),
+            rounded(t, 6)
+        ))
         .remedy(format!("write an expression {remedy}, such as if(t > 0, ..., 0)"));
     Err(scene.blame(keys, e))
 }
@@ -90,6 +103,44 @@ fn times(scene: &Scene) -> impl Iterator<Item = f64> + '_ {
 /// ratio.
 pub(super) fn spread(k: usize) -> f64 {
     (k as f64 * 0.618_033_988_749_895).fract()
+}
+
+/// Rejects two open sides that meet with different forms of the stress, which no condition joins.
+fn check_forms<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<()> {
+    let has = |gradient| {
+        let of = |c: &fem::Condition<D>| c.is_open() && c.has_gradient() == gradient;
+        site.conditions.iter().any(|(_, c)| of(c))
+    };
+    if !has(true) || !has(false) {
+        return Ok(());
+    }
+    let mut kinds = vec![[None; 2]; site.space.len()];
+    let mut held = vec![false; site.space.len()];
+    // What has no condition is told by the flow.
+    for (f, k) in condition_of_facets(&site.mesh, &site.conditions).unwrap_or_default() {
+        let Some((k, condition)) = k.map(|k| (k, &site.conditions[k].1)) else { continue };
+        for n in site.space.facet_nodes(&site.mesh.facets()[f as usize]) {
+            match condition.is_open() {
+                true => kinds[n as usize][usize::from(condition.has_gradient())] = Some(k),
+                false => held[n as usize] |= !matches!(condition, fem::Condition::Periodic(_)),
+            }
+        }
+    }
+    for (kinds, held) in kinds.iter().zip(held) {
+        if let ([Some(a), Some(b)], false) = (kinds, held) {
+            let [a, b] = [a, b].map(|k| &scene.boundaries[*k].name);
+            let what = format!(
+                "boundary.{a} and boundary.{b} meet, and their conditions are of different forms: \
+                 one gives 2 mu D(u) - p, the other mu grad u - p"
+            );
+            let e = Error::scene(what).remedy(format!(
+                "give both the same form: open = \"gradient\", pressure and total_pressure go \
+                 together, and so do open = true and traction; or put a wall between `{a}` and `{b}`"
+            ));
+            return Err(scene.blame(&["boundary", b], e));
+        }
+    }
+    Ok(())
 }
 
 /// A warning for each pair of conditions on the same facets, which are none of the union of all
@@ -137,20 +188,35 @@ fn unheld<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> Result<Option<Wa
             "give a fluid.force that holds the weight, (0, density*g) for gravity (0, -g), or a wall",
         )));
     }
-    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
-    for b in open.filter(|_| heavy) {
+    let density = scene.outside().density;
+    for b in scene.boundaries.iter().filter(|b| heavy && b.condition.is_open()) {
+        // The pressure that the side gives.
+        let given = |x: &Point<D>, n: &SVector<f64, D>| match &b.condition {
+            Condition::Pressure(p) | Condition::TotalPressure(p) => p.eval(coordinates(x), 0.0),
+            Condition::Traction(t) => -vector::<D>(t)(x, 0.0).dot(n),
+            _ => 0.0,
+        };
         let along = |f: &u32| {
-            let (n, _) = site.mesh.facet_normal(&site.mesh.facets()[*f as usize]);
-            (g - n * n.dot(&g)).norm() > ALONG * g.norm()
+            let facet = &site.mesh.facets()[*f as usize];
+            let (n, _) = site.mesh.facet_normal(facet);
+            let ends: Vec<_> =
+                site.mesh.facet_points(facet).map(|p| site.mesh.points()[p as usize]).collect();
+            ends[1..].iter().any(|x| {
+                let (step, length) = (x - ends[0], (x - ends[0]).norm());
+                let weight = density * g.dot(&step);
+                let missing = weight - (given(x, &n) - given(&ends[0], &n));
+                g.dot(&step).abs() > ALONG * g.norm() * length && missing.abs() > 0.5 * weight.abs()
+            })
         };
         if site.mesh.boundary(&b.name)?.iter().any(along) {
             let what = format!(
-                "gravity acts along the open side boundary.{}, which has the same pressure from \
-                 top to bottom: the fluid pours out below and comes in above",
+                "gravity acts along the open side boundary.{}, whose pressure does not hold the \
+                 weight: the fluid pours out below and comes in above",
                 b.name
             );
-            let remedy = "give a fluid.force that holds the weight, or fluid.boussinesq = true, \
-                or make the side a wall";
+            let remedy = "give it the pressure of the column, pressure = \"density*g*(height - \
+                y)\" for gravity (0, -g), or a fluid.force that holds the weight, or \
+                fluid.boussinesq = true, or make the side a wall";
             return Ok(Some(Warning::new(what, remedy)));
         }
     }

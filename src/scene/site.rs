@@ -3,7 +3,7 @@
 use super::expression::Expression;
 use super::images::Images;
 use super::points::coordinates;
-use super::schema::{Condition, Shape};
+use super::schema::{Condition, Opening, Shape};
 use super::script::Script;
 use super::shapes;
 use crate::base::{Error, Result, Warning};
@@ -137,7 +137,14 @@ pub(super) fn conditions<const D: usize>(script: &Script, mesh: &Mesh<D>) -> Res
             }
             Condition::NoSlip => fem::Condition::NoSlip,
             Condition::Slip => fem::Condition::Slip,
-            Condition::Open => fem::Condition::Open,
+            Condition::Open(Opening::Stress) => fem::Condition::Open,
+            Condition::Open(Opening::Gradient) => fem::Condition::Gradient,
+            Condition::Pressure(p) => fem::Condition::Pressure(scalar(p)),
+            Condition::TotalPressure(p) => fem::Condition::TotalPressure(scalar(p)),
+            Condition::Traction(t) => {
+                let t = vector(t);
+                fem::Condition::Traction(Arc::new(move |x, time| t(x, time)))
+            }
             Condition::Periodic(other) => {
                 mesh.boundary(other).map_err(place)?;
                 fem::Condition::Periodic(other.clone())
@@ -146,6 +153,12 @@ pub(super) fn conditions<const D: usize>(script: &Script, mesh: &Mesh<D>) -> Res
         list.push((b.name.clone(), condition));
     }
     Ok(list)
+}
+
+/// A function from an expression.
+pub(super) fn scalar<const D: usize>(e: &Expression) -> fem::ScalarFunction<D> {
+    let e = e.clone();
+    Arc::new(move |x, t| e.eval(coordinates(x), t))
 }
 
 /// A vector function from expressions, one for each component.

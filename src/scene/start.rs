@@ -65,7 +65,7 @@ fn at_walls<const D: usize>(
         let wall = match &scene.boundaries[k].condition {
             Condition::Velocity(v) => v.as_slice(),
             Condition::NoSlip | Condition::Slip => &[],
-            Condition::Open | Condition::Periodic(_) => continue,
+            _ => continue,
         };
         let (wall, slips) = (vector(wall), scene.boundaries[k].condition == Condition::Slip);
         let facet = &mesh.facets()[f as usize];

@@ -42,7 +42,8 @@ impl<const D: usize> State<D> {
         out.numbers(&[e.kinetic, e.elastic, e.dissipation, e.grad_div, e.power, e.divergence]);
         out.numbers(&[e.elastic_power, e.elastic_traffic]);
         out.numbers(&[b.initial, b.dissipated, b.work, b.exchanged, b.transferred, b.least]);
-        out.numbers(&[b.elastic_initial, b.elastic_work, b.elastic_traffic]);
+        out.numbers(&[b.elastic_initial, b.elastic_work, b.elastic_traffic, b.start]);
+        out.integer(b.settling);
         let check = fnv1a(&out.0);
         out.integer(check);
         out.0
@@ -141,7 +142,9 @@ impl<const D: usize> State<D> {
         };
         let [initial, dissipated, work, exchanged, transferred, least] =
             from.numbers()?.try_into().ok()?;
-        let [elastic_initial, elastic_work, elastic_traffic] = from.numbers()?.try_into().ok()?;
+        let [elastic_initial, elastic_work, elastic_traffic, start] =
+            from.numbers()?.try_into().ok()?;
+        let settling = from.integer()?;
         let balance = EnergyBalance {
             initial,
             dissipated,
@@ -152,6 +155,8 @@ impl<const D: usize> State<D> {
             elastic_initial,
             elastic_work,
             elastic_traffic,
+            start,
+            settling,
         };
         let flow = FlowState { u, p };
         Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
@@ -201,6 +206,8 @@ mod tests {
                 work: 0.25,
                 least: 1e-9,
                 elastic_work: 0.5,
+                start: -0.75,
+                settling: 2,
                 ..EnergyBalance::default()
             },
         }

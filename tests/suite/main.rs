@@ -29,6 +29,7 @@ mod jumps;
 mod krylov;
 mod layers;
 mod meshes;
+mod open_sides;
 mod outputs;
 mod passive;
 mod periodic;

@@ -68,10 +68,10 @@ impl<const D: usize> FlowSolver<D> {
             (f0, f1)
         });
         self.transport.add(velocity, cells, &state.u, (r, scratch));
-        for term in step.terms.iter().filter(|t| t.is_implicit()) {
+        for term in self.implicit_terms(step) {
             let space = velocity.space();
             add_point_vector(space, term.support().points(), r, |at| {
-                stiffness_of(*term, space, at, &state.u)
+                stiffness_of(term, space, at, &state.u)
             });
         }
         self.add_block_forces(step.blocks, r);

@@ -92,6 +92,15 @@ impl<const D: usize> FlowSolver<D> {
         });
     }
 
+    /// The implicit terms of a step and the kept one.
+    pub(super) fn implicit_terms<'a>(
+        &'a self,
+        step: &'a Step<'_, D>,
+    ) -> impl Iterator<Item = &'a dyn MomentumTerm<D>> {
+        let kept = self.kept.as_ref().map(|term| &**term as &dyn MomentumTerm<D>);
+        step.terms.iter().copied().filter(|t| t.is_implicit()).chain(kept)
+    }
+
     /// Moves the prescribed velocities `g` to the right-hand side: `- a(g, v)` and `(q, div g)`.
     /// With a closed boundary the mean of `div g`, an interpolation error, is subtracted.
     pub(super) fn bring_in_boundary_values(
@@ -120,9 +129,9 @@ impl<const D: usize> FlowSolver<D> {
             }
             (-f0, -f1)
         });
-        for term in step.terms.iter().filter(|t| t.is_implicit()) {
+        for term in self.implicit_terms(step) {
             add_point_vector(space, term.support().points(), &mut work.residual, |at| {
-                let (f0, f1) = stiffness_of(*term, space, at, g);
+                let (f0, f1) = stiffness_of(term, space, at, g);
                 (-f0, -f1)
             });
         }

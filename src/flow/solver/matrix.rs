@@ -117,6 +117,12 @@ impl<const D: usize> FlowSolver<D> {
             &mut Vec::new(),
             form,
         )?;
+        if let Some(term) = &self.kept {
+            let (space, points) = (self.velocity.space(), term.support().points());
+            add_point_matrix(space, &self.numbering, points, &mut matrix, |at, u, grad| {
+                term.stiffness(at, u, grad)
+            })?;
+        }
         self.base = Some((matrix, weight));
         self.factor_is_base = false;
         Ok(())

@@ -10,6 +10,8 @@ pub enum Form {
     Flag,
     /// True.
     True,
+    /// True, or this word.
+    TrueOr(&'static str),
     /// A number from `least` to `most`; if `open`, `least` itself is excluded.
     Number {
         /// Lower bound.

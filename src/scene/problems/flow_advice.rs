@@ -3,7 +3,7 @@
 use crate::elastic::Band;
 use crate::scene::Scene;
 use crate::scene::problem::Advice;
-use crate::scene::schema::Condition;
+use crate::scene::schema::{Boundary, Condition};
 use crate::scene::structures::{StructureKind, Traits, band_of};
 use crate::sim::Coupling;
 use crate::transport::Method;
@@ -15,7 +15,8 @@ pub(super) fn advice(scene: &Scene) -> Advice {
     let coupling = scene.numerics.coupling;
     let of_first = matches!(coupling, Coupling::FullyExplicit | Coupling::SemiImplicit);
     let order: &[&str] = if scene.time.order == 1 && !of_first { &["time.order = 2"] } else { &[] };
-    let away = outlets_farther_away(scene);
+    let away: Vec<String> =
+        outlets_farther_away(scene).into_iter().chain(total_pressures(scene)).collect();
     let away: Vec<&str> = away.iter().map(String::as_str).collect();
     let choices = |lists: &[&[&str]]| lists.concat().into_iter().map(String::from).collect();
     if scene.acting().next().is_none() {
@@ -52,11 +53,21 @@ pub(super) fn advice(scene: &Scene) -> Advice {
 
 /// A longer domain, if the scene has open sides.
 fn outlets_farther_away(scene: &Scene) -> Option<String> {
-    let open = scene.boundaries.iter().filter(|b| b.condition == Condition::Open);
+    let open = scene.boundaries.iter().filter(|b| b.condition.is_open());
     let open: Vec<String> = open.map(|b| format!("boundary.{}", b.name)).collect();
     let sides = open.join(" and ");
     let away = format!("a domain with {sides} farther away where fluid comes back in");
     (!open.is_empty()).then_some(away)
+}
+
+/// The total pressure in place of a pressure, for each side that has one.
+fn total_pressures(scene: &Scene) -> impl Iterator<Item = String> + '_ {
+    let given = |b: &&Boundary| matches!(b.condition, Condition::Pressure(_));
+    scene
+        .boundaries
+        .iter()
+        .filter(given)
+        .map(|b| format!("total_pressure in place of pressure for boundary.{}", b.name))
 }
 
 /// The sharp force, for each structure that stretches in a band.

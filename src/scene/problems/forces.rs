@@ -1,15 +1,19 @@
 //! Forces on boundaries, and their coefficients.
 
 use crate::base::{Error, Result, Warning, rounded};
-use crate::flow::{Load, traction};
-use crate::mesh::Point;
+use crate::fem::condition_of_facets;
+use crate::flow::{Load, Wake, stress_size, traction};
+use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
+use crate::scene::keys::Named;
 use crate::scene::measure::force_columns;
 use crate::scene::points::point;
+use crate::scene::problem::Gap;
 use crate::scene::row::Row;
-use crate::scene::schema::Reference;
+use crate::scene::schema::{Force, Reference};
 use crate::sim::Simulation;
 use nalgebra::SVector;
+use std::collections::HashSet;
 
 /// Measures the forces on boundaries, from the residual and from the stress.
 ///
@@ -17,18 +21,11 @@ use nalgebra::SVector;
 /// A boundary that the mesh does not have.
 pub(super) fn measure<const D: usize>(
     sim: &Simulation<D>,
-    scene: &Scene,
+    (scene, wakes): (&Scene, &[Option<Wake<D>>]),
     row: &mut Row,
 ) -> Result<()> {
-    let pressure = sim.flow().pressure().space();
-    for f in &scene.output.forces {
-        let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
-        let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
-        let (space, state) = (sim.space(), sim.state());
-        let stress = match state.has_pressure() {
-            true => traction(space, pressure, sim.viscosity(), &state.flow, &f.boundary, &about)?,
-            false => Load::NAN,
-        };
+    for (f, wake) in scene.output.forces.iter().zip(wakes) {
+        let [residual, stress] = both(sim, f)?;
         let methods = [("", &residual), ("stress_", &stress)];
         for (method, load) in methods {
             let prefix = format!("{}_{method}", f.name);
@@ -43,8 +40,69 @@ pub(super) fn measure<const D: usize>(
             let values = coefficients(reference, scene.outside().density, &residual.force);
             row.put_all(&format!("{}_", f.name), COEFFICIENTS.into_iter().zip(values));
         }
+        if let Some(wake) = wake {
+            let length = wake.recirculation(sim.space(), &sim.state().flow.u);
+            row.put(format!("{}_recirculation", f.name), length);
+        }
     }
     Ok(())
+}
+
+/// A force by the residual and by the stress; NaN where there is none yet.
+fn both<const D: usize>(sim: &Simulation<D>, f: &Named<Force>) -> Result<[Load<D>; 2]> {
+    let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
+    let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
+    let (space, pressure, state) = (sim.space(), sim.flow().pressure().space(), sim.state());
+    let stress = match state.has_pressure() {
+        true => traction(space, pressure, sim.viscosity(), &state.flow, &f.boundary, &about)?,
+        false => Load::NAN,
+    };
+    Ok([residual, stress])
+}
+
+/// The lines behind the bodies whose forces have a reference.
+///
+/// # Errors
+/// A boundary that the mesh does not have.
+pub(super) fn wakes<const D: usize>(scene: &Scene, mesh: &Mesh<D>) -> Result<Vec<Option<Wake<D>>>> {
+    let of = |f: &Named<Force>| {
+        let Some(reference) = &f.reference else { return Ok(None) };
+        let [stream, _] = reference.directions(D);
+        Wake::new(mesh, &f.boundary, &point::<D>(&stream))
+    };
+    scene.output.forces.iter().map(of).collect()
+}
+
+/// How far the forces by the residual and by the stress are apart, by name; none on open sides,
+/// which have no residual.
+///
+/// # Errors
+/// A boundary that the mesh does not have.
+pub(super) fn gaps<const D: usize>(
+    sim: &Simulation<D>,
+    scene: &Scene,
+) -> Result<Vec<(String, Gap)>> {
+    let mut gaps = Vec::new();
+    let (mesh, conditions) = (sim.space().mesh(), &sim.settings().conditions);
+    let open = |(_, k): &(u32, Option<usize>)| k.is_some_and(|k| conditions[k].1.is_open());
+    let open: HashSet<u32> =
+        condition_of_facets(mesh, conditions)?.into_iter().filter(open).map(|c| c.0).collect();
+    for f in &scene.output.forces {
+        if mesh.boundary(&f.boundary)?.iter().any(|facet| open.contains(facet)) {
+            continue;
+        }
+        let [residual, stress] = both(sim, f)?.map(|load| load.force);
+        let spaces = [&**sim.space(), &**sim.flow().pressure().space()];
+        let gap = Gap {
+            difference: (residual - stress).norm(),
+            force: residual.norm().max(stress.norm()),
+            stresses: stress_size(spaces, sim.viscosity(), &sim.state().flow, &f.boundary)?,
+        };
+        if gap.difference.is_finite() {
+            gaps.push((f.name.clone(), gap));
+        }
+    }
+    Ok(gaps)
 }
 
 /// Suffixes of the columns of the coefficients, after the name of the force and `_`.

@@ -344,7 +344,7 @@ pub(super) fn inflow<const D: usize>(
         return enters(&facets, v).then(|| "the boundary of the mesh".to_string());
     }
     let lets_in = |b: &&Boundary| match (&b.condition, mesh.boundary(&b.name)) {
-        (Condition::Open, _) => true,
+        (condition, _) if condition.is_open() => true,
         (Condition::Velocity(v), Ok(facets)) => enters(facets, v),
         _ => false,
     };

@@ -8,7 +8,7 @@ use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{fields, flow_advice, forces, interfaces, scales};
 use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a, rounded};
-use crate::flow::{BodyForce, ConvectionScheme, StepReport};
+use crate::flow::{BodyForce, ConvectionScheme, StepReport, Wake};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
 use crate::scene::adapt::{self, Lengths};
@@ -17,7 +17,9 @@ use crate::scene::initial::{self, InitialFlow};
 use crate::scene::measure::{self, Probes};
 use crate::scene::pacing::pacing;
 use crate::scene::plan::{self, Plan};
-use crate::scene::problem::{Advice, ElasticWave, Facts, Limits, Moment, Problem, ProfileColumn};
+use crate::scene::problem::{
+    Advice, ElasticWave, Facts, Gap, Limits, Moment, Problem, ProfileColumn,
+};
 use crate::scene::redistance::redistance;
 use crate::scene::remedies::{of_step, tables_of, with_keys};
 use crate::scene::row::Row;
@@ -68,8 +70,6 @@ pub struct ImmersedFlow<const D: usize = 2> {
     pub(in crate::scene) lengths: Option<Lengths>,
     /// The start, where it is taken from another run.
     initial: Option<InitialFlow<D>>,
-    /// True if the first step changes the velocity at once.
-    is_impulsive: bool,
     /// Velocities that the scene gives.
     given: scales::Given,
     /// The time that an error of velocity stays, in a flow whose error in time is estimated.
@@ -78,6 +78,8 @@ pub struct ImmersedFlow<const D: usize = 2> {
     /// there.
     walls: Vec<(u32, f64)>,
     probes: Probes<D>,
+    /// Of each force with a reference.
+    wakes: Vec<Option<Wake<D>>>,
     carried_bands: Vec<Option<f64>>,
 }
 
@@ -147,6 +149,7 @@ impl<const D: usize> ImmersedFlow<D> {
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
             probes: Probes::new(scene, &mesh)?,
+            wakes: forces::wakes(scene, &mesh)?,
             carried_bands: ground::carried_bands(scene),
             velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
             scene: scene.clone(),
@@ -154,7 +157,6 @@ impl<const D: usize> ImmersedFlow<D> {
             stretched_limit: None,
             radii: Vec::new(),
             initial: scene.initial.is_some().then_some(initial),
-            is_impulsive: start.impulsive,
             simulation,
             warnings,
             thickness,
@@ -171,6 +173,9 @@ impl<const D: usize> ImmersedFlow<D> {
         flow.radii = flow.equal_radii()?;
         let least = scales::least_elastic_energy::<D>(scene, &flow.radii);
         flow.simulation.neglect_energy(least_energy + least);
+        if start.impulsive {
+            flow.simulation.start_at_once();
+        }
         flow.warn_of_waves();
         flow.follow_error(scales).map(|()| flow)
     }
@@ -222,6 +227,7 @@ impl<const D: usize> ImmersedFlow<D> {
         (flow.quality, _) = mesh::check(sim.space().mesh());
         flow.walls = closed_nodes(sim);
         flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
+        flow.wakes = forces::wakes(&flow.scene, sim.space().mesh())?;
         Ok(())
     }
 
@@ -298,7 +304,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             row.put("energy_transferred", self.simulation.state().balance.transferred);
         }
         self.probes.measure(&view, &mut row);
-        forces::measure(&self.simulation, &self.scene, &mut row)?;
+        forces::measure(&self.simulation, (&self.scene, &self.wakes), &mut row)?;
         measure::rest(&view, &mut row)?;
         if self.scene.time.tolerance.is_some() {
             row.put("step", self.simulation.settings().dt);
@@ -354,9 +360,6 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn energies(&self) -> Option<(Energies, EnergyBalance)> {
         let state = self.simulation.state();
         Some((state.energies, state.balance))
-    }
-    fn is_impulsive(&self) -> bool {
-        self.is_impulsive
     }
     fn take_costs(&mut self) -> ([f64; PHASES.len()], u64) {
         self.simulation.take_costs()
@@ -429,11 +432,22 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     }
     fn inflow(&self) -> Option<(String, Warning)> {
         let sim = &self.simulation;
-        let (side, speed, x) = sim.inflow()?;
         let fastest = sim.largest_speed();
-        if speed <= SLOW * fastest {
-            return None;
-        }
+        let quick = |(_, speed, _): &(&str, f64, Point<D>)| *speed > SLOW * fastest;
+        let Some((side, speed, x)) = sim.inflow().filter(quick) else {
+            let (side, speed, x) = sim.oblique_inflow().filter(quick)?;
+            let what = format!(
+                "fluid comes in obliquely through boundary.{side}, where a pressure is given, from \
+                 t = {:.4} on: at {:.4?} with {} inward and along the side, the largest speed is {}",
+                sim.time(),
+                x.as_slice(),
+                rounded(speed, 3),
+                rounded(fastest, 3)
+            );
+            let remedy = "a pressure bounds no energy of what comes in: give total_pressure if the \
+                          flow grows";
+            return Some((side.to_string(), Warning::new(what, remedy)));
+        };
         let what = format!(
             "fluid comes in through boundary.{side}, which is open, from t = {:.4} on: at {:.4?} with \
              {}, the largest speed is {}",
@@ -445,6 +459,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         let remedy = "what comes in is not known there, and a stress takes its energy back \
                       (directional do-nothing): put the side farther away if the flow near it counts";
         Some((side.to_string(), Warning::new(what, remedy)))
+    }
+    fn force_gaps(&self) -> Result<Vec<(String, Gap)>> {
+        forces::gaps(&self.simulation, &self.scene)
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         let kinds = self.scene.structures();

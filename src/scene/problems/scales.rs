@@ -1,10 +1,10 @@
 //! Scales of a flow by its scene: velocity, grad-div weight, least energy.
 
-use crate::scene::Scene;
 use crate::scene::schema::Condition;
 use crate::scene::sides::spread;
 use crate::scene::site::{Site, vector};
 use crate::scene::structures::Traits;
+use crate::scene::{Expression, Scene};
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
@@ -97,6 +97,7 @@ pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>, given:
         let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
         speed = speed.max((gravity * length).sqrt());
         speed = speed.max((largest_force(scene, site) * length / density).sqrt());
+        speed = speed.max((stress_difference(scene, site) / density).sqrt());
     }
     speed
 }
@@ -105,6 +106,34 @@ pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>, given:
 fn largest_force<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
     let force = vector(&scene.fluid.force);
     site.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max)
+}
+
+/// The largest difference of the stresses that open sides give, at one time.
+fn stress_difference<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
+    let mut ranges = [None; SAMPLES];
+    for b in scene.boundaries.iter().filter(|b| b.condition.is_open()) {
+        let Ok(facets) = site.mesh.boundary(&b.name) else { continue };
+        let of: &[Expression] = match &b.condition {
+            Condition::Pressure(p) | Condition::TotalPressure(p) => std::slice::from_ref(p),
+            Condition::Traction(t) => t,
+            _ => &[],
+        };
+        let (traction, isotropic) = (vector::<D>(of), of.len() == 1);
+        let facets = facets.iter().map(|f| &site.mesh.facets()[*f as usize]);
+        for x in facets.flat_map(|f| site.mesh.facet_points(f)) {
+            let x = &site.mesh.points()[x as usize];
+            for (k, range) in ranges.iter_mut().enumerate() {
+                let mut t = traction(x, scene.time.end * spread(k));
+                if isotropic {
+                    t[0] = -t[0];
+                    t.fill(t[0]);
+                }
+                let (low, high) = range.unwrap_or((t, t));
+                *range = Some((low.inf(&t), high.sup(&t)));
+            }
+        }
+    }
+    ranges.iter().flatten().map(|(low, high)| (high - low).amax()).fold(0.0, f64::max)
 }
 
 /// Energy that rounding errors reach: a fraction of that of the fluid at the velocity scale, of the
@@ -118,6 +147,7 @@ pub(super) fn least_energy<const D: usize>(
     let densities = [
         heaviest(scene) * speed.powi(2),
         largest_force(scene, site) * length,
+        stress_difference(scene, site),
         viscosity * (speed / length).powi(2) * scene.time.end,
     ];
     ROUNDING * site.mesh.volume() * densities.into_iter().fold(0.0, f64::max)

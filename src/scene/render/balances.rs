@@ -40,6 +40,11 @@ fn energies(run: &RunFolder) -> Vec<Check> {
             "0; negative when the scheme itself dissipates",
         ),
         (
+            "energy that the start has taken at once, over the energy in play".into(),
+            [run.summary.balance.start.filter(|v| *v < 0.0), None],
+            "0 when the flow starts smoothly; not in the residual",
+        ),
+        (
             "rise of the energy in one step, over the first".into(),
             [None, run.summary.balance.largest_rise],
             "0 or less when nothing drives the flow",

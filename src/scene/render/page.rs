@@ -229,6 +229,13 @@ fn of_forces(run: &RunFolder) -> Vec<KeyNumber> {
                 note,
             ));
         }
+        if let Some(length) = run.last(&format!("{name}_recirculation")) {
+            numbers.push(number(
+                &format!("Length of the recirculation behind {name} at the end"),
+                run.measured(rounded(length, 4), "length"),
+                "from the rear, along the stream through the centre".into(),
+            ));
+        }
         if let Some(found) = run.summary.strouhal.get(name) {
             let note = format!(
                 "{} periods of the lift, which differ by up to {}",

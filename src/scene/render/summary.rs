@@ -93,6 +93,8 @@ pub struct Strouhal {
 pub struct Balance {
     /// Relative residual of (3.23) at the end.
     pub energy: Option<f64>,
+    /// Energy that the start has taken, over the energy in play.
+    pub start: Option<f64>,
     /// Largest rise of kinetic and elastic energy in one step, over the energy at the start.
     pub largest_rise: Option<f64>,
     /// Relative change of the enclosed area (in space: `volume`) by membrane.

@@ -24,7 +24,11 @@ fn quantity(run: &RunFolder, column: &str) -> Option<String> {
         return Some(quantity_name(probe.of).into());
     }
     if let Some(rest) = output.forces.iter().find_map(|f| after(&f.name)) {
-        return Some(if rest.contains("_moment") { "moment" } else { "force" }.into());
+        return match rest {
+            "_drag" | "_lift" => None,
+            "_recirculation" => Some("length".into()),
+            _ => Some(if rest.contains("_moment") { "moment" } else { "force" }.into()),
+        };
     }
     if output.fluxes.iter().any(|f| after(&f.name) == Some("")) {
         return Some("volume per time".into());

@@ -309,8 +309,6 @@ impl Folder {
             Err(_) => "failed",
         };
         let energies = problem.energies();
-        let warnings = problem.warnings().iter().map(ToString::to_string);
-        let warnings: Vec<_> = warnings.chain(record.hasty.clone()).collect();
         let summary = json!({
             "title": scene.title,
             "version": crate::base::VERSION,
@@ -335,10 +333,16 @@ impl Folder {
             "strouhal": self.strouhal(scene)?,
             "leaves": record.left,
             "fluid_enters": record.entered,
-            "warnings": warnings,
+            "warnings": problem
+                .warnings()
+                .iter()
+                .map(ToString::to_string)
+                .chain(record.hasty.iter().chain(&record.told).cloned())
+                .collect::<Vec<_>>(),
             "plan": plan,
             "balance": {
                 "energy": energies.map(|(energies, budget)| budget.residual(&energies)),
+                "start": energies.map(|(_, budget)| budget.share(budget.start)),
                 "largest_energy": energies.map(|_| record.worst_balance),
                 "largest_rise": energies.map(|_| record.largest_rise),
                 scene.extents()[0]: record.area_change,

@@ -5,7 +5,7 @@ use super::session::{Session, now};
 use super::solves::Solves;
 use crate::base::{PHASES, Result, Warning};
 use crate::scene::Scene;
-use crate::scene::problem::{Moment, Problem};
+use crate::scene::problem::{Gap, Moment, Problem};
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -34,18 +34,15 @@ pub(super) struct Record {
     /// Largest rise of kinetic and elastic energy in one step that is not the work of walls and
     /// forces, over the initial energy.
     pub largest_rise: f64,
-    /// Spurious energy of the first step if it changes the velocity at once, at most 0.
-    #[serde(default)]
-    pub start: f64,
-    /// Largest residual of the energy balance, without the start.
+    /// Largest residual of the energy balance.
     pub worst_balance: f64,
-    /// Least residual of the energy balance, with the start: negative where the scheme lost energy.
+    /// Least residual of the energy balance: negative where the scheme lost energy.
     #[serde(default)]
     pub least_balance: f64,
     /// The elastic waves that steps were too long for, in words, by structure: the quickest.
     #[serde(default)]
     pub lost_waves: BTreeMap<String, LostWave>,
-    /// The residual after the last step, without the start.
+    /// The residual after the last step.
     #[serde(default)]
     pub last_balance: f64,
     /// Spurious elastic energy where it was largest of that in play, that in play, and the time:
@@ -74,6 +71,13 @@ pub(super) struct Record {
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
+    /// Sums over rows of the squares of how far each force by the residual and by the stress are
+    /// apart, while the time was between powers of two with these exponents.
+    #[serde(default)]
+    pub forces: BTreeMap<String, BTreeMap<i32, Gap>>,
+    /// What was told at the end.
+    #[serde(default)]
+    pub told: Vec<String>,
     /// The last row of the series.
     pub last: BTreeMap<String, f64>,
     /// Solves of the linear systems.
@@ -99,6 +103,12 @@ pub(super) struct Record {
     #[serde(default)]
     pub factor_bytes_read: f64,
 }
+
+/// Relative difference of a force by the residual and by the stress that is told.
+const FORCES_APART: f64 = 0.02;
+/// Force over the integral of the size of the stress below which it is a small difference of large
+/// numbers, of which only the latter can be resolved.
+const TINY: f64 = 0.01;
 
 /// An elastic wave that the steps were too long for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -178,10 +188,7 @@ impl Record {
                 self.largest_rise.max((e.total() - before - put_in) / budget.initial);
         }
         let spurious = budget.spurious(&e);
-        if problem.moment().steps == 1 && problem.is_impulsive() {
-            self.start = spurious.min(0.0);
-        }
-        self.last_balance = budget.share(spurious - self.start);
+        self.last_balance = budget.share(spurious);
         self.largest_elastic = self.largest_elastic.max(e.elastic);
         let [elastic, in_play] = budget.elastic(&e);
         if in_play > 0.0 {
@@ -191,7 +198,7 @@ impl Record {
             }
         }
         self.worst_balance = self.worst_balance.max(self.last_balance);
-        self.least_balance = self.least_balance.min(budget.share(spurious));
+        self.least_balance = self.least_balance.min(self.last_balance);
     }
 
     /// The largest spurious elastic energy over that in play, of either sign, and its time. What
@@ -272,6 +279,54 @@ impl Record {
             }
         }
         Ok(())
+    }
+
+    /// Records how far forces by the residual and by the stress are apart.
+    ///
+    /// # Errors
+    /// A boundary that the mesh does not have.
+    pub(super) fn note_forces(&mut self, scene: &Scene, problem: &dyn Problem) -> Result<()> {
+        let time = problem.moment().time;
+        if scene.output.forces.is_empty() || time <= 0.0 {
+            return Ok(());
+        }
+        for (name, gap) in problem.force_gaps()? {
+            let of_name = self.forces.entry(name).or_default();
+            let sum = of_name.entry(time.log2().floor() as i32).or_default();
+            sum.difference += gap.difference.powi(2);
+            sum.force += gap.force.powi(2);
+            sum.stresses += gap.stresses.powi(2);
+        }
+        Ok(())
+    }
+
+    /// A warning for each force whose two values are too far apart.
+    pub(super) fn force_warnings(&mut self, scene: &Scene) -> Vec<Warning> {
+        let warning = |(name, gaps): (&String, &BTreeMap<i32, Gap>)| {
+            // The last two powers of two: half of the run to three quarters of it.
+            let last = gaps.keys().next_back()?;
+            let late = || gaps.range(last - 1..).map(|(_, gap)| gap);
+            let sum = |of: fn(&Gap) -> f64| late().map(of).sum::<f64>().sqrt();
+            let force = sum(|gap| gap.force).max(TINY * sum(|gap| gap.stresses));
+            let apart = sum(|gap| gap.difference) / force;
+            let boundary =
+                scene.output.forces.iter().find(|f| f.name == *name).map(|f| &f.boundary)?;
+            (apart > FORCES_APART).then(|| {
+                let what = format!(
+                    "the force `{name}` by the residual and by the stress are {:.1} % apart \
+                     (root mean square in the later part of the run)",
+                    100.0 * apart
+                );
+                let remedy = format!(
+                    "the mesh at boundary `{boundary}` is too coarse for them: take a finer one \
+                     there until they agree; the one by the residual, `{name}_x`, is the better"
+                );
+                Warning::new(what, remedy)
+            })
+        };
+        let told: Vec<Warning> = self.forces.iter().filter_map(warning).collect();
+        self.told = told.iter().map(Warning::to_string).collect();
+        told
     }
 
     /// Records a row of the series.

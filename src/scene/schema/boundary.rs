@@ -3,7 +3,7 @@
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Components, Context, Form, Item, Kind, Tabled, Text, Typed, Writer, key, one_of,
+    Components, Context, Form, Item, Kind, Tabled, Text, Typed, Writer, key, kinds, one_of, text,
 };
 
 /// The name of the whole boundary.
@@ -28,7 +28,13 @@ pub enum Condition {
     /// Zero normal velocity and zero tangential stress.
     Slip,
     /// Zero stress (do-nothing).
-    Open,
+    Open(Opening),
+    /// A given pressure.
+    Pressure(Expression),
+    /// A given pressure where fluid leaves, and a given total pressure where it comes in.
+    TotalPressure(Expression),
+    /// A given traction.
+    Traction(Vec<Expression>),
     /// The same flow as on the boundary of this name, which is a translate of it.
     Periodic(String),
 }
@@ -43,12 +49,67 @@ one_of! {
         "no_slip" [True] (()) => (Condition::NoSlip);
         /// No normal velocity and no tangential stress.
         "slip" [True] (()) => (Condition::Slip);
-        /// No stress, `(2 mu D(u) - p) n = 0`, where fluid leaves (do-nothing in the form of the
-        /// stress: a channel flow spreads a little towards the side, as it does into the open). A structure that reaches it leaves and exerts no force from then
-        /// on; fluid that comes in is that outside.
-        "open" [True] (()) => (Condition::Open);
+        /// No stress where fluid leaves (do-nothing): true in the form of the stress,
+        /// `(2 mu D(u) - p) n = 0`, under which a channel flow spreads a little towards the side, as
+        /// it does into the open; \"gradient\" in that of the gradient, `(mu grad u - p) n = 0`,
+        /// under which it goes on as in a longer channel. A structure that reaches it leaves and
+        /// exerts no force from then on; fluid that comes in is that outside.
+        "open" [OpenForm] (form) => (Condition::Open(form));
+        /// The pressure P, for a side that fluid crosses in either direction:
+        /// `(mu grad u - p) n = -P n`.
+        "pressure" [Stress, "Pa"] (p) => (Condition::Pressure(p));
+        /// The pressure P of a reservoir: p = P where fluid leaves, `p + rho |u|^2 / 2 = P` where it
+        /// comes in at a right angle.
+        "total_pressure" [Stress, "Pa"] (p) => (Condition::TotalPressure(p));
+        /// The force per area on the fluid: `(2 mu D(u) - p) n = t` where fluid leaves.
+        "traction" [Components, "Pa"] (t) => (Condition::Traction(t));
         /// The name of the boundary that is the translate of this one, with the same flow.
         "periodic" [Text] (other) => (Condition::Periodic(other));
+    }
+}
+
+/// The form of the stress that is zero on an open side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// `(2 mu D(u) - p) n`.
+    Stress,
+    /// `(mu grad u - p) n`.
+    Gradient,
+}
+
+impl Condition {
+    /// True if fluid passes under a given stress.
+    pub fn is_open(&self) -> bool {
+        use Condition::{Open, Pressure, TotalPressure, Traction};
+        matches!(self, Open(_) | Pressure(_) | TotalPressure(_) | Traction(_))
+    }
+}
+
+kinds! {
+    /// A pressure.
+    Stress: Expression = Kind::Value("number or expression", Form::Expression), |i, c| i.expression(&c.constants);
+}
+
+/// True, or the word "gradient".
+pub(in crate::scene) struct OpenForm;
+
+impl Typed for OpenForm {
+    type Out = Opening;
+    const KIND: Kind = Kind::Value("true or \"gradient\"", Form::TrueOr("gradient"));
+    fn read(item: &Item<'_>, context: &Context) -> Result<Opening> {
+        match item.text() {
+            Ok("gradient") => Ok(Opening::Gradient),
+            Ok(_) => Err(item
+                .error(format!("`{}` is no form of an open side", item.key))
+                .remedy("write open = true (no stress) or open = \"gradient\"")),
+            Err(_) => True::read(item, context).map(|()| Opening::Stress),
+        }
+    }
+    fn toml(out: &Opening) -> String {
+        match out {
+            Opening::Stress => True::toml(&()),
+            Opening::Gradient => text("gradient"),
+        }
     }
 }
 

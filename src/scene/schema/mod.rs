@@ -20,7 +20,7 @@ mod time;
 mod units;
 
 pub use adapt::{Adapt, AdaptField};
-pub use boundary::{Boundary, Condition, WALLS};
+pub use boundary::{Boundary, Condition, Opening, WALLS};
 pub use exact::Exact;
 pub use fluid::{Contrast, Fluid};
 pub use geometry::{Curve, DeltaName};

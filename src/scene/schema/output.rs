@@ -102,7 +102,8 @@ table! {
         about: Option<Vec<f64>> [Opt<Point>, "m"],
         /// What the coefficients of drag and lift refer to: columns `NAME_drag` and `NAME_lift`, by
         /// the residual, and the Strouhal number in `summary.json`, once the lift has three periods
-        /// in the second half of the run.
+        /// in the second half of the run. Behind a body also `NAME_recirculation`, the length of the
+        /// fluid that goes back, from the rear along the stream through the centre.
         reference: Option<Reference> [Opt<Nested<Reference>>],
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Energies, Simulation};
 use crate::base::Result;
-use crate::fem::{At, Cells, Condition, condition_of_facets, integrate};
+use crate::fem::{At, Cells, condition_of_facets, integrate};
 use crate::flow::term::MomentumTerm;
 use crate::flow::{Load, kinetic_outflow, nodal_traction};
 use crate::mesh::Point;
@@ -149,7 +149,7 @@ impl<const D: usize> Simulation<D> {
         let arm = |n: u32| space.nodes()[n as usize] - about;
         nodes.iter().for_each(|&n| load.add(&arm(n), &-residual[n as usize]));
         let conditions = &self.settings.conditions;
-        let open = |k: Option<usize>| k.is_some_and(|k| matches!(conditions[k].1, Condition::Open));
+        let open = |k: Option<usize>| k.is_some_and(|k| conditions[k].1.is_open());
         let stressed = condition_of_facets(mesh, conditions)?.into_iter().filter(|c| !open(c.1));
         let mut others: Vec<u32> = stressed.map(|c| c.0).filter(|f| !own.contains(f)).collect();
         others.retain(|f| on_facet(*f).any(|n| nodes.contains(&n)));

@@ -19,7 +19,9 @@ use super::outlets::Outlets;
 use super::state::State;
 use crate::base::{Error, PHASES, Phases, Result};
 use crate::fem::{Basis, Condition, Element, Rule, Space, condition_of_facets};
-use crate::flow::{Backflow, ConvectionScheme, FlowSolver, FlowState, Fluid};
+use crate::flow::{
+    Backflow, ConvectionScheme, FlowSolver, FlowState, Fluid, GivenStress, GradientForm,
+};
 use crate::linalg::SolverOptions;
 use crate::mesh::{Mesh, Point};
 use crate::structure::{Coupling, Fields, Place, Structure};
@@ -59,6 +61,10 @@ pub struct Simulation<const D: usize> {
     /// Open sides.
     outlets: Outlets<D>,
     backflow: Backflow<D>,
+    /// Sides with a pressure, which have no such stress.
+    with_pressure: Backflow<D>,
+    given_stress: GivenStress<D>,
+    gradient_form: Arc<GradientForm<D>>,
     pacing: Option<Pacing>,
     /// Velocity basis at the points of a finer rule, for energies; `None` without forces.
     fine: Option<Basis<D>>,
@@ -146,6 +152,15 @@ impl<const D: usize> Simulation<D> {
         Ok(self)
     }
 
+    /// Declares that the first step changes the velocity at once, as a flow that is set in motion by
+    /// its sides does: what the balance misses then is kept apart, as that of the
+    /// [start](EnergyBalance::start). Steps of order 2 know the velocity before it for two steps
+    /// more.
+    pub fn start_at_once(&mut self) {
+        let remembers = self.settings.order == 2 && !self.is_stokes();
+        self.state.balance.settling = if remembers { 3 } else { 1 };
+    }
+
     /// Energies below `least` are errors of rounding or of the mesh, which the balance does not
     /// judge.
     pub fn neglect_energy(&mut self, least: f64) {
@@ -170,15 +185,26 @@ impl<const D: usize> Simulation<D> {
         let unsymmetric = scheme == Some(ConvectionScheme::Implicit);
         flow.solve_by(SolverOptions { unsymmetric, ..settings.solver });
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
-        let mut open: Vec<(u32, usize)> = condition_of_facets(mesh, conditions)?
+        let open: Vec<(u32, usize)> = condition_of_facets(mesh, conditions)?
             .into_iter()
             .filter_map(|(facet, k)| Some((facet, k?)))
-            .filter(|(_, k)| matches!(conditions[*k].1, Condition::Open))
+            .filter(|(_, k)| conditions[*k].1.is_open())
             .collect();
         let outlets = Outlets::new(&space, open.iter().map(|(facet, _)| *facet));
+        let given_stress = GivenStress::new(mesh, &open, conditions);
+        let with_gradient = open.iter().filter(|(_, k)| conditions[*k].1.has_gradient());
+        let with_gradient = with_gradient.map(|(facet, _)| *facet).collect();
+        let gradient_form =
+            Arc::new(GradientForm::new(mesh, with_gradient, settings.fluid.viscosity));
+        if !gradient_form.is_empty() {
+            flow.keep(Arc::<GradientForm<D>>::clone(&gradient_form));
+        }
+        let (mut open, mut with_pressure): (Vec<_>, Vec<_>) =
+            open.into_iter().partition(|(_, k)| conditions[*k].1.is_directional());
         // What comes in changes the matrix, where there is convection.
         if scheme.is_none() {
             open.clear();
+            with_pressure.clear();
         }
         let varies = !settings.has_constant_materials(&structures) || !open.is_empty();
         // A constant matrix is factored once.
@@ -188,7 +214,8 @@ impl<const D: usize> Simulation<D> {
         let degree = ENERGY_DEGREE[D - 2].max(settings.quadrature);
         let acts = structures.iter().any(|s| s.acts());
         let fine = acts.then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, degree))));
-        let backflow = Backflow::new(&space, open);
+        let [backflow, with_pressure] =
+            [open, with_pressure].map(|facets| Backflow::new(&space, facets));
         let links = flow.numbering().translations().to_vec();
         let basis = (Some(flow.velocity()), kept);
         let (carried, fields) = Carried::new(&space, links, settings.transport, structures, basis)?;
@@ -199,6 +226,9 @@ impl<const D: usize> Simulation<D> {
             flow,
             outlets,
             backflow,
+            with_pressure,
+            given_stress,
+            gradient_form,
             pacing: None,
             fine,
             state,
@@ -302,10 +332,19 @@ impl<const D: usize> Simulation<D> {
     pub fn has_backflow(&self) -> bool {
         !self.backflow.is_empty()
     }
-    /// Where fluid comes in through an open side most quickly: the name of the side, the speed
-    /// inward, and the point.
+    /// Where fluid comes in most quickly through an open side that is not meant to let it in, by a
+    /// total pressure: the name of the side, the speed inward, and the point.
     pub fn inflow(&self) -> Option<(&str, f64, Point<D>)> {
-        let (speed, k, x) = self.backflow.greatest(self.space(), &self.state.flow.u)?;
+        let conditions = &self.settings.conditions;
+        let told = |k: usize| !matches!(conditions[k].1, Condition::TotalPressure(_));
+        let (speed, k, x) = self.backflow.greatest(self.space(), &self.state.flow.u, told)?;
+        Some((&conditions[k].0, speed, x))
+    }
+    /// Where fluid comes in obliquely through a side with a pressure, as eddies do: the name of the
+    /// side, the lesser of the speeds inward and along the side, and the point.
+    pub fn oblique_inflow(&self) -> Option<(&str, f64, Point<D>)> {
+        let (speed, k, x) =
+            self.with_pressure.greatest_oblique(self.space(), &self.state.flow.u)?;
         Some((&self.settings.conditions[k].0, speed, x))
     }
     /// Largest speed at a node.

@@ -3,7 +3,7 @@
 use super::measure::Powers;
 use super::scheme::{Scheme, combine};
 use super::{Simulation, Work};
-use crate::base::{Kind, Phase, Result};
+use crate::base::{Error, Kind, Phase, Result};
 use crate::fem::Cells;
 use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
@@ -87,6 +87,7 @@ impl<const D: usize> Simulation<D> {
         balance.advance(&self.state.energies, &now, scheme.dt, scheme.order());
         balance.work += brought;
         balance.elastic_work += brought;
+        balance.settle(&now);
         self.state.energies = now;
         self.phases.end(Phase::Diagnostics);
         Ok(report)
@@ -156,6 +157,12 @@ impl<const D: usize> Simulation<D> {
         if scheme.convection.is_some() && self.has_backflow() {
             self.meet_inflow(scheme, work);
         }
+        self.given_stress.prepare(&self.settings.conditions, scheme.time);
+        if let Some(x) = self.given_stress.not_finite() {
+            return Err(Error::computation("the stress on an open side is not a finite number")
+                .at(format!("point {:?}", x.as_slice()))
+                .remedy("check the pressures and tractions of the boundary"));
+        }
         let Work { current, mean, wind, next, ahead, .. } = work;
         let feet = |k: usize| scheme.traces().then_some(&self.feet[k]);
         let [now, earlier] = scheme.history();
@@ -189,6 +196,9 @@ impl<const D: usize> Simulation<D> {
         if self.backflow.is_active() {
             terms.push(&self.backflow);
         }
+        if !self.given_stress.is_empty() {
+            terms.push(&self.given_stress);
+        }
         let step = Step {
             time: scheme.time,
             dt: scheme.dt,
@@ -209,8 +219,11 @@ impl<const D: usize> Simulation<D> {
         self.phases.begin();
         let walls = flow.wall_power(&step, next);
         self.reactions = self.keeps_reactions.then(|| flow.reaction(&step, next, Cells::All));
-        let taken = self.backflow.power(&self.carried.space, &next.u);
-        let mut powers = Powers { walls: walls + taken, ..Powers::default() };
+        let space = &self.carried.space;
+        let sides = self.backflow.power(space, &next.u)
+            + self.given_stress.power(space, &next.u)
+            + self.gradient_form.power(space, &next.u);
+        let mut powers = Powers { walls: walls + sides, ..Powers::default() };
         if self.carried.structures.iter().any(|s| s.acts()) {
             combine(1.0, &next.u, if scheme.second { -1.0 } else { 0.0 }, current, mean);
             [powers.structures, powers.traffic] = self.structure_power(&leaving, &next.u, mean);
