@@ -1,7 +1,6 @@
 // A backward-facing step of expansion ratio 2, step and inlet 1 high: the inlet channel is 4 long, the wide one 30.
 // About 5000 triangles, finest at the edge of the step.
 before = 4;  after = 30;
-h = 1;
 Point(1) = {-before, 1, 0};
 Point(2) = {0, 1, 0};
 Point(3) = {0, 0, 0};
