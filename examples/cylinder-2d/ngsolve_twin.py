@@ -11,12 +11,13 @@ A run may go on from what another left: --save FILE at its end, --start FILE. Ti
 """
 import argparse
 import math
+import os
 import pickle
 import time
 
+os.environ["OPENBLAS_NUM_THREADS"] = "1"        # before NGSolve is loaded: idle threads of BLAS would be counted as CPU time
 from netgen.read_gmsh import ReadGmsh
-from ngsolve import (BND, BilinearForm, BitArray, CF, CoefficientFunction, Grad, GridFunction, H1, InnerProduct, Mesh, Parameter,
-                     SetNumThreads, VectorH1, div, dx, y)
+from ngsolve import BilinearForm, CF, Grad, GridFunction, H1, InnerProduct, Mesh, Parameter, SetNumThreads, VectorH1, div, dx, y
 
 arguments = argparse.ArgumentParser()
 arguments.add_argument("--mesh", default="dfg22.msh")
@@ -24,12 +25,13 @@ arguments.add_argument("--scheme", choices=["implicit", "imex", "sbdf2"], defaul
 arguments.add_argument("--dt", type=float, default=0.005)
 arguments.add_argument("--tmax", type=float, default=8.0)
 arguments.add_argument("--every", type=float)
-arguments.add_argument("--inverse", default="umfpack")
+arguments.add_argument("--inverse", help="default: umfpack where the matrix is not symmetric, else sparsecholesky")
 arguments.add_argument("--out", default="ng.csv")
 arguments.add_argument("--start")
 arguments.add_argument("--save")
 o = arguments.parse_args()
 SetNumThreads(1)
+solver = o.inverse or ("umfpack" if o.scheme == "implicit" else "sparsecholesky")
 rho, nu, gd, dt = 1.0, 1e-3, 0.03075, o.dt
 
 mesh = Mesh(ReadGmsh(o.mesh))
@@ -58,7 +60,6 @@ fixed = stokes.CreateMatrix()
 body = [GridFunction(X), GridFunction(X)]       # 1 along x or y at the nodes of the cylinder
 for k in (0, 1):
     body[k].components[0].Set(CF((1 - k, k)), definedon=mesh.Boundaries("cylinder"))
-# Set on a boundary leaves values on other parts of it at 0.
 free = X.FreeDofs()
 inverse, of = None, None
 if o.start:
@@ -73,7 +74,6 @@ out = open(o.out, "w")
 out.write("time,cylinder_drag,cylinder_lift,front,back\n")
 steps, every = round(o.tmax / dt), max(1, round((o.every or dt) / dt))
 first = others = 0.0
-have = False
 for k in range(1, steps + 1):
     begin = time.process_time()
     t = k * dt
@@ -87,15 +87,14 @@ for k in range(1, steps + 1):
         alpha.Set(a)
         system.Assemble()
         A = system.mat
-        inverse = A.Inverse(free, inverse=o.inverse)
+        inverse = A.Inverse(free, inverse=solver)
     else:
-        new.data = convection.mat * gfu.vec if False else new
         convection.Apply(gfu.vec, new)
         b.data -= new if k == 1 or o.scheme == "imex" else 2 * new - last
         last.data = new
         if of != a:
             fixed.AsVector().data = stokes.AsVector() + a / dt * mass.AsVector()
-            inverse, of = fixed.Inverse(free, inverse=o.inverse), a
+            inverse, of = fixed.Inverse(free, inverse=solver), a
         A = fixed
     old.vec.data = gfu.vec
     gfu.vec.data = factor * inflow.vec
