@@ -43,7 +43,11 @@ fn solver(case: &Case<3>, kind: SolverKind, grad_div: f64) -> FlowSolver<3> {
         FlowSolver::new(velocity, pressure, case.velocity.rule(), &case.conditions, grad_div)
             .unwrap();
     solver.set_materials(Coefficient::Constant(1.0), Coefficient::Constant(0.01));
-    solver.solve_by(SolverOptions { kind: Some(kind), memory: Some(usize::MAX) });
+    solver.solve_by(SolverOptions {
+        kind: Some(kind),
+        memory: Some(usize::MAX),
+        unsymmetric: false,
+    });
     solver
 }
 

@@ -267,7 +267,7 @@ impl Scene {
     /// whose forces limit the step, characteristics keep a matrix that is factored once.
     pub fn convection(&self, reynolds: f64) -> Option<ConvectionScheme> {
         let alone = self.structures().is_empty();
-        let derived = match alone && reynolds > CONVECTED {
+        let derived = match alone && (reynolds > CONVECTED || self.time.order == 3) {
             true => ConvectionScheme::Implicit,
             false => ConvectionScheme::Characteristics,
         };

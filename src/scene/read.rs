@@ -181,6 +181,13 @@ fn check(
         check_tolerance(scene, fluid, adapt)?;
     }
     check_convection(scene, numerics, time)?;
+    if time.order == 3 {
+        check_third_order(
+            scene,
+            (numerics, time),
+            !structures.is_empty() || prescribed || has_image,
+        )?;
+    }
     let adapt_item = adapt_item(scene)?;
     if let (Some(item), Some(adapt)) = (&adapt_item, adapt) {
         adapt.check_use(item, !structures.is_empty(), prescribed)?;
@@ -249,6 +256,30 @@ fn check_elements(
             .remedy("take pressure = \"P1\", or leave mesh.adapt out")),
         _ => Ok(()),
     }
+}
+
+/// Order 3 is for a flow alone in steps of one length.
+fn check_third_order(
+    scene: &Table<'_>,
+    (numerics, time): (&Numerics, &Time),
+    carries: bool,
+) -> Result<()> {
+    let table = scene.get("time").map(|i| i.open_table()).transpose()?;
+    let Some(item) = table.and_then(|t| t.get("order")) else { return Ok(()) };
+    let traced = numerics.convection.flatten().is_some_and(|c| c != ConvectionScheme::Implicit);
+    let (what, remedy) = match (carries, traced, time.tolerance.is_some()) {
+        (true, ..) => ("the structures and what is carried are of order 2", "take order = 2"),
+        (_, true, _) => (
+            "order 3 is not for this numerics.convection",
+            "take numerics.convection = \"baker1982\", or order = 2",
+        ),
+        (.., true) => (
+            "steps that follow the error are of order 2",
+            "take order = 2, or leave time.tolerance out",
+        ),
+        _ => return Ok(()),
+    };
+    Err(item.key_error(what).remedy(remedy))
 }
 
 /// Explicit convection needs steps that keep below its limit.

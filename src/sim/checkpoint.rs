@@ -2,7 +2,7 @@
 
 use super::balance::{Energies, EnergyBalance};
 use super::clock::Clock;
-use super::state::{Factored, Pace, State};
+use super::state::{Factored, State};
 use crate::base::bytes::{Reader, Writer};
 use crate::base::{Cause, Error, Result, fnv1a};
 use crate::flow::FlowState;
@@ -21,11 +21,11 @@ impl<const D: usize> State<D> {
         out.integer(self.steps);
         out.numbers(&[self.time]);
         out.integer(u64::from(self.pace.is_some()));
-        if let Some(Pace { clock: c, earliest_u }) = &self.pace {
+        if let Some(c) = &self.pace {
             [c.interval, c.part, c.parts, c.rejected].into_iter().for_each(|v| out.integer(v));
             out.numbers(&[c.wanted, c.last, c.before, c.speed]);
-            out.vectors(earliest_u);
         }
+        out.vectors(&self.earliest_u);
         out.vectors(&self.flow.u);
         out.vectors(&self.earlier_u);
         out.numbers(&self.flow.p);
@@ -111,9 +111,10 @@ impl<const D: usize> State<D> {
                     [from.integer()?, from.integer()?, from.integer()?, from.integer()?];
                 let [wanted, last, before, speed] = from.numbers()?.try_into().ok()?;
                 let clock = Clock { interval, part, parts, wanted, last, before, rejected, speed };
-                Some(Pace { clock, earliest_u: from.vectors()? })
+                Some(clock)
             }
         };
+        let earliest_u = from.vectors()?;
         let (u, earlier_u, p) = (from.vectors()?, from.vectors()?, from.numbers()?);
         let fields = Fields::read(from)?;
         let factored = match from.integer()? {
@@ -159,7 +160,18 @@ impl<const D: usize> State<D> {
             settling,
         };
         let flow = FlowState { u, p };
-        Some(State { steps, time, pace, flow, earlier_u, fields, factored, energies, balance })
+        Some(State {
+            steps,
+            time,
+            pace,
+            flow,
+            earlier_u,
+            earliest_u,
+            fields,
+            factored,
+            energies,
+            balance,
+        })
     }
 }
 
@@ -183,10 +195,8 @@ mod tests {
         State {
             steps: 7,
             time: 0.7,
-            pace: Some(Pace {
-                clock: Clock { part: 1, parts: 4, last: 0.1, ..Clock::default() },
-                earliest_u: vec![SVector::<f64, 2>::new(0.1, 0.2)],
-            }),
+            pace: Some(Clock { part: 1, parts: 4, last: 0.1, ..Clock::default() }),
+            earliest_u: vec![SVector::<f64, 2>::new(0.1, 0.2)],
             flow: FlowState {
                 u: vec![SVector::<f64, 2>::new(1.0, -0.0); 3],
                 p: vec![f64::MIN_POSITIVE, 0.1],

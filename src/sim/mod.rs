@@ -25,5 +25,5 @@ pub use carried::{Carried, Transport, When};
 pub use clock::{Clock, Pacing};
 pub use immersed::{Simulation, SimulationSettings};
 pub use segmentation::Segmenting;
-pub use state::{Factored, Pace, State};
+pub use state::{Factored, State};
 pub use transfer::Transfer;

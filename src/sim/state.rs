@@ -8,15 +8,6 @@ use crate::linalg::SolveCost;
 use crate::structure::Fields;
 use nalgebra::SVector;
 
-/// State of adaptive time steps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pace<const D: usize> {
-    /// Lengths of steps.
-    pub clock: Clock,
-    /// Velocity two steps earlier.
-    pub earliest_u: Vec<SVector<f64, D>>,
-}
-
 /// Data of the matrix whose factor is kept while the matrix changes: a resumed run computes the
 /// same factor and continues bit-identically.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,11 +34,13 @@ pub struct State<const D: usize> {
     /// The time.
     pub time: f64,
     /// State of adaptive time steps; `None` with constant steps.
-    pub pace: Option<Pace<D>>,
+    pub pace: Option<Clock>,
     /// Velocity and pressure; no pressure where the velocity is prescribed.
     pub flow: FlowState<D>,
     /// Velocity one step earlier; empty where the velocity is prescribed.
     pub earlier_u: Vec<SVector<f64, D>>,
+    /// Velocity two steps earlier, with adaptive steps and in order 3; empty without.
+    pub earliest_u: Vec<SVector<f64, D>>,
     /// Fields of the structures.
     pub fields: Fields<D>,
     /// Data of the factor of the flow, if it is kept while the matrix changes.

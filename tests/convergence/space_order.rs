@@ -43,17 +43,8 @@ fn stokes_errors<const D: usize>(
         FlowSolver::new(&p2, &p1, &Arc::new(Rule::simplex(D, 5)), &conditions, grad_div).unwrap();
     solver.set_materials(Coefficient::Constant(1.0), Coefficient::Constant(viscosity));
     let body_force = move |x: &Point<D>, _: f64| force(viscosity, x);
-    let step = Step {
-        time: 0.0,
-        dt: 1.0,
-        weight: 0.0,
-        history: &[],
-        terms: &[],
-        blocks: &[],
-        predicted: None,
-        body_force: Some(&body_force),
-        gravity: SVector::zeros(),
-    };
+    let step =
+        Step { weight: 0.0, body_force: Some(&body_force), ..Step::backward_euler(0.0, 1.0, &[]) };
     let mut state = solver.at_rest();
     solver.step(&step, &mut state).unwrap();
     let u = vector_errors(&p2, &state.u, |x| (velocity(x), gradient(x)));

@@ -97,8 +97,7 @@ fn a_first_step_that_is_too_long_is_rejected_without_a_trace() {
         case
     };
     let (short, long) = (run("time.step=1e-4"), run("time.step=0.125"));
-    let rejected =
-        |case: &Case| case.model.simulation.state().pace.as_ref().unwrap().clock.rejected;
+    let rejected = |case: &Case| case.model.simulation.state().pace.as_ref().unwrap().rejected;
     assert!(rejected(&long) > 0);
     let (a, b) = (short.velocity(), long.velocity());
     let difference = a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -166,7 +165,7 @@ fn threads_and_interruptions_change_no_bit() {
         let straight = run(1);
         assert!(run(2) == straight, "{changes:?}");
         let state = State::<2>::from_bytes(&straight, 0).unwrap();
-        assert!(state.pace.unwrap().clock.rejected > 0, "{changes:?}: no step was rejected");
+        assert!(state.pace.unwrap().rejected > 0, "{changes:?}: no step was rejected");
         for part in [0.02, 0.1, 0.3] {
             let half = bits(&mut Case::with(MEMBRANE, changes), part);
             let mut resumed = Case::with(MEMBRANE, changes);

@@ -39,17 +39,7 @@ fn setup<const D: usize>(
 }
 
 fn stokes<'a, const D: usize>() -> Step<'a, D> {
-    Step {
-        time: 0.0,
-        dt: 1.0,
-        weight: 0.0,
-        history: &[],
-        terms: &[],
-        blocks: &[],
-        predicted: None,
-        body_force: None,
-        gravity: SVector::zeros(),
-    }
+    Step { weight: 0.0, ..Step::backward_euler(0.0, 1.0, &[]) }
 }
 
 fn unit_square(n: usize) -> Mesh<2> {

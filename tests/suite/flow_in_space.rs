@@ -30,17 +30,7 @@ struct Solved {
 }
 
 fn stokes<'a>(force: &'a BodyForce<3>) -> Step<'a, 3> {
-    Step {
-        time: 0.0,
-        dt: 1.0,
-        weight: 0.0,
-        history: &[],
-        terms: &[],
-        blocks: &[],
-        predicted: None,
-        body_force: Some(force),
-        gravity: V::zeros(),
-    }
+    Step { weight: 0.0, body_force: Some(force), ..Step::backward_euler(0.0, 1.0, &[]) }
 }
 
 /// Solves the Stokes equations and compares. The pressure is compared with its mean taken off where

@@ -10,6 +10,7 @@ mod broken_meshes;
 mod carried_far;
 mod case;
 mod comparison;
+mod convection;
 mod convergence;
 mod drops;
 mod elements;

@@ -1,7 +1,7 @@
 //! The system of a step with unknowns of structures: velocity, pressure, then blocks.
 
 use super::{FlowSolver, Work};
-use crate::base::Result;
+use crate::base::{Error, Result};
 use crate::fem::{At, MAX_LOCAL, Numbering, Space};
 use crate::flow::block::Block;
 use crate::flow::step::{FlowState, Step};
@@ -133,6 +133,9 @@ impl<const D: usize> FlowSolver<D> {
         work: &mut Work<D>,
         state: &mut FlowState<D>,
     ) -> Result<LaggedReport> {
+        if self.transport.is_active() {
+            return Err(Error::internal("implicit convection beside unknowns of structures"));
+        }
         let (order, groups) = (self.numbering.order(), groups_of(step.blocks));
         let count: usize = step.blocks.iter().map(|b| b.len()).sum();
         let kept = self.blocks.take().filter(|s| s.groups == groups && s.x.len() == order + count);

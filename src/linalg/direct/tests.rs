@@ -79,7 +79,7 @@ fn a_new_factorisation_of_the_same_values_has_the_same_bits() {
     let mut factor = factored(&a, Ordering::saddle_point(&a, first).unwrap());
     let bits = |factor: &Factor| match &factor.values {
         Values::Double(values) => values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(),
-        Values::Single(_) => Vec::new(),
+        _ => Vec::new(),
     };
     let before = bits(&factor);
     let mut other = a.clone();

@@ -39,6 +39,9 @@ use std::sync::Arc;
 
 /// Number of times at which prescribed velocities are checked to balance.
 const INSTANTS: usize = 16;
+/// Default relative residual of iterations with an old factor, and with implicit convection.
+const RESIDUAL: f64 = 1e-10;
+const CONVECTED_RESIDUAL: f64 = 1e-6;
 /// Estimated error of the velocity due to the steps that is told.
 const HASTY: f64 = 0.01;
 /// Speed inward through an open side over the largest in the flow that is told.
@@ -291,7 +294,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             dt: sim.settings().dt,
             at_instant: sim.is_at_instant(),
             done: sim.is_done(),
-            rejected: state.pace.as_ref().map(|p| p.clock.rejected),
+            rejected: state.pace.map(|clock| clock.rejected),
         }
     }
     fn row(&self) -> Result<Row> {
@@ -421,11 +424,19 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             rounded(100.0 * error, 2),
             rounded(sim.courant(), 2)
         );
-        let shorter = "half of time.step makes it a quarter";
+        let shorter = match sim.settings().order {
+            1 => "take time.order = 2",
+            2 if self.scene.time.tolerance.is_some() => "take a smaller time.tolerance",
+            2 => "half of time.step makes it a quarter",
+            _ => "half of time.step makes it an eighth",
+        };
         let remedy = match sim.settings().convection {
             Some(ConvectionScheme::Characteristics) => format!(
                 "{shorter}; numerics.convection = \"baker1982\" makes no such error in steady flows"
             ),
+            _ if sim.settings().order == 2 && self.scene.time.tolerance.is_none() => {
+                format!("{shorter}, time.order = 3 about a tenth")
+            }
             _ => shorter.into(),
         };
         Some(Warning::new(what, remedy))
@@ -518,7 +529,10 @@ fn settings<const D: usize>(
         transport: ground::transport(scene),
         convection,
         grad_div,
-        solve_tolerance: numerics.solve_tolerance,
+        solve_tolerance: numerics.solve_tolerance.unwrap_or(match convection {
+            Some(ConvectionScheme::Implicit) => CONVECTED_RESIDUAL,
+            _ => RESIDUAL,
+        }),
         solver: numerics.solver(),
         quadrature: numerics.quadrature.unwrap_or(QUADRATURE),
         boussinesq: fluid.boussinesq,

@@ -61,8 +61,9 @@ table! {
         convection: Option<Option<ConvectionScheme>> [Auto<OrFalse<Convections>>],
         /// Where the matrix changes from step to step, it is solved for by GMRES with an older
         /// factor, to this relative residual, as long as that costs less than factoring. 0 factors
-        /// every matrix.
-        solve_tolerance: f64 [SolveTolerance, Default(1e-10)],
+        /// every matrix. "auto": 1e-10; 1e-6 with `convection = "baker1982"`, where it moves forces
+        /// by 1e-5 of themselves.
+        solve_tolerance: Option<f64> [Auto<SolveTolerance>],
         /// How the linear systems of the flow are solved: with a factor of the whole matrix; by
         /// iterations with one in single precision, half as large; or by more iterations with
         /// scalar factors and a Schur complement, in a fifth of the memory (in space). "auto" takes

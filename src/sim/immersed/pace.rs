@@ -5,9 +5,9 @@ use crate::base::{Cause, Error, Kind, Result};
 use crate::fem::{Cells, integrate};
 use crate::flow::{ConvectionScheme, StepReport};
 use crate::levelset::band_edges;
+use crate::sim::State;
 use crate::sim::carried::largest;
 use crate::sim::clock::{Clock, Pacing};
-use crate::sim::{Pace, State};
 use nalgebra::SVector;
 
 /// Largest ratio of a step to the explicit limit (1.54).
@@ -41,7 +41,7 @@ impl<const D: usize> Simulation<D> {
                 .because(Cause::ErrorControl));
         }
         self.follow_error();
-        self.state.pace = Some(Pace { clock: Clock::new(&pacing), earliest_u: Vec::new() });
+        self.state.pace = Some(Clock::new(&pacing));
         self.pacing = Some(pacing);
         Ok(())
     }
@@ -52,14 +52,11 @@ impl<const D: usize> Simulation<D> {
     }
     /// True if the end is reached; never with steps of one length.
     pub fn is_done(&self) -> bool {
-        self.pacing
-            .as_ref()
-            .zip(self.state.pace.as_ref())
-            .is_some_and(|(p, pace)| pace.clock.is_done(p))
+        self.pacing.as_ref().zip(self.state.pace.as_ref()).is_some_and(|(p, pace)| pace.is_done(p))
     }
     /// True if the time is one of the instants.
     pub fn is_at_instant(&self) -> bool {
-        self.state.pace.as_ref().is_none_or(|pace| pace.clock.part == 0)
+        self.state.pace.as_ref().is_none_or(|pace| pace.part == 0)
     }
 
     /// The largest stable step of explicit convection and of the explicit coupling: (1.54) with the
@@ -91,7 +88,7 @@ impl<const D: usize> Simulation<D> {
         let limit = self.explicit_limit()?;
         let mut failure = None;
         loop {
-            let Some(mut clock) = self.state.pace.as_ref().map(|p| p.clock) else {
+            let Some(mut clock) = self.state.pace else {
                 return Err(Error::internal("steps that follow the error have no clock"));
             };
             let start = self.state.steps == 0;
@@ -106,8 +103,8 @@ impl<const D: usize> Simulation<D> {
                     (0..steps).for_each(|_| clock.advance(dt));
                     clock.speed = clock.speed.max(largest(&self.state.flow.u));
                     self.state.time = clock.time(pacing);
-                    let earliest_u = if start { before.flow.u } else { before.earlier_u };
-                    self.state.pace = Some(Pace { clock, earliest_u });
+                    self.state.earliest_u = if start { before.flow.u } else { before.earlier_u };
+                    self.state.pace = Some(clock);
                     return Ok(report);
                 }
                 Ok((_, error)) => error,
@@ -124,8 +121,8 @@ impl<const D: usize> Simulation<D> {
             let factored = self.state.factored.take();
             self.state = State { factored, ..before };
             if let Some(pace) = &mut self.state.pace {
-                pace.clock.judge(dt, error);
-                pace.clock.rejected += 1;
+                pace.judge(dt, error);
+                pace.rejected += 1;
             }
         }
     }
@@ -143,10 +140,10 @@ impl<const D: usize> Simulation<D> {
             report = self.single_step()?;
         }
         let pace = before.pace.as_ref();
-        let [h1, h2] = pace.map_or([0.0; 2], |p| [p.clock.last, p.clock.before]);
-        let earliest: &[SVector<f64, D>] = pace.map_or(&[], |p| &p.earliest_u);
+        let [h1, h2] = pace.map_or([0.0; 2], |p| [p.last, p.before]);
+        let earliest = &before.earliest_u;
         let (new, now) = (&self.state.flow.u, &self.state.earlier_u);
-        let fastest = pace.map_or(0.0, |p| p.clock.speed).max(largest(new));
+        let fastest = pace.map_or(0.0, |p| p.speed).max(largest(new));
         let speed = pacing.speed.max(fastest).max(f64::MIN_POSITIVE);
         let alone = self.carried.structures.is_empty();
         if start {

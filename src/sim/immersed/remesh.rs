@@ -6,8 +6,8 @@ use crate::base::Result;
 use crate::fem::{Element, Space, periodic_pairs};
 use crate::flow::FlowState;
 use crate::mesh::Mesh;
+use crate::sim::State;
 use crate::sim::transfer::{Bring, Transfer};
-use crate::sim::{Pace, State};
 use std::sync::Arc;
 
 impl Simulation<2> {
@@ -33,18 +33,17 @@ impl Simulation<2> {
         let mut sim = Simulation::build(mesh, self.settings.clone(), structures, &fields)?;
         let (from, to) = (self.flow.pressure().space(), sim.flow.pressure().space());
         let p = Bring::new(transfer, from, to, &links)?.scalar(&old.flow.p)?;
-        let pace = match &old.pace {
-            Some(pace) => {
-                Some(Pace { earliest_u: bring.vector(&pace.earliest_u)?, ..pace.clone() })
-            }
-            None => None,
+        let earliest_u = match old.earliest_u.is_empty() {
+            true => Vec::new(),
+            false => bring.vector(&old.earliest_u)?,
         };
         sim.state = State {
             steps: old.steps,
             time: old.time,
-            pace,
+            pace: old.pace,
             flow: FlowState { u: bring.vector(&old.flow.u)?, p },
             earlier_u: bring.vector(&old.earlier_u)?,
+            earliest_u,
             fields: sim.state.fields,
             factored: None,
             energies: old.energies,

@@ -1,5 +1,6 @@
 //! Settings of an immersed flow.
 
+use crate::base::Error;
 use crate::fem::{Conditions, Element};
 use crate::flow::{BodyForce, ConvectionScheme, Fluid};
 use crate::linalg::SolverOptions;
@@ -13,7 +14,7 @@ use std::sync::Arc;
 pub struct SimulationSettings<const D: usize> {
     /// Time step.
     pub dt: f64,
-    /// Order in time, 1 or 2.
+    /// Order in time, 1 or 2; 3 without structures and characteristics.
     pub order: usize,
     /// Transport of fields.
     pub transport: Transport,
@@ -94,6 +95,14 @@ impl<const D: usize> SimulationSettings<D> {
     /// # Errors
     /// A coupling that is not possible with these settings.
     pub fn check_couplings(&self, structures: &[Box<dyn Structure<D>>]) -> crate::base::Result<()> {
+        let traced = self.convection.is_some_and(|c| c != ConvectionScheme::Implicit);
+        if self.order > 2 && (traced || !structures.is_empty()) {
+            return Err(Error::scene(
+                "order 3 is for flows without structures, with implicit convection or none",
+            )
+            .value(format!("{} structures, convection {:?}", structures.len(), self.convection))
+            .remedy("take order 2"));
+        }
         let lightest = self.lightest(structures);
         structures
             .iter()

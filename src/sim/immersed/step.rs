@@ -9,6 +9,7 @@ use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
 use crate::flow::{Convection, ConvectionScheme, History, Step, StepReport};
 use crate::structure::{Coupling, Place, Velocity};
+use nalgebra::SVector;
 
 impl<const D: usize> Simulation<D> {
     /// Takes one step: predicts the structures, solves the flow with their forces, and transports
@@ -20,7 +21,8 @@ impl<const D: usize> Simulation<D> {
     /// `u^{n+1} - u^n`, BDF2 along the characteristics, and transport by `(u^n + u^{n+1})/2`. All
     /// three are of second order, and the scheme is stable for any step if the stiffness in the
     /// matrix is at least half the true one; with the extrapolated velocity in place of `u^n` it is
-    /// not (user guide, "Coupling").
+    /// not (user guide, "Coupling"). Order 3, for flows without structures whose convection is
+    /// implicit, is BDF3 with the extrapolation of three velocities.
     ///
     /// # Errors
     /// A solve that fails, or a blow-up: a particle would cross the whole domain in one step.
@@ -73,6 +75,9 @@ impl<const D: usize> Simulation<D> {
         self.follow(&scheme, work)?;
         std::mem::swap(&mut self.state.flow, &mut work.next);
         std::mem::swap(&mut self.state.earlier_u, &mut work.current);
+        if self.settings.order == 3 {
+            self.state.earliest_u.clone_from(&work.current);
+        }
         self.state.steps += 1;
         let regular = self.state.steps as f64 * scheme.dt;
         self.state.time = if self.state.pace.is_some() { scheme.time } else { regular };
@@ -142,10 +147,24 @@ impl<const D: usize> Simulation<D> {
         self.carried.structures.iter_mut().try_for_each(|s| s.prepare(&at))
     }
 
+    /// The velocity extrapolated to the end of the step.
+    fn look_ahead(
+        &self,
+        scheme: &Scheme,
+        current: &[SVector<f64, D>],
+        ahead: &mut Vec<SVector<f64, D>>,
+    ) {
+        let [now, earlier, earliest] = scheme.extrapolation();
+        combine(now, current, earlier, &self.state.earlier_u, ahead);
+        if scheme.third {
+            let two_before = ahead.iter_mut().zip(&self.state.earliest_u);
+            two_before.for_each(|(u, v)| *u += v * earliest);
+        }
+    }
+
     /// Takes the stress on open sides for the velocity that the step is expected to have there.
     fn meet_inflow(&mut self, scheme: &Scheme, Work { current, mean, .. }: &mut Work<D>) {
-        let [now, earlier] = scheme.extrapolation();
-        combine(now, current, earlier, &self.state.earlier_u, mean);
+        self.look_ahead(scheme, current, mean);
         let mut backflow = std::mem::take(&mut self.backflow);
         let start = scheme.second.then_some(&current[..]);
         backflow.prepare(&self.carried.space, self.density(), mean, start);
@@ -164,19 +183,21 @@ impl<const D: usize> Simulation<D> {
                 .remedy("check the pressures and tractions of the boundary"));
         }
         let Work { current, mean, wind, next, ahead, .. } = work;
-        let feet = |k: usize| scheme.traces().then_some(&self.feet[k]);
-        let [now, earlier] = scheme.history();
-        let history = [
-            History { weight: now, u: current, feet: feet(0) },
-            History { weight: earlier, u: &self.state.earlier_u, feet: feet(1) },
-        ];
-        let [ahead_of_now, ahead_of_earlier] = scheme.extrapolation();
+        let feet = |k: usize| self.feet.get(k).filter(|_| scheme.traces());
         if scheme.convection == Some(ConvectionScheme::Implicit) {
-            combine(ahead_of_now, current, ahead_of_earlier, &self.state.earlier_u, wind);
+            self.look_ahead(scheme, current, wind);
             self.flow.impose(scheme.time, wind);
         }
-        let extrapolated: [(f64, &[_]); 2] =
-            [(ahead_of_now, current), (ahead_of_earlier, &self.state.earlier_u)];
+        let earlier = [&current[..], &self.state.earlier_u, &self.state.earliest_u];
+        let weighed = |weights: [f64; 3]| std::array::from_fn(|k| (weights[k], earlier[k]));
+        let extrapolated: [_; 3] = weighed(scheme.extrapolation());
+        let history: [_; 3] = weighed(scheme.history());
+        let history: Vec<_> = history
+            .into_iter()
+            .take(if scheme.inertia { scheme.order() } else { 0 })
+            .enumerate()
+            .map(|(k, (weight, u))| History { weight, u, feet: feet(k) })
+            .collect();
         let convection = match scheme.convection {
             Some(ConvectionScheme::Implicit) => Convection::Implicit(wind),
             Some(ConvectionScheme::Explicit) => {
@@ -203,7 +224,7 @@ impl<const D: usize> Simulation<D> {
             time: scheme.time,
             dt: scheme.dt,
             weight: scheme.weight(),
-            history: &history[..if scheme.inertia { scheme.order() } else { 0 }],
+            history: &history,
             convection,
             terms: &terms,
             blocks: &blocks,

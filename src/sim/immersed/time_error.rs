@@ -13,11 +13,12 @@ impl<const D: usize> Simulation<D> {
     ///
     /// It is the error of the discrete acceleration `Du/Dt`, times `memory`, the time for which an
     /// error stays in the domain. The error has the parts
-    /// - of BDF2, `dt^2 u'''/3`, where `u'''` is taken as `u''` times the rate `|u''|/|u'|` (an
-    ///   oscillation has exactly this), of backward Euler `dt u''/2`;
+    /// - of backward Euler `dt u''/2`, of BDF2 `dt^2 u'''/3`, of BDF3 `dt^3 u''''/4`, where each
+    ///   further derivative is taken as a factor `|u''|/|u'|` (an oscillation has exactly this);
     /// - of characteristics, their difference from `(u . grad) u` beside the same time derivative:
     ///   the only part in a steady flow;
-    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, twice for the explicit form.
+    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, in order 3 `dt^3 (u''' . grad) u`; twice
+    ///   for the explicit form.
     ///
     /// It tells the size of the error, not its sign, and knows nothing of what the error does to a
     /// force. Costs one pass over the cells.
@@ -29,7 +30,7 @@ impl<const D: usize> Simulation<D> {
         let (basis, space) = (self.flow.velocity(), self.space());
         let points = basis.rule().len();
         let dt = self.settings.dt;
-        let last = state.pace.as_ref().map_or(dt, |p| p.clock.before);
+        let last = state.pace.map_or(dt, |clock| clock.before);
         let scheme = Scheme { dt, ratio: dt / last, ..self.scheme() };
         let weights = scheme.history();
         let earlier = [&state.earlier_u, before];
@@ -58,12 +59,17 @@ impl<const D: usize> Simulation<D> {
             [u, rate, bend, path, convected].map(|v| v.norm_squared())
         });
         let [u, rate, bend, path, convected] = sums.map(f64::sqrt);
-        let derivative = match scheme.second {
-            true if rate * dt > ROUNDING * u => dt * last * bend * bend / (3.0 * rate),
-            true => 0.0,
-            false => 0.5 * dt * bend,
+        // Steps over the time in which the velocity changes.
+        let change = if rate * dt > ROUNDING * u { dt * bend / rate } else { 0.0 };
+        let derivative = match scheme.order() {
+            1 => 0.5 * dt * bend,
+            2 => last * bend * change / 3.0,
+            _ => dt * bend * change * change / 4.0,
         };
-        let extrapolation = extrapolated * dt * last * convected;
+        let extrapolation = match scheme.order() {
+            3 => extrapolated * dt * dt * convected * change,
+            _ => extrapolated * dt * last * convected,
+        };
         if u > 0.0 { memory * (derivative + path + extrapolation) / u } else { 0.0 }
     }
 }
