@@ -27,6 +27,12 @@ fn settings<const D: usize>(
     SimulationSettings::new(dt, Fluid { density, viscosity }, conditions)
 }
 
+fn steps<const D: usize>(sim: &mut Simulation<D>, count: usize) {
+    for _ in 0..count {
+        sim.step().unwrap();
+    }
+}
+
 /// The largest error of the velocity at a node.
 fn largest_error<const D: usize>(
     sim: &Simulation<D>,
@@ -73,7 +79,7 @@ fn the_form_of_the_gradient_lets_poiseuille_flow_pass() {
                     conditions.push(("right".into(), outlet.clone()));
                     let settings = settings(0.1, [density, mu], conditions);
                     let mut sim = Simulation::new(&mesh, settings, vec![], exact).unwrap();
-                    (0..3).for_each(|_| drop(sim.step().unwrap()));
+                    steps(&mut sim, 3);
                     let error = largest_error(&sim, exact);
                     assert!(error < 1e-10, "{angle} {density}: {error:e}");
                     let balance = &sim.state().balance;
@@ -100,7 +106,6 @@ fn the_form_of_the_stress_spreads_poiseuille_flow() {
         let mut sim = Simulation::new(&Arc::new(mesh), settings, vec![], exact).unwrap();
         sim.step().unwrap();
         let largest = sim.largest_speed();
-        println!("largest speed before an open side, {n} squares across: {largest:.4}");
         assert!((largest - 1.03).abs() < 0.01, "{n}: {largest}");
     }
 }
@@ -122,7 +127,7 @@ fn a_pressure_drop_drives_poiseuille_flow_in_space() {
     for density in [0.0, 2.0] {
         let settings = settings(0.1, [density, mu], conditions.clone());
         let mut sim = Simulation::new(&mesh, settings, vec![], exact).unwrap();
-        (0..2).for_each(|_| drop(sim.step().unwrap()));
+        steps(&mut sim, 2);
         let error = largest_error(&sim, exact);
         assert!(error < 1e-10, "{density}: {error:e}");
     }
@@ -142,7 +147,7 @@ fn a_column_with_an_open_top_stays_at_rest() {
         let mut settings = settings(0.1, [2.0, 0.01], conditions);
         settings.gravity = V::new(0.0, -9.81);
         let mut sim = Simulation::new(&mesh, settings, vec![], |_| V::zeros()).unwrap();
-        (0..3).for_each(|_| drop(sim.step().unwrap()));
+        steps(&mut sim, 3);
         assert!(sim.largest_speed() < 1e-10, "{:e}", sim.largest_speed());
         for (p, x) in sim.state().flow.p.iter().zip(mesh.points()) {
             assert!((p - (3.0 + 2.0 * 9.81 * (2.0 - x[1]))).abs() < 1e-9, "{p} at {x}");
@@ -195,7 +200,7 @@ fn womersley_error(dt: f64) -> f64 {
     ];
     let settings = settings(dt, [density, mu], conditions);
     let mut sim = Simulation::new(&mesh, settings, vec![], |x| exact(x, 0.0)).unwrap();
-    (0..(1.0 / dt).round() as usize).for_each(|_| drop(sim.step().unwrap()));
+    steps(&mut sim, (1.0 / dt).round() as usize);
     let t = sim.time();
     vector_errors(sim.space(), &sim.state().flow.u, |x| (exact(x, t), SMatrix::zeros())).l2
 }
@@ -203,7 +208,6 @@ fn womersley_error(dt: f64) -> f64 {
 #[test]
 fn pulsating_flow_between_planes_is_of_second_order_in_time() {
     let errors = [0.025, 0.0125, 0.00625].map(womersley_error);
-    println!("Womersley, u in L2: {errors:?}");
     // The velocity is of the size 0.1.
     assert!(errors[2] < 2e-5, "{errors:?}");
     for pair in errors.windows(2) {
@@ -225,7 +229,7 @@ fn from_reservoir(dt: f64) -> f64 {
     ];
     let settings = settings(dt, [density, 0.01], conditions);
     let mut sim = Simulation::new(&mesh, settings, vec![], |_| V::zeros()).unwrap();
-    (0..(end / dt).round() as usize).for_each(|_| drop(sim.step().unwrap()));
+    steps(&mut sim, (end / dt).round() as usize);
     let fastest = f64::sqrt(2.0 * head / density);
     let exact = fastest * (fastest * end / (2.0 * length)).tanh();
     largest_error(&sim, |_| V::new(exact, 0.0))
@@ -234,7 +238,6 @@ fn from_reservoir(dt: f64) -> f64 {
 #[test]
 fn a_reservoir_feeds_a_channel_with_its_total_pressure() {
     let errors = [0.1, 0.05, 0.025].map(from_reservoir);
-    println!("reservoir, u: {errors:?}");
     assert!(errors[2] < 2e-3, "{errors:?}");
     assert!(errors.windows(2).all(|e| e[0] / e[1] > 3.3), "{errors:?}");
 }
@@ -265,7 +268,9 @@ fn scene(text: &str) -> Scene {
 fn balance(text: &str) -> [f64; 2] {
     let scene = scene(text);
     let mut flow = ImmersedFlow::<2>::new(&scene).unwrap();
-    (0..scene.time.steps()).for_each(|_| drop(flow.step().unwrap()));
+    for _ in 0..scene.time.steps() {
+        flow.step().unwrap();
+    }
     let (e, b) = flow.energies().unwrap();
     [b.residual(&e), b.share(b.start)]
 }
@@ -290,7 +295,6 @@ fn the_rest_of_the_balance_falls_with_the_step() {
         let text = smooth.replace("step = 0.02", &format!("step = {dt}"));
         balance(&format!("{text}[boundary.right]\nopen = true\n"))
     });
-    println!("balance of a smooth start: {rest:?}");
     let orders = rest.windows(2).map(|e| (e[0][0] / e[1][0]).log2());
     assert!(orders.clone().all(|order| order > 1.7), "{rest:?}");
     assert!(rest[2][0].abs() < 2e-3, "{rest:?}");

@@ -39,7 +39,7 @@ const CASES: [(&[&str], &[&str], Follow); 23] = [
     }),
     (
         &["boundary.walls={}", "boundary.top.no_slip=true"],
-        &["velocity, no_slip, slip, open, periodic"],
+        &["velocity, no_slip, slip, open, pressure, total_pressure, traction, periodic"],
         |_| vec!["boundary.walls={ no_slip = true }".into()],
     ),
     (&["output.forces.f.boundary=\"lid\""], &["no boundary of this name"], |m| {

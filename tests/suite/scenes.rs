@@ -103,7 +103,10 @@ const BROKEN: [Broken; 50] = [
     (
         "no_slip = true",
         "sticky = true",
-        &["boundary.walls.sticky", "velocity, no_slip, slip, open, periodic"],
+        &[
+            "boundary.walls.sticky",
+            "velocity, no_slip, slip, open, pressure, total_pressure, traction, periodic",
+        ],
     ),
     (
         "no_slip = true",

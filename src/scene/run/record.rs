@@ -36,7 +36,8 @@ pub(super) struct Record {
     pub largest_rise: f64,
     /// Largest residual of the energy balance.
     pub worst_balance: f64,
-    /// Least residual of the energy balance: negative where the scheme lost energy.
+    /// Least residual of the energy balance, with what the start has taken: negative where the scheme
+    /// lost energy.
     #[serde(default)]
     pub least_balance: f64,
     /// The elastic waves that steps were too long for, in words, by structure: the quickest.
@@ -198,7 +199,7 @@ impl Record {
             }
         }
         self.worst_balance = self.worst_balance.max(self.last_balance);
-        self.least_balance = self.least_balance.min(self.last_balance);
+        self.least_balance = self.least_balance.min(budget.share(spurious + budget.start));
     }
 
     /// The largest spurious elastic energy over that in play, of either sign, and its time. What

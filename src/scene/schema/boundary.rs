@@ -51,7 +51,7 @@ one_of! {
         "slip" [True] (()) => (Condition::Slip);
         /// No stress where fluid leaves (do-nothing): true in the form of the stress,
         /// `(2 mu D(u) - p) n = 0`, under which a channel flow spreads a little towards the side, as
-        /// it does into the open; \"gradient\" in that of the gradient, `(mu grad u - p) n = 0`,
+        /// it does into the open; "gradient" in that of the gradient, `(mu grad u - p) n = 0`,
         /// under which it goes on as in a longer channel. A structure that reaches it leaves and
         /// exerts no force from then on; fluid that comes in is that outside.
         "open" [OpenForm] (form) => (Condition::Open(form));
