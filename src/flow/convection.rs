@@ -50,7 +50,6 @@ pub enum Convection<'a, const D: usize> {
 /// with `h^(3/2)` for smooth velocities, and takes energy only. Source: R. Becker and M. Braack, A
 /// finite element pressure gradient stabilization for the Stokes equations based on local
 /// projections, Calcolo 38 (2001) 173; M. Braack and E. Burman, SIAM J. Numer. Anal. 43 (2006) 2544.
-#[derive(Default)]
 pub(super) struct Transport {
     /// True if cells with a large Reynolds number are stabilised.
     pub stabilises: bool,
@@ -59,6 +58,11 @@ pub(super) struct Transport {
 }
 
 impl Transport {
+    /// No convection yet; stabilised where it will be asked for.
+    pub fn new() -> Transport {
+        Transport { stabilises: true, locals: Vec::new() }
+    }
+
     /// Integrates the form for the velocity `w`; `None` for no convection.
     pub fn prepare<const D: usize>(
         &mut self,
@@ -68,7 +72,8 @@ impl Transport {
     ) {
         let Some(w) = w else { return self.locals.clear() };
         let stabilises = self.stabilises;
-        let tau = |c: usize| if stabilises { delay(velocity, (density, viscosity), w, c) } else { 0.0 };
+        let tau =
+            |c: usize| if stabilises { delay(velocity, (density, viscosity), w, c) } else { 0.0 };
         let (space, n) = (velocity.space(), velocity.space().local_count());
         let mesh = space.mesh();
         self.locals.resize(mesh.cell_count() * n * n, 0.0);

@@ -99,6 +99,9 @@ struct Work<const D: usize> {
     scalars: Vec<f64>,
     pressure_mass: Vec<f64>,
     products: OnNodes<D>,
+    /// The pressure at the start of the step among zeros, and what it holds of the right-hand side.
+    pressure: Vec<f64>,
+    held: Vec<f64>,
 }
 
 impl<const D: usize> Work<D> {
@@ -120,6 +123,8 @@ impl<const D: usize> Work<D> {
             scalars: Vec::new(),
             pressure_mass,
             products: OnNodes::default(),
+            pressure: Vec::new(),
+            held: Vec::new(),
         }
     }
 }
@@ -190,7 +195,7 @@ impl<const D: usize> FlowSolver<D> {
             density: Coefficient::Constant(1.0),
             viscosity: Coefficient::Constant(1.0),
             buoyancy: None,
-            transport: Transport { stabilises: true, ..Transport::default() },
+            transport: Transport::new(),
             base: None,
             kept: None,
             matrix,
@@ -446,7 +451,23 @@ impl<const D: usize> FlowSolver<D> {
         if transport.is_active() {
             operator.addition = Some(&mut convection);
         }
+        if !transport.is_active() {
+            let report = factor.solve(operator, change, &work.rhs, &mut work.x)?;
+            self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
+            return Ok(report);
+        }
+        // For the change of the pressure: a residual relative to a load that the pressure nearly
+        // holds, such as a weight, would say nothing of the velocity.
+        let first = numbering.first_pressure();
+        work.pressure.clear();
+        work.pressure.resize(first, 0.0);
+        work.pressure.extend_from_slice(&work.x[first..]);
+        work.held.resize(work.rhs.len(), 0.0);
+        self.matrix.multiply(&work.pressure, &mut work.held);
+        work.rhs.iter_mut().zip(&work.held).for_each(|(b, held)| *b -= held);
+        work.x[first..].fill(0.0);
         let report = factor.solve(operator, change, &work.rhs, &mut work.x)?;
+        work.x.iter_mut().zip(&work.pressure).for_each(|(x, p)| *x += p);
         self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);
         Ok(report)
     }
@@ -465,6 +486,8 @@ impl<const D: usize> Work<D> {
             scalars: Vec::new(),
             pressure_mass: Vec::new(),
             products: OnNodes::default(),
+            pressure: Vec::new(),
+            held: Vec::new(),
         }
     }
 }

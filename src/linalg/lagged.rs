@@ -312,7 +312,12 @@ impl LaggedFactor {
         if !x.iter().all(|v| v.is_finite()) {
             x.fill(0.0);
         }
-        let tolerance = if self.tolerance > 0.0 { self.tolerance } else { OWN_TOLERANCE };
+        let tolerance = match self.kind() {
+            // Its iterations are few.
+            SolverKind::Lu => self.tolerance.min(OWN_TOLERANCE),
+            _ => self.tolerance,
+        };
+        let tolerance = if tolerance > 0.0 { tolerance } else { OWN_TOLERANCE };
         let most = self.kind().most_iterations();
         let done = self.iterate(operator, rhs, x, (tolerance, most));
         if done.converged {

@@ -60,7 +60,10 @@ fn energy_that_vanishes_without_viscosity_raises_the_alarm() {
         let start =
             "initial_velocity = [\"sin(6*pi*x)*cos(6*pi*y)\", \"-cos(6*pi*x)*sin(6*pi*y)\"]";
         let fluid = format!("viscosity = 1e-6\n{start}");
-        let rest = format!("[boundary.walls]\nslip = true\n[time]\nend = 0.2\nstep = {step}\n");
+        let rest = format!(
+            "[boundary.walls]\nslip = true\n[time]\nend = 0.2\nstep = {step}\n[numerics]\n\
+             convection = \"pironneau1982\"\n"
+        );
         scene(&square(36), &fluid, &rest)
     };
     assert_said(&vortices(0.05), &["Energy balance", "vanished", "smaller time.step"]);

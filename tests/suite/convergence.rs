@@ -134,6 +134,8 @@ bottom.periodic = "top"
 [time]
 end = 0.4
 step = 0.1
+[numerics]
+convection = "pironneau1982"
 [exact]
 velocity = ["1 + sin(x - t) * cos(y - t/2) * exp(-2*nu*t)", "0.5 - cos(x - t) * sin(y - t/2) * exp(-2*nu*t)"]
 pressure = "0.25 * (cos(2*(x - t)) + cos(2*y - t)) * exp(-4*nu*t)"

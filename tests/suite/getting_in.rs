@@ -68,7 +68,9 @@ fn every_case_explains_itself_without_a_warning_and_makes_its_first_steps() {
             problem.step().unwrap();
         }
         let row = problem.row().unwrap();
-        assert!(row.values().iter().all(|v| v.is_finite()), "{name}: {row:?}");
+        // The error of the steps is known from the third step on.
+        let mut known = row.names().iter().zip(row.values()).filter(|(n, _)| *n != "time_error");
+        assert!(known.all(|(_, v)| v.is_finite()), "{name}: {row:?}");
     }
     let all = KEYS.keys.iter().filter(|k| matches!(k.kind, Kind::List(_))).map(|k| k.name);
     assert_eq!(lists, all.collect(), "a family has no case");

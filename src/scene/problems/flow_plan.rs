@@ -118,7 +118,7 @@ impl<const D: usize> FlowPlan<'_, D> {
             }
             (false, Some(scheme)) => {
                 let convection = match scheme {
-                    ConvectionScheme::Characteristics => "along characteristics (pironneau1982)",
+                    ConvectionScheme::Characteristics => "along characteristics",
                     ConvectionScheme::Implicit => {
                         "with implicit convection by the extrapolated velocity (baker1982)"
                     }

@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 
 /// Part of a run in which the error in time of the start is not told.
 const START: f64 = 0.25;
+/// Part of a run in which each row has to say that the steps are too long.
+const LASTING: f64 = 0.1;
 
 /// A column of a profile: its name, which contains the time, and its values.
 pub(super) type Column = (String, Vec<f64>);
@@ -69,6 +71,9 @@ pub(super) struct Record {
     /// What was told of steps that are too long for the flow.
     #[serde(default)]
     pub hasty: Option<String>,
+    /// The time since which all rows say so.
+    #[serde(default)]
+    pub hasty_since: Option<f64>,
     /// First time at which the mesh did not resolve a structure, what was wrong, and a remedy.
     #[serde(default)]
     pub unresolved: BTreeMap<String, (f64, String, String)>,
@@ -247,18 +252,26 @@ impl Record {
         told
     }
 
-    /// Records that the steps are too long for the flow, after the first quarter of the run, and
+    /// Records that the steps have been too long for the flow, in a tenth of the run after its first
+    /// quarter, and
     /// returns what is to be told if it was not known.
     pub(super) fn note_haste(
         &mut self,
         (problem, row): (&dyn Problem, &Row),
         end: f64,
     ) -> Option<Warning> {
+        let time = problem.moment().time;
         // A flow that starts at once has no short enough step.
-        if self.hasty.is_some() || problem.moment().time < START * end {
+        if self.hasty.is_some() || time < START * end {
             return None;
         }
-        let warning = problem.hasty(row)?;
+        let Some(warning) = problem.hasty(row) else {
+            self.hasty_since = None;
+            return None;
+        };
+        if time - *self.hasty_since.get_or_insert(time) < LASTING * end {
+            return None;
+        }
         self.hasty = Some(warning.to_string());
         Some(warning)
     }

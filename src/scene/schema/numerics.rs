@@ -6,8 +6,8 @@ use crate::elastic::Band;
 use crate::fem::Element;
 use crate::levelset::{Kernel, Norm};
 use crate::scene::keys::{
-    Auto, Context, Count, Flag, Form, Item, Kind, Nested, NonNegative, Opt, OrFalse, Positive, Table,
-    Tabled, Writer, kinds, table, words,
+    Auto, Context, Count, Flag, Form, Item, Kind, Nested, NonNegative, Opt, OrFalse, Positive,
+    Table, Tabled, Writer, kinds, table, words,
 };
 use crate::sim::{ConvectionScheme, Coupling, SolverKind, SolverOptions};
 use crate::transport::Method;

@@ -154,11 +154,11 @@ impl<const D: usize> Simulation<D> {
 
     /// Declares that the first step changes the velocity at once, as a flow that is set in motion by
     /// its sides does: what the balance misses then is kept apart, as that of the
-    /// [start](EnergyBalance::start). Steps of order 2 know the velocity before it for two steps
-    /// more.
+    /// [start](EnergyBalance::start). Steps of higher order know the velocity before it for
+    /// some steps more.
     pub fn start_at_once(&mut self) {
-        let remembers = self.settings.order == 2 && !self.is_stokes();
-        self.state.balance.settling = if remembers { 3 } else { 1 };
+        let order = if self.is_stokes() { 1 } else { self.settings.order as u64 };
+        self.state.balance.settling = if order == 1 { 1 } else { order + 1 };
     }
 
     /// Energies below `least` are errors of rounding or of the mesh, which the balance does not

@@ -14,9 +14,8 @@ impl<const D: usize> Simulation<D> {
     /// It is the error of the discrete acceleration `Du/Dt`, times `memory`, the time for which an
     /// error stays in the domain. The error has the parts
     /// - of backward Euler `dt u''/2`, of BDF2 `dt^2 u'''/3`, of BDF3 `dt^3 u''''/4`, where each
-    ///   further derivative is taken as a factor `|u''|/|u'|` (an oscillation has exactly this);
-    /// - of characteristics, their difference from `(u . grad) u` beside the same time derivative:
-    ///   the only part in a steady flow;
+    ///   further derivative is taken as a factor `|u''|/|u'|` (an oscillation has exactly this), and
+    ///   derivatives are along the paths where convection is: those do not vanish in a steady flow;
     /// - of extrapolated convection, `dt^2 (u'' . grad) u`, in order 3 `dt^3 (u''' . grad) u`; twice
     ///   for the explicit form.
     ///
@@ -32,7 +31,6 @@ impl<const D: usize> Simulation<D> {
         let dt = self.settings.dt;
         let last = state.pace.map_or(dt, |clock| clock.before);
         let scheme = Scheme { dt, ratio: dt / last, ..self.scheme() };
-        let weights = scheme.history();
         let earlier = [&state.earlier_u, before];
         let extrapolated = match scheme.convection {
             Some(ConvectionScheme::Implicit) => 1.0,
@@ -42,25 +40,25 @@ impl<const D: usize> Simulation<D> {
         let sums = integrate(basis, Cells::All, |at| {
             let u = basis.value(at, &state.flow.u);
             let gradient = basis.jacobian(at, &state.flow.u);
-            let [now, then] = earlier.map(|u| basis.value(at, u));
+            let [now, then] = std::array::from_fn(|k| match scheme.traces() {
+                true => {
+                    let foot = self.feet[k].get(at.cell * points + at.q);
+                    space.value(earlier[k], foot.cell as usize, &foot.barycentric)
+                }
+                false => basis.value(at, earlier[k]),
+            });
             let (first, slope) = ((u - now) / dt, (now - then) / last);
             let bend = (first - slope) * (2.0 / (dt + last));
             let rate = first + bend * (0.5 * dt);
-            let mut path = SVector::<f64, D>::zeros();
-            if scheme.traces() {
-                path = gradient * u;
-                for (k, weight) in weights.iter().enumerate().take(scheme.order()) {
-                    let foot = self.feet[k].get(at.cell * points + at.q);
-                    let carried = space.value(earlier[k], foot.cell as usize, &foot.barycentric);
-                    path += (carried - [now, then][k]) * (weight / dt);
-                }
-            }
             let convected = gradient * bend;
-            [u, rate, bend, path, convected].map(|v| v.norm_squared())
+            [u, rate, bend, convected].map(|v: SVector<f64, D>| v.norm_squared())
         });
-        let [u, rate, bend, path, convected] = sums.map(f64::sqrt);
+        let [u, rate, bend, convected] = sums.map(f64::sqrt);
         // Steps over the time in which the velocity changes.
-        let change = if rate * dt > ROUNDING * u { dt * bend / rate } else { 0.0 };
+        let change = match rate * dt > ROUNDING * u {
+            true => dt * bend / rate.hypot(dt * bend),
+            false => 0.0,
+        };
         let derivative = match scheme.order() {
             1 => 0.5 * dt * bend,
             2 => last * bend * change / 3.0,
@@ -70,7 +68,7 @@ impl<const D: usize> Simulation<D> {
             3 => extrapolated * dt * dt * convected * change,
             _ => extrapolated * dt * last * convected,
         };
-        if u > 0.0 { memory * (derivative + path + extrapolation) / u } else { 0.0 }
+        if u > 0.0 { memory * (derivative + extrapolation) / u } else { 0.0 }
     }
 }
 
