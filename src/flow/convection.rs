@@ -45,7 +45,7 @@ pub enum Convection<'a, const D: usize> {
 ///
 /// Where a layer is far thinner than a cell, `C` alone lets it oscillate. In cells whose Reynolds
 /// number `Re_K = rho |w| h/mu` (longest edge `h`, mean velocity) is above [`LAYERS`], the form
-/// `int rho tau_K k(w . grad u) . k(w . grad v)` is added, with `tau_K = h/(8 |w|) (1 - LAYERS/Re_K)`
+/// `int rho tau_K k(w . grad u) . k(w . grad v)` is added, with `tau_K = h/(2 |w|) (1 - LAYERS/Re_K)`
 /// and `k f = f - mean_K f`: local projection, which acts on what the cell cannot resolve, vanishes
 /// with `h^(3/2)` for smooth velocities, and takes energy only. Source: R. Becker and M. Braack, A
 /// finite element pressure gradient stabilization for the Stokes equations based on local
@@ -184,7 +184,7 @@ fn delay<const D: usize>(
     let h = space.mesh().diameter(c);
     // No division by a viscosity of zero.
     let (inertial, viscous) = (rho * speed * h, LAYERS * mu);
-    if inertial > viscous { h / (8.0 * speed) * (1.0 - viscous / inertial) } else { 0.0 }
+    if inertial > viscous { h / (2.0 * speed) * (1.0 - viscous / inertial) } else { 0.0 }
 }
 
 /// Adds `int rho tau k(w . grad phi_b) k(w . grad phi_a)` of cell `c` to its matrix.

@@ -69,7 +69,7 @@ fn energy_that_vanishes_without_viscosity_raises_the_alarm() {
     assert_said(&vortices(0.05), &["Energy balance", "vanished", "smaller time.step"]);
     let short = said(&vortices(0.0125));
     assert!(short.starts_with("warning: the Reynolds number of a cell"), "{short}");
-    assert_eq!(short.lines().count(), 1, "{short}");
+    assert!(!short.contains("ALARM"), "{short}");
     let lid = "[boundary.walls]\nno_slip = true\n[boundary.top]\nvelocity = [\"x*(1-x)\", 0]\n\
                [time]\nend = 0.1\nstep = 0.05\n";
     assert_eq!(said(&scene(&square(8), "viscosity = 0.01", lid)), "");

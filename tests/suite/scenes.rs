@@ -69,7 +69,7 @@ const BROKEN: [Broken; 50] = [
     ("end = 1", "end = 1e400", &["scene.toml:16:7", "1e400"]),
     ("step = 0.1", "step = 0", &["time.step", "positive", "> 0"]),
     ("step = 0.1", "step = 0.3", &["time.end", "not a multiple", "0.9 and 1.2"]),
-    ("step = 0.1", "step = 0.1\norder = 3", &["time.order", "3", "from 1 to 2"]),
+    ("step = 0.1", "step = 0.1\norder = 4", &["time.order", "4", "from 1 to 3"]),
     ("[20, 20]", "[0, 20]", &["mesh.rectangle.cells.0", "0", "from 1"]),
     (
         "max = [2, 2]",

@@ -99,9 +99,10 @@ impl<const D: usize> FlowPlan<'_, D> {
         lines.extend(flow.solver_summary());
         if let Some((_, factor)) = flow.solver_size() {
             lines.push(format!(
-                "matrix {} entries (one triangle), factor {} entries; memory about {:.0} \
+                "matrix {} entries (one triangle), {} factor {} entries; memory about {:.0} \
                  MB, of which factors {:.0} MB",
                 flow.matrix_nonzeros(),
+                if unsymmetric { "LDU" } else { "LDL^T" },
                 factor.entries,
                 sim.bytes() as f64 / 1e6,
                 sim.factor_bytes() as f64 / 1e6

@@ -42,6 +42,8 @@ const INSTANTS: usize = 16;
 /// Default relative residual of iterations with an old factor, and with implicit convection.
 const RESIDUAL: f64 = 1e-10;
 const CONVECTED_RESIDUAL: f64 = 1e-6;
+/// Courant number of a flow that is at rest but for rounding.
+const AT_REST: f64 = 1e-3;
 /// Estimated error of the velocity due to the steps that is told.
 const HASTY: f64 = 0.01;
 /// Speed inward through an open side over the largest in the flow that is told.
@@ -417,6 +419,9 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
     fn hasty(&self, row: &Row) -> Option<Warning> {
         let error = row.get("time_error").filter(|e| *e > HASTY)?;
         let sim = &self.simulation;
+        if sim.courant() < AT_REST {
+            return None;
+        }
         let what = format!(
             "the steps are long for this flow: at t = {:.4} they make an estimated error of {} % of \
              the velocity, at Courant number {}; forces may be off by more",
