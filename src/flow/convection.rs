@@ -1,7 +1,7 @@
 //! Convection that is not along characteristics: linearised implicit, or extrapolated explicit.
 
 use crate::base::{Result, parallel};
-use crate::fem::{At, Basis, Cells, MAX_LOCAL, Numbering, VectorForm, assemble_local};
+use crate::fem::{At, Basis, Cells, Numbering, VectorForm, assemble_local};
 use crate::flow::Coefficient;
 use crate::linalg::{Addition, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
@@ -42,38 +42,21 @@ pub enum Convection<'a, const D: usize> {
 /// des equations de Navier-Stokes, Bull. SMF 96 (1968) 115). No integration by parts: the condition
 /// on open sides stays what it is. Its matrix acts on each component alike; one of `n x n` numbers
 /// a cell is kept, for `n` velocity functions.
-///
-/// Where a layer is far thinner than a cell, `C` alone lets it oscillate. In cells whose Reynolds
-/// number `Re_K = rho |w| h/mu` (longest edge `h`, mean velocity) is above [`LAYERS`], the form
-/// `int rho tau_K k(w . grad u) . k(w . grad v)` is added, with `tau_K = h/(2 |w|) (1 - LAYERS/Re_K)`
-/// and `k f = f - mean_K f`: local projection, which acts on what the cell cannot resolve, vanishes
-/// with `h^(3/2)` for smooth velocities, and takes energy only. Source: R. Becker and M. Braack, A
-/// finite element pressure gradient stabilization for the Stokes equations based on local
-/// projections, Calcolo 38 (2001) 173; M. Braack and E. Burman, SIAM J. Numer. Anal. 43 (2006) 2544.
+#[derive(Default)]
 pub(super) struct Transport {
-    /// True if cells with a large Reynolds number are stabilised.
-    pub stabilises: bool,
     /// `C(phi_b, phi_a)` of cell `c` at `(c n + a) n + b`; empty if there is no convection.
     locals: Vec<f64>,
 }
 
 impl Transport {
-    /// No convection yet; stabilised where it will be asked for.
-    pub fn new() -> Transport {
-        Transport { stabilises: true, locals: Vec::new() }
-    }
-
     /// Integrates the form for the velocity `w`; `None` for no convection.
     pub fn prepare<const D: usize>(
         &mut self,
         velocity: &Basis<D>,
-        (density, viscosity): (&Coefficient, &Coefficient),
+        density: &Coefficient,
         w: Option<&[SVector<f64, D>]>,
     ) {
         let Some(w) = w else { return self.locals.clear() };
-        let stabilises = self.stabilises;
-        let tau =
-            |c: usize| if stabilises { delay(velocity, (density, viscosity), w, c) } else { 0.0 };
         let (space, n) = (velocity.space(), velocity.space().local_count());
         let mesh = space.mesh();
         self.locals.resize(mesh.cell_count() * n * n, 0.0);
@@ -95,44 +78,8 @@ impl Transport {
                         }
                     }
                 }
-                let tau = tau(c);
-                if tau > 0.0 {
-                    add_fluctuations(velocity, (density, c), w, tau, local);
-                }
             }
         });
-    }
-
-    /// Power that the stabilisation takes from the velocity `u`, with the wind `u`.
-    pub fn taken<const D: usize>(
-        &self,
-        velocity: &Basis<D>,
-        (density, viscosity): (&Coefficient, &Coefficient),
-        u: &[SVector<f64, D>],
-    ) -> f64 {
-        if !self.stabilises || !self.is_active() {
-            return 0.0;
-        }
-        let (space, rule) = (velocity.space(), velocity.rule());
-        let [power] = parallel::sum(space.mesh().cell_count(), |c| {
-            let tau = delay(velocity, (density, viscosity), u, c);
-            if tau == 0.0 {
-                return [0.0];
-            }
-            let (own, inverse) = (space.on_cell(u, c), &space.mesh().map(c).inverse);
-            let slope = |q: usize| {
-                let gradient = own.reference_jacobian(velocity.reference_gradients(q)) * inverse;
-                gradient * own.combined(velocity.values(q))
-            };
-            let mut mean = SVector::<f64, D>::zeros();
-            (0..rule.len()).for_each(|q| mean += slope(q) * rule.weights[q]);
-            let at = |q: usize| {
-                let weight = tau * velocity.weight(c, q) * density.value(c, q);
-                weight * (slope(q) - mean).norm_squared()
-            };
-            [(0..rule.len()).map(at).sum()]
-        });
-        power
     }
 
     /// True if there is convection.
@@ -160,60 +107,6 @@ impl Transport {
                 }
             }
         });
-    }
-}
-
-/// Reynolds number of a cell above which it is stabilised.
-pub const LAYERS: f64 = 200.0;
-
-/// `tau_K` of a cell; 0 where it is not stabilised.
-fn delay<const D: usize>(
-    velocity: &Basis<D>,
-    (density, viscosity): (&Coefficient, &Coefficient),
-    w: &[SVector<f64, D>],
-    c: usize,
-) -> f64 {
-    let (space, rule) = (velocity.space(), velocity.rule());
-    let wind = space.on_cell(w, c);
-    let (mut speed, mut rho, mut mu) = (0.0, 0.0, 0.0);
-    for q in 0..rule.len() {
-        speed += rule.weights[q] * wind.combined(velocity.values(q)).norm();
-        rho += rule.weights[q] * density.value(c, q);
-        mu += rule.weights[q] * viscosity.value(c, q);
-    }
-    let h = space.mesh().diameter(c);
-    // No division by a viscosity of zero.
-    let (inertial, viscous) = (rho * speed * h, LAYERS * mu);
-    if inertial > viscous { h / (2.0 * speed) * (1.0 - viscous / inertial) } else { 0.0 }
-}
-
-/// Adds `int rho tau k(w . grad phi_b) k(w . grad phi_a)` of cell `c` to its matrix.
-fn add_fluctuations<const D: usize>(
-    velocity: &Basis<D>,
-    (density, c): (&Coefficient, usize),
-    w: &[SVector<f64, D>],
-    tau: f64,
-    local: &mut [f64],
-) {
-    let (space, rule) = (velocity.space(), velocity.rule());
-    let (n, inverse) = (space.local_count(), &space.mesh().map(c).inverse);
-    let wind = space.on_cell(w, c);
-    let slopes = |q: usize| {
-        let along = inverse * wind.combined(velocity.values(q));
-        velocity.reference_gradients(q).map(|g| along.dot(&g))
-    };
-    let mut mean = [0.0; MAX_LOCAL];
-    for q in 0..rule.len() {
-        let slopes = slopes(q);
-        (0..n).for_each(|a| mean[a] += rule.weights[q] * slopes[a]);
-    }
-    for q in 0..rule.len() {
-        let (slopes, weight) = (slopes(q), tau * velocity.weight(c, q) * density.value(c, q));
-        for a in 0..n {
-            for b in 0..n {
-                local[a * n + b] += weight * (slopes[a] - mean[a]) * (slopes[b] - mean[b]);
-            }
-        }
     }
 }
 

@@ -195,7 +195,7 @@ impl<const D: usize> FlowSolver<D> {
             density: Coefficient::Constant(1.0),
             viscosity: Coefficient::Constant(1.0),
             buoyancy: None,
-            transport: Transport::new(),
+            transport: Transport::default(),
             base: None,
             kept: None,
             matrix,
@@ -230,11 +230,6 @@ impl<const D: usize> FlowSolver<D> {
     /// the constant matrix. To be called before the first step.
     pub fn keep(&mut self, term: Arc<dyn MomentumTerm<D> + Send>) {
         self.kept = Some(term);
-    }
-    /// Stabilises implicit convection in cells whose Reynolds number is large (the default), or
-    /// not.
-    pub fn stabilise(&mut self, stabilises: bool) {
-        self.transport.stabilises = stabilises;
     }
     /// Declares that the length of the step, and with it the matrix, will change: no change is
     /// treated as lasting.

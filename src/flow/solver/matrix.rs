@@ -141,7 +141,7 @@ impl<const D: usize> FlowSolver<D> {
             Convection::Implicit(w) => Some(w),
             _ => None,
         };
-        self.transport.prepare(&self.velocity, (&self.density, &self.viscosity), wind);
+        self.transport.prepare(&self.velocity, &self.density, wind);
         if self.factor_is_base && !implicit && wind.is_none() {
             return Ok(Change::None);
         }

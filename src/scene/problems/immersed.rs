@@ -533,7 +533,6 @@ fn settings<const D: usize>(
         order: scene.time.order,
         transport: ground::transport(scene),
         convection,
-        stabilised: numerics.stabilised,
         grad_div,
         solve_tolerance: numerics.solve_tolerance.unwrap_or(match convection {
             Some(ConvectionScheme::Implicit) => CONVECTED_RESIDUAL,

@@ -6,8 +6,8 @@ use crate::elastic::Band;
 use crate::fem::Element;
 use crate::levelset::{Kernel, Norm};
 use crate::scene::keys::{
-    Auto, Context, Count, Flag, Form, Item, Kind, Nested, NonNegative, Opt, OrFalse, Positive,
-    Table, Tabled, Writer, kinds, table, words,
+    Auto, Context, Count, Form, Item, Kind, Nested, NonNegative, Opt, OrFalse, Positive, Table,
+    Tabled, Writer, kinds, table, words,
 };
 use crate::sim::{ConvectionScheme, Coupling, SolverKind, SolverOptions};
 use crate::transport::Method;
@@ -59,10 +59,6 @@ table! {
         /// the step; or explicit, extrapolated (Karniadakis, Israeli and Orszag 1991), stable below a
         /// Courant number of about .3. "auto": along characteristics, where there is inertia.
         convection: Option<Option<ConvectionScheme>> [Auto<OrFalse<Convections>>],
-        /// Whether implicit convection ("baker1982") is stabilised by local projection (Braack and
-        /// Burman 2006) in cells whose Reynolds number is above 200, where layers thinner than a cell
-        /// would let it oscillate.
-        stabilised: bool [Flag, Default(true)],
         /// Where the matrix changes from step to step, it is solved for by GMRES with an older
         /// factor, to this relative residual, as long as that costs less than factoring. 0 factors
         /// every matrix. "auto": 1e-10; 1e-6 with `convection = "baker1982"`, where it moves forces

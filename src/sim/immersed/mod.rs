@@ -184,7 +184,6 @@ impl<const D: usize> Simulation<D> {
         let scheme = settings.convection.filter(|_| inertial);
         let unsymmetric = scheme == Some(ConvectionScheme::Implicit);
         flow.solve_by(SolverOptions { unsymmetric, ..settings.solver });
-        flow.stabilise(settings.stabilised);
         let implicit = structures.iter().any(|s| s.acts() && s.coupling() == Coupling::Implicit);
         let open: Vec<(u32, usize)> = condition_of_facets(mesh, conditions)?
             .into_iter()

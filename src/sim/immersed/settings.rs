@@ -20,8 +20,6 @@ pub struct SimulationSettings<const D: usize> {
     pub transport: Transport,
     /// How velocity carries itself; `None` for no convection.
     pub convection: Option<ConvectionScheme>,
-    /// True if implicit convection is stabilised in cells whose Reynolds number is large.
-    pub stabilised: bool,
     /// Weight of the grad-div term, in units of viscosity.
     pub grad_div: f64,
     /// Relative residual of iterations with an old factor, if the matrix changes from step to step;
@@ -55,7 +53,6 @@ impl<const D: usize> SimulationSettings<D> {
             order: 2,
             transport: Transport::default(),
             convection: (fluid.density > 0.0).then_some(ConvectionScheme::Characteristics),
-            stabilised: true,
             grad_div: 0.0,
             solve_tolerance: 1e-10,
             solver: SolverOptions::default(),
