@@ -40,6 +40,13 @@ static ALONE: Mutex<()> = Mutex::new(());
 
 /// A cavity with `n` x `n` squares, and what is added to its scene.
 fn cavity(n: usize, fluid: &str, more: &str) -> ImmersedFlow {
+    // Along characteristics, whose matrix stays: iterations keep vectors of their own.
+    let traced = "[numerics]\nconvection = \"pironneau1982\"\n";
+    let more = match (more.contains("convection"), more.contains("[numerics]\n")) {
+        (true, _) => more.to_string(),
+        (_, true) => more.replace("[numerics]\n", traced),
+        _ => format!("{more}\n{traced}"),
+    };
     let text = format!(
         "[mesh]\nrectangle = {{ min = [0, 0], max = [2, 2], cells = [{n}, {n}] }}\n\
          [fluid]\nviscosity = 0.01\n{fluid}\n\
