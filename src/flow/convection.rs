@@ -28,7 +28,7 @@ pub enum Convection<'a, const D: usize> {
     /// Not at all, or by the feet of [`History`](super::History).
     #[default]
     InHistory,
-    /// By the form [`Transport`] with a velocity that is known.
+    /// By the form `int rho ((w . grad) u + (div w) u / 2) . v` with a velocity `w` that is known.
     Implicit(&'a [SVector<f64, D>]),
     /// By the force `-sum_k w_k rho ((u_k . grad) u_k + (div u_k) u_k / 2)` of earlier velocities.
     Explicit(&'a [(f64, &'a [SVector<f64, D>])]),
