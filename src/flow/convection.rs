@@ -3,7 +3,7 @@
 use crate::base::{Result, parallel};
 use crate::fem::{At, Basis, Cells, Numbering, VectorForm, assemble_local};
 use crate::flow::Coefficient;
-use crate::linalg::{Addition, SymmetricMatrix};
+use crate::linalg::{Addition, Operator, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
 
 /// A scheme for the convection of velocity; all are of second order in time with BDF2, of first
@@ -141,6 +141,14 @@ pub(super) struct OnNodes<const D: usize> {
     product: Vec<SVector<f64, D>>,
     scratch: Vec<SVector<f64, D>>,
     rows: Vec<f64>,
+}
+
+impl<const D: usize> OnUnknowns<'_, D> {
+    /// The operator of a step: a matrix, with convection if there is any.
+    pub fn beside<'a>(&'a mut self, matrix: &'a SymmetricMatrix) -> Operator<'a> {
+        let active = self.transport.is_active();
+        Operator { matrix, addition: if active { Some(self) } else { None } }
+    }
 }
 
 impl<const D: usize> Addition for OnUnknowns<'_, D> {

@@ -7,8 +7,8 @@ use super::term::MomentumTerm;
 use crate::base::{Error, PHASES, Phase, Phases, Result};
 use crate::fem::{At, Basis, Cells, Conditions, Numbering, Rule, Space, assemble_scalar};
 use crate::linalg::{
-    Change, Factor, FactorSize, LaggedFactor, LaggedReport, Operator, SolveCost, SolverKind,
-    SolverOptions, SymmetricMatrix,
+    Change, Factor, FactorSize, LaggedFactor, LaggedReport, SolveCost, SolverKind, SolverOptions,
+    SymmetricMatrix,
 };
 use nalgebra::SVector;
 use std::sync::Arc;
@@ -442,10 +442,7 @@ impl<const D: usize> FlowSolver<D> {
         let (transport, velocity, numbering) = (&self.transport, &self.velocity, &self.numbering);
         let mut convection =
             OnUnknowns { transport, velocity, numbering, work: &mut work.products };
-        let mut operator = Operator::from(&self.matrix);
-        if transport.is_active() {
-            operator.addition = Some(&mut convection);
-        }
+        let operator = convection.beside(&self.matrix);
         if !transport.is_active() {
             let report = factor.solve(operator, change, &work.rhs, &mut work.x)?;
             self.numbering.scatter(&work.x, &work.lift, &mut state.u, &mut state.p);

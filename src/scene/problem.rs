@@ -244,11 +244,11 @@ pub trait Problem {
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         Ok(Vec::new())
     }
-    /// How far forces by the residual and by the stress are apart now, by name.
+    /// How far forces by the residual and by the stress are apart in a row of now, by name.
     ///
     /// # Errors
     /// A boundary that the mesh does not have.
-    fn force_gaps(&self) -> Result<Vec<(String, Gap)>> {
+    fn force_gaps(&self, _row: &Row) -> Result<Vec<(String, Gap)>> {
         Ok(Vec::new())
     }
     /// Remedies of alarms.

@@ -319,7 +319,7 @@ impl<'a> Run<'a> {
             self.record.note_row(self.scene, &row);
             let told = self.record.note_haste((&*self.problem, &row), time.end);
             told.iter().for_each(|w| observer.warning(w));
-            self.record.note_forces(self.scene, &*self.problem)?;
+            self.record.note_forces(self.scene, (&*self.problem, &row))?;
         }
         if [output.fields, output.pictures].into_iter().flatten().any(due) {
             self.problem.write_fields(&self.folder.fields(step))?;

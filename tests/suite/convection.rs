@@ -222,6 +222,14 @@ fn the_error_in_time_is_estimated() {
     }
 }
 
+/// Steps of order 1 along characteristics know one foot: there is no estimate, and no failure.
+#[test]
+fn steps_of_order_one_along_characteristics_have_no_estimate() {
+    let traced = "numerics.convection=\"pironneau1982\"";
+    let case = run(CARRIED, &[traced, "time.order=1"], 4);
+    assert!(case.model.row().unwrap().get("time_error").unwrap().is_nan());
+}
+
 /// Order 3 is refused where it does not hold.
 #[test]
 fn order_three_is_for_a_flow_alone_in_steps_of_one_length() {

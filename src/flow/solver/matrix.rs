@@ -8,7 +8,7 @@ use crate::fem::{
 use crate::flow::convection::{Convection, OnNodes, OnUnknowns};
 use crate::flow::term::{MomentumTerm, Support};
 use crate::linalg::{
-    CONSTRAINED, Change, LaggedFactor, Multipliers, Operator, Saddle, SolveCost, SymmetricMatrix,
+    CONSTRAINED, Change, LaggedFactor, Multipliers, Saddle, SolveCost, SymmetricMatrix,
 };
 use nalgebra::{SMatrix, SVector};
 
@@ -206,10 +206,6 @@ impl<const D: usize> FlowSolver<D> {
         self.factored_plain = !transport.is_active() && terms.iter().all(|t| !t.is_implicit());
         let mut work = OnNodes::default();
         let mut convection = OnUnknowns { transport, velocity, numbering, work: &mut work };
-        let mut operator = Operator::from(&self.matrix);
-        if transport.is_active() {
-            operator.addition = Some(&mut convection);
-        }
-        factor.restore(operator, solve_cost)
+        factor.restore(convection.beside(&self.matrix), solve_cost)
     }
 }

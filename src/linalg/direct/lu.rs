@@ -61,10 +61,10 @@ impl Lu {
 
     /// The halves of the matrix to be factored, for assembly; those of `matrix` at first.
     pub fn halves(&mut self, matrix: &SymmetricMatrix) -> &mut [SymmetricMatrix; 2] {
-        let [symmetric, skew] = self.halves.get_or_insert_with(|| [matrix.clone(), matrix.clone()]);
-        symmetric.values_mut().copy_from_slice(matrix.values());
-        skew.zero();
-        self.halves.get_or_insert_with(|| [matrix.clone(), matrix.clone()])
+        let halves = self.halves.get_or_insert_with(|| [matrix.clone(), matrix.clone()]);
+        halves[0].values_mut().copy_from_slice(matrix.values());
+        halves[1].zero();
+        halves
     }
 
     /// Factors the matrix of the halves; `positions` are those of the unknowns in the order of

@@ -1,7 +1,7 @@
 //! Forces on boundaries, and their coefficients.
 
 use crate::base::{Error, Result, Warning, rounded};
-use crate::fem::condition_of_facets;
+use crate::fem::{Conditions, condition_of_facets};
 use crate::flow::{Load, Wake, stress_size, traction};
 use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
@@ -15,18 +15,54 @@ use crate::sim::Simulation;
 use nalgebra::SVector;
 use std::collections::HashSet;
 
+/// What the forces of a scene need of a mesh.
+pub(super) struct Site<const D: usize> {
+    /// The line behind a body whose force has a reference.
+    wake: Option<Wake<D>>,
+    /// True on an open side, where there is no residual.
+    open: bool,
+}
+
+/// The sites of the forces of a scene.
+///
+/// # Errors
+/// A boundary that the mesh does not have.
+pub(super) fn sites<const D: usize>(
+    scene: &Scene,
+    (mesh, conditions): (&Mesh<D>, &Conditions<D>),
+) -> Result<Vec<Site<D>>> {
+    let is_open = |(_, k): &(u32, Option<usize>)| k.is_some_and(|k| conditions[k].1.is_open());
+    let open = condition_of_facets(mesh, conditions)?.into_iter().filter(is_open);
+    let open: HashSet<u32> = open.map(|c| c.0).collect();
+    let of = |f: &Named<Force>| {
+        let wake = f.reference.as_ref().map(|reference| {
+            let [stream, _] = reference.directions(D);
+            Wake::new(mesh, &f.boundary, &point::<D>(&stream))
+        });
+        let open = mesh.boundary(&f.boundary)?.iter().any(|facet| open.contains(facet));
+        Ok(Site { wake: wake.transpose()?.flatten(), open })
+    };
+    scene.output.forces.iter().map(of).collect()
+}
+
 /// Measures the forces on boundaries, from the residual and from the stress.
 ///
 /// # Errors
 /// A boundary that the mesh does not have.
 pub(super) fn measure<const D: usize>(
     sim: &Simulation<D>,
-    (scene, wakes): (&Scene, &[Option<Wake<D>>]),
+    (scene, sites): (&Scene, &[Site<D>]),
     row: &mut Row,
 ) -> Result<()> {
-    for (f, wake) in scene.output.forces.iter().zip(wakes) {
-        let [residual, stress] = both(sim, f)?;
-        let methods = [("", &residual), ("stress_", &stress)];
+    let (space, pressure, state) = (sim.space(), sim.flow().pressure().space(), sim.state());
+    for (f, site) in scene.output.forces.iter().zip(sites) {
+        let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
+        let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
+        let stress = match state.has_pressure() {
+            true => traction(space, pressure, sim.viscosity(), &state.flow, &f.boundary, &about)?,
+            false => Load::NAN,
+        };
+        let methods = [("", &residual), (STRESS, &stress)];
         for (method, load) in methods {
             let prefix = format!("{}_{method}", f.name);
             row.put_all(&prefix, force_columns(D, false).iter().zip(load.force.iter().copied()));
@@ -40,71 +76,44 @@ pub(super) fn measure<const D: usize>(
             let values = coefficients(reference, scene.outside().density, &residual.force);
             row.put_all(&format!("{}_", f.name), COEFFICIENTS.into_iter().zip(values));
         }
-        if let Some(wake) = wake {
-            let length = wake.recirculation(sim.space(), &sim.state().flow.u);
-            row.put(format!("{}_recirculation", f.name), length);
+        if let Some(wake) = &site.wake {
+            row.put(format!("{}_recirculation", f.name), wake.recirculation(space, &state.flow.u));
         }
     }
     Ok(())
 }
 
-/// A force by the residual and by the stress; NaN where there is none yet.
-fn both<const D: usize>(sim: &Simulation<D>, f: &Named<Force>) -> Result<[Load<D>; 2]> {
-    let about = f.about.as_deref().map_or(Point::<D>::zeros(), point);
-    let residual = sim.reaction(&f.boundary, &about)?.unwrap_or(Load::NAN);
-    let (space, pressure, state) = (sim.space(), sim.flow().pressure().space(), sim.state());
-    let stress = match state.has_pressure() {
-        true => traction(space, pressure, sim.viscosity(), &state.flow, &f.boundary, &about)?,
-        false => Load::NAN,
-    };
-    Ok([residual, stress])
-}
-
-/// The lines behind the bodies whose forces have a reference.
-///
-/// # Errors
-/// A boundary that the mesh does not have.
-pub(super) fn wakes<const D: usize>(scene: &Scene, mesh: &Mesh<D>) -> Result<Vec<Option<Wake<D>>>> {
-    let of = |f: &Named<Force>| {
-        let Some(reference) = &f.reference else { return Ok(None) };
-        let [stream, _] = reference.directions(D);
-        Wake::new(mesh, &f.boundary, &point::<D>(&stream))
-    };
-    scene.output.forces.iter().map(of).collect()
-}
-
-/// How far the forces by the residual and by the stress are apart, by name; none on open sides,
-/// which have no residual.
+/// How far the forces by the residual and by the stress are apart in a row, by name; none on open
+/// sides, which have no residual.
 ///
 /// # Errors
 /// A boundary that the mesh does not have.
 pub(super) fn gaps<const D: usize>(
     sim: &Simulation<D>,
-    scene: &Scene,
+    (scene, sites): (&Scene, &[Site<D>]),
+    row: &Row,
 ) -> Result<Vec<(String, Gap)>> {
+    let (spaces, columns) =
+        ([&**sim.space(), &**sim.flow().pressure().space()], force_columns(D, false));
     let mut gaps = Vec::new();
-    let (mesh, conditions) = (sim.space().mesh(), &sim.settings().conditions);
-    let open = |(_, k): &(u32, Option<usize>)| k.is_some_and(|k| conditions[k].1.is_open());
-    let open: HashSet<u32> =
-        condition_of_facets(mesh, conditions)?.into_iter().filter(open).map(|c| c.0).collect();
-    for f in &scene.output.forces {
-        if mesh.boundary(&f.boundary)?.iter().any(|facet| open.contains(facet)) {
-            continue;
-        }
-        let [residual, stress] = both(sim, f)?.map(|load| load.force);
-        let spaces = [&**sim.space(), &**sim.flow().pressure().space()];
-        let gap = Gap {
-            difference: (residual - stress).norm(),
-            force: residual.norm().max(stress.norm()),
-            stresses: stress_size(spaces, sim.viscosity(), &sim.state().flow, &f.boundary)?,
-        };
-        if gap.difference.is_finite() {
-            gaps.push((f.name.clone(), gap));
+    for (f, _) in scene.output.forces.iter().zip(sites).filter(|(_, site)| !site.open) {
+        let [residual, stress] = ["", STRESS].map(|method| {
+            SVector::<f64, D>::from_fn(|i, _| {
+                row.get(&format!("{}_{method}{}", f.name, columns[i])).unwrap_or(f64::NAN)
+            })
+        });
+        let difference = (residual - stress).norm();
+        if difference.is_finite() {
+            let force = residual.norm().max(stress.norm());
+            let stresses = stress_size(spaces, sim.viscosity(), &sim.state().flow, &f.boundary)?;
+            gaps.push((f.name.clone(), Gap { difference, force, stresses }));
         }
     }
     Ok(gaps)
 }
 
+/// What stands before the suffix of a force by the stress.
+const STRESS: &str = "stress_";
 /// Suffixes of the columns of the coefficients, after the name of the force and `_`.
 const COEFFICIENTS: [&str; 2] = ["drag", "lift"];
 

@@ -1,14 +1,15 @@
 //! The flow of a scene with its structures.
 
 mod numbers;
+mod told;
 mod waves;
 
 use super::flow_plan::FlowPlan;
 use super::ground::{self, QUADRATURE};
 use super::resolution::unresolved;
 use super::{fields, flow_advice, forces, interfaces, scales};
-use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a, rounded};
-use crate::flow::{BodyForce, ConvectionScheme, StepReport, Wake};
+use crate::base::{Cause, Error, Kind, PHASES, Result, Warning, fnv1a};
+use crate::flow::{BodyForce, ConvectionScheme, StepReport};
 use crate::levelset::band_edges;
 use crate::mesh::{self, Mesh, Point, Quality};
 use crate::scene::adapt::{self, Lengths};
@@ -42,12 +43,6 @@ const INSTANTS: usize = 16;
 /// Default relative residual of iterations with an old factor, and with implicit convection.
 const RESIDUAL: f64 = 1e-10;
 const CONVECTED_RESIDUAL: f64 = 1e-6;
-/// Courant number of a flow that is at rest but for rounding.
-const AT_REST: f64 = 1e-3;
-/// Estimated error of the velocity due to the steps that is told.
-const HASTY: f64 = 0.01;
-/// Speed inward through an open side over the largest in the flow that is told.
-const SLOW: f64 = 0.02;
 
 /// The flow of a scene with its structures, ready to run.
 pub struct ImmersedFlow<const D: usize = 2> {
@@ -83,8 +78,7 @@ pub struct ImmersedFlow<const D: usize = 2> {
     /// there.
     walls: Vec<(u32, f64)>,
     probes: Probes<D>,
-    /// Of each force with a reference.
-    wakes: Vec<Option<Wake<D>>>,
+    force_sites: Vec<forces::Site<D>>,
     carried_bands: Vec<Option<f64>>,
 }
 
@@ -151,10 +145,11 @@ impl<const D: usize> ImmersedFlow<D> {
             warnings.extend(numbers::coarse(scene, &quality, &given));
         }
         simulation.keep_reactions(!scene.output.forces.is_empty());
+        let force_sites = forces::sites(scene, (&mesh, &simulation.settings().conditions))?;
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
             probes: Probes::new(scene, &mesh)?,
-            wakes: forces::wakes(scene, &mesh)?,
+            force_sites,
             carried_bands: ground::carried_bands(scene),
             velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
             scene: scene.clone(),
@@ -232,7 +227,8 @@ impl<const D: usize> ImmersedFlow<D> {
         (flow.quality, _) = mesh::check(sim.space().mesh());
         flow.walls = closed_nodes(sim);
         flow.probes = Probes::new(&flow.scene, sim.space().mesh())?;
-        flow.wakes = forces::wakes(&flow.scene, sim.space().mesh())?;
+        let site = (&**sim.space().mesh(), &sim.settings().conditions);
+        flow.force_sites = forces::sites(&flow.scene, site)?;
         Ok(())
     }
 
@@ -309,7 +305,7 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
             row.put("energy_transferred", self.simulation.state().balance.transferred);
         }
         self.probes.measure(&view, &mut row);
-        forces::measure(&self.simulation, (&self.scene, &self.wakes), &mut row)?;
+        forces::measure(&self.simulation, (&self.scene, &self.force_sites), &mut row)?;
         measure::rest(&view, &mut row)?;
         if self.scene.time.tolerance.is_some() {
             row.put("step", self.simulation.settings().dt);
@@ -417,67 +413,13 @@ impl<const D: usize> Problem for ImmersedFlow<D> {
         self.simulation.leaving().map(str::to_string).collect()
     }
     fn hasty(&self, row: &Row) -> Option<Warning> {
-        let error = row.get("time_error").filter(|e| *e > HASTY)?;
-        let sim = &self.simulation;
-        if sim.courant() < AT_REST {
-            return None;
-        }
-        let what = format!(
-            "the steps are long for this flow: at t = {:.4} they make an estimated error of {} % of \
-             the velocity, at Courant number {}; forces may be off by more",
-            sim.time(),
-            rounded(100.0 * error, 2),
-            rounded(sim.courant(), 2)
-        );
-        let shorter = match sim.settings().order {
-            1 => "take time.order = 2",
-            2 if self.scene.time.tolerance.is_some() => "take a smaller time.tolerance",
-            2 => "half of time.step makes it a quarter",
-            _ => "half of time.step makes it an eighth",
-        };
-        let remedy = match sim.settings().convection {
-            Some(ConvectionScheme::Characteristics) => format!(
-                "{shorter}; numerics.convection = \"baker1982\" makes no such error in steady flows"
-            ),
-            _ if sim.settings().order == 2 && self.scene.time.tolerance.is_none() => {
-                format!("{shorter}, time.order = 3 about a tenth")
-            }
-            _ => shorter.into(),
-        };
-        Some(Warning::new(what, remedy))
+        self.find_haste(row)
     }
     fn inflow(&self) -> Option<(String, Warning)> {
-        let sim = &self.simulation;
-        let fastest = sim.largest_speed();
-        let quick = |(_, speed, _): &(&str, f64, Point<D>)| *speed > SLOW * fastest;
-        let Some((side, speed, x)) = sim.inflow().filter(quick) else {
-            let (side, speed, x) = sim.oblique_inflow().filter(quick)?;
-            let what = format!(
-                "fluid comes in obliquely through boundary.{side}, where a pressure is given, from \
-                 t = {:.4} on: at {:.4?} with {} inward and along the side, the largest speed is {}",
-                sim.time(),
-                x.as_slice(),
-                rounded(speed, 3),
-                rounded(fastest, 3)
-            );
-            let remedy = "a pressure bounds no energy of what comes in: give total_pressure if the \
-                          flow grows";
-            return Some((side.to_string(), Warning::new(what, remedy)));
-        };
-        let what = format!(
-            "fluid comes in through boundary.{side}, which is open, from t = {:.4} on: at {:.4?} with \
-             {}, the largest speed is {}",
-            sim.time(),
-            x.as_slice(),
-            rounded(speed, 3),
-            rounded(fastest, 3)
-        );
-        let remedy = "what comes in is not known there, and a stress takes its energy back \
-                      (directional do-nothing): put the side farther away if the flow near it counts";
-        Some((side.to_string(), Warning::new(what, remedy)))
+        self.find_inflow()
     }
-    fn force_gaps(&self) -> Result<Vec<(String, Gap)>> {
-        forces::gaps(&self.simulation, &self.scene)
+    fn force_gaps(&self, row: &Row) -> Result<Vec<(String, Gap)>> {
+        forces::gaps(&self.simulation, (&self.scene, &self.force_sites), row)
     }
     fn unresolved(&self) -> Result<Vec<(String, Warning)>> {
         let kinds = self.scene.structures();

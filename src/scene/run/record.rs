@@ -253,8 +253,7 @@ impl Record {
     }
 
     /// Records that the steps have been too long for the flow, in a tenth of the run after its first
-    /// quarter, and
-    /// returns what is to be told if it was not known.
+    /// quarter, and returns what is to be told if it was not known.
     pub(super) fn note_haste(
         &mut self,
         (problem, row): (&dyn Problem, &Row),
@@ -299,12 +298,16 @@ impl Record {
     ///
     /// # Errors
     /// A boundary that the mesh does not have.
-    pub(super) fn note_forces(&mut self, scene: &Scene, problem: &dyn Problem) -> Result<()> {
+    pub(super) fn note_forces(
+        &mut self,
+        scene: &Scene,
+        (problem, row): (&dyn Problem, &Row),
+    ) -> Result<()> {
         let time = problem.moment().time;
         if scene.output.forces.is_empty() || time <= 0.0 {
             return Ok(());
         }
-        for (name, gap) in problem.force_gaps()? {
+        for (name, gap) in problem.force_gaps(row)? {
             let of_name = self.forces.entry(name).or_default();
             let sum = of_name.entry(time.log2().floor() as i32).or_default();
             sum.difference += gap.difference.powi(2);

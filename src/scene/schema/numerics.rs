@@ -57,7 +57,8 @@ table! {
         /// characteristics (Pironneau 1982), stable for any step; implicit with the extrapolated
         /// velocity (Baker, Dougalis and Karakashian 1982), whose steady states do not depend on
         /// the step; or explicit, extrapolated (Karniadakis, Israeli and Orszag 1991), stable below a
-        /// Courant number of about .3. "auto": along characteristics, where there is inertia.
+        /// Courant number of about .3. "auto": nothing without inertia; implicit for a flow without
+        /// structures above Reynolds number 10 or of order 3; along characteristics otherwise.
         convection: Option<Option<ConvectionScheme>> [Auto<OrFalse<Convections>>],
         /// Where the matrix changes from step to step, it is solved for by GMRES with an older
         /// factor, to this relative residual, as long as that costs less than factoring. 0 factors

@@ -8,8 +8,9 @@ use nalgebra::SVector;
 
 impl<const D: usize> Simulation<D> {
     /// Estimate of the error of the velocity due to the length of the last step, relative to the
-    /// velocity, both as root mean squares over the domain; NaN before the third step, and in a
-    /// Stokes flow, whose velocity depends on no step.
+    /// velocity, both as root mean squares over the domain; NaN before the third step, for steps of
+    /// order 1 along characteristics, which know one foot, and in a Stokes flow, whose velocity
+    /// depends on no step.
     ///
     /// It is the error of the discrete acceleration `Du/Dt`, times `memory`, the time for which an
     /// error stays in the domain. The error has the parts
@@ -31,6 +32,9 @@ impl<const D: usize> Simulation<D> {
         let dt = self.settings.dt;
         let last = state.pace.map_or(dt, |clock| clock.before);
         let scheme = Scheme { dt, ratio: dt / last, ..self.scheme() };
+        if scheme.traces() && !scheme.second {
+            return f64::NAN;
+        }
         let earlier = [&state.earlier_u, before];
         let extrapolated = match scheme.convection {
             Some(ConvectionScheme::Implicit) => 1.0,
