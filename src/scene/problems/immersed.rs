@@ -145,11 +145,11 @@ impl<const D: usize> ImmersedFlow<D> {
             warnings.extend(numbers::coarse(scene, &quality, &given));
         }
         simulation.keep_reactions(!scene.output.forces.is_empty());
-        let force_sites = forces::sites(scene, (&mesh, &simulation.settings().conditions))?;
         let mut flow = ImmersedFlow {
             band_edges: edges_in_bands(&simulation, thickness),
             probes: Probes::new(scene, &mesh)?,
-            force_sites,
+            // After the probes, which say where a name of a boundary is wrong.
+            force_sites: forces::sites(scene, (&mesh, &simulation.settings().conditions))?,
             carried_bands: ground::carried_bands(scene),
             velocity_scale: scene.numerics.grad_div.is_none().then_some(scales[0]),
             scene: scene.clone(),
