@@ -1,7 +1,7 @@
 //! Convection that is not along characteristics: linearised implicit, or extrapolated explicit.
 
 use crate::base::{Result, parallel};
-use crate::fem::{At, Basis, Cells, Numbering, VectorForm, assemble_local};
+use crate::fem::{At, Basis, Cells, MAX_LOCAL, Numbering, Space, VectorForm, assemble_local};
 use crate::flow::Coefficient;
 use crate::linalg::{Addition, Operator, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
@@ -42,21 +42,48 @@ pub enum Convection<'a, const D: usize> {
 /// des equations de Navier-Stokes, Bull. SMF 96 (1968) 115). No integration by parts: the condition
 /// on open sides stays what it is. Its matrix acts on each component alike; one of `n x n` numbers
 /// a cell is kept, for `n` velocity functions.
+///
+/// In cells too coarse for the stream the residual of the momentum equation is tested with
+/// `tau (w . grad) v` too, which stabilises along streamlines (SUPG) and is consistent, for the
+/// exact solution has no residual: A. N. Brooks and T. J. R. Hughes, Streamline
+/// upwind/Petrov-Galerkin formulations for convection dominated flows, Comput. Methods Appl. Mech.
+/// Eng. 32 (1982) 199. The gradient of the pressure in it is that from the start of the step, which
+/// keeps the pressure out of the nonsymmetric part of the matrix.
 #[derive(Default)]
 pub(super) struct Transport {
     /// `C(phi_b, phi_a)` of cell `c` at `(c n + a) n + b`; empty if there is no convection.
     locals: Vec<f64>,
+    /// `tau` of each cell, if any has one.
+    delays: Vec<f64>,
+}
+
+/// Cell Reynolds number `rho |w| h/(2 mu)`, `h` along the stream, from which on a cell is
+/// stabilised.
+pub const STABILISED: f64 = 200.0;
+
+/// The delay `tau = 1/sqrt((weight/2 dt)^2 + (4 |w|/h)^2)` of a cell where the velocity is `w` and
+/// the length along it `h`; it falls to 0 at the cell Reynolds number [`STABILISED`].
+fn delay(kinematic_viscosity: f64, speed: f64, length: f64, rate: f64) -> f64 {
+    let reynolds = speed * length / (2.0 * kinematic_viscosity);
+    if reynolds.is_nan() || reynolds <= STABILISED {
+        return 0.0;
+    }
+    (1.0 - STABILISED / reynolds) / (0.5 * rate).hypot(4.0 * speed / length)
 }
 
 impl Transport {
-    /// Integrates the form for the velocity `w`; `None` for no convection.
+    /// Integrates the form for the velocity `w` and steps with `rate` = `weight/dt`; `None` for no
+    /// convection.
     pub fn prepare<const D: usize>(
         &mut self,
         velocity: &Basis<D>,
-        density: &Coefficient,
+        (density, viscosity): (&Coefficient, &Coefficient),
         w: Option<&[SVector<f64, D>]>,
+        rate: f64,
     ) {
-        let Some(w) = w else { return self.locals.clear() };
+        let Some(w) = w else { return self.clear() };
+        self.stabilise(velocity, (density, viscosity), w, rate);
+        let delays = &self.delays;
         let (space, n) = (velocity.space(), velocity.space().local_count());
         let mesh = space.mesh();
         self.locals.resize(mesh.cell_count() * n * n, 0.0);
@@ -65,6 +92,8 @@ impl Transport {
                 let c = first + i;
                 let (wind, inverse) = (space.on_cell(w, c), &mesh.map(c).inverse);
                 local.fill(0.0);
+                let tau = delays.get(c).copied().unwrap_or(0.0);
+                let laplacians = if tau > 0.0 { laplacians(space, c) } else { [0.0; MAX_LOCAL] };
                 for q in 0..velocity.rule().len() {
                     let (values, gradients) = (velocity.values(q), velocity.reference_gradients(q));
                     let weight = velocity.weight(c, q) * density.value(c, q);
@@ -77,9 +106,70 @@ impl Transport {
                             local[a * n + b] += values[a] * slope;
                         }
                     }
+                    if tau == 0.0 {
+                        continue;
+                    }
+                    let diffusion = viscosity.value(c, q) / density.value(c, q);
+                    for b in 0..n {
+                        let residual = along.dot(&gradients[b]) + (half + rate) * values[b]
+                            - diffusion * laplacians[b];
+                        for a in 0..n {
+                            let test = tau * along.dot(&gradients[a]);
+                            local[a * n + b] += weight * test * residual;
+                        }
+                    }
                 }
             }
         });
+    }
+
+    fn clear(&mut self) {
+        self.locals.clear();
+        self.delays.clear();
+    }
+
+    /// Finds the stabilisation of each cell.
+    fn stabilise<const D: usize>(
+        &mut self,
+        velocity: &Basis<D>,
+        (density, viscosity): (&Coefficient, &Coefficient),
+        w: &[SVector<f64, D>],
+        rate: f64,
+    ) {
+        let space = velocity.space();
+        let mesh = space.mesh();
+        let middle = [1.0 / (D as f64 + 1.0); 4];
+        self.delays.clear();
+        self.delays.extend((0..mesh.cell_count()).map(|c| {
+            let w = space.value(w, c, &middle);
+            // The rates at which barycentric coordinates change along `w`.
+            let along = mesh.map(c).inverse * w;
+            let rates = along.lp_norm(1) + along.sum().abs();
+            let nu = viscosity.value(c, 0) / density.value(c, 0);
+            delay(nu, w.norm(), 2.0 * w.norm() / rates, rate)
+        }));
+        if self.delays.iter().all(|tau| *tau == 0.0) {
+            self.delays.clear();
+        }
+    }
+
+    /// `tau w` at a quadrature point, for the part of the residual that is known; zero where
+    /// nothing is stabilised.
+    pub fn shift<const D: usize>(
+        &self,
+        velocity: &Basis<D>,
+        w: &[SVector<f64, D>],
+        at: &At<D>,
+    ) -> SVector<f64, D> {
+        match self.delays.get(at.cell) {
+            Some(tau) if *tau > 0.0 => velocity.value(at, w) * *tau,
+            _ => SVector::zeros(),
+        }
+    }
+
+    /// True if any cell is stabilised.
+    pub fn is_stabilised(&self) -> bool {
+        !self.delays.is_empty()
     }
 
     /// True if there is convection.
@@ -108,6 +198,26 @@ impl Transport {
             }
         });
     }
+}
+
+/// Laplacians of the velocity functions of a cell, constant for degree 2: their gradients are
+/// linear, with the values at the corners.
+fn laplacians<const D: usize>(space: &Space<D>, cell: usize) -> [f64; MAX_LOCAL] {
+    let (inverse, mut sums) = (&space.mesh().map(cell).inverse, [0.0; MAX_LOCAL]);
+    for corner in 0..=D {
+        let mut at = [0.0; 4];
+        at[corner] = 1.0;
+        // The gradient of the barycentric coordinate of the corner.
+        let slope: SVector<f64, D> = match corner {
+            0 => -inverse.row_sum().transpose(),
+            k => inverse.row(k - 1).transpose(),
+        };
+        let gradients = space.element().reference_gradients::<D>(&at);
+        for (sum, g) in sums.iter_mut().zip(&gradients).take(space.local_count()) {
+            *sum += slope.dot(&inverse.tr_mul(g));
+        }
+    }
+    sums
 }
 
 /// The force of [`Convection::Explicit`] at a point.

@@ -17,7 +17,7 @@ mod wake;
 pub use backflow::Backflow;
 pub use boundary::{Load, flux, kinetic_outflow, nodal_traction, stress_size, traction};
 pub use coefficient::{Coefficient, Fluid};
-pub use convection::{Convection, ConvectionScheme};
+pub use convection::{Convection, ConvectionScheme, STABILISED};
 pub use opening::{GivenStress, GradientForm};
 pub use pressure::nodal_pressure;
 pub use solenoidal::solenoidal;

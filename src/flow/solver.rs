@@ -376,7 +376,7 @@ impl<const D: usize> FlowSolver<D> {
     pub fn step(&mut self, step: &Step<'_, D>, state: &mut FlowState<D>) -> Result<StepReport> {
         let change = self.prepare(step.weight / step.dt, step.terms, step.convection)?;
         self.phases.begin();
-        self.assemble_load(step);
+        self.assemble_load(step, &state.p);
         let mut work = std::mem::replace(&mut self.work, Work::empty());
         let result = self.solve(step, change, &mut work, state);
         self.work = work;

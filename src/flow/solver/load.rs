@@ -10,7 +10,7 @@ use crate::flow::convection::{Convection, explicit_force};
 use crate::flow::step::Step;
 use crate::flow::term::{MomentumTerm, Support};
 use crate::mesh::Mesh;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 impl<const D: usize> FlowSolver<D> {
     /// Checks that the prescribed velocities at `time` let as much fluid out as in, if no boundary
@@ -31,9 +31,13 @@ impl<const D: usize> FlowSolver<D> {
     }
     /// Assembles the right-hand side without boundary values, one vector per node, into
     /// `work.load`.
-    pub(super) fn assemble_load(&mut self, step: &Step<'_, D>) {
+    /// `p` is the pressure at the start of the step.
+    pub(super) fn assemble_load(&mut self, step: &Step<'_, D>, p: &[f64]) {
         self.work.load.fill(SVector::zeros());
         self.assemble_inertia(step);
+        if let (Convection::Implicit(w), true) = (step.convection, self.transport.is_stabilised()) {
+            self.assemble_stabilisation(step, w, p);
+        }
         let (velocity, work) = (&self.velocity, &mut self.work);
         let weight = self.buoyancy.as_ref().unwrap_or(&self.density);
         let (load, scratch, space) = (&mut work.load, &mut work.vectors, velocity.space());
@@ -67,6 +71,25 @@ impl<const D: usize> FlowSolver<D> {
             }
         }
         self.phases.end(Phase::Force);
+    }
+
+    /// The known part of the residual of the momentum equation, tested with `tau (w . grad) v`.
+    fn assemble_stabilisation(&mut self, step: &Step<'_, D>, w: &[SVector<f64, D>], p: &[f64]) {
+        let (velocity, pressure, density) = (&self.velocity, &self.pressure, &self.density);
+        let (transport, work) = (&self.transport, &mut self.work);
+        let weight = self.buoyancy.as_ref().unwrap_or(density);
+        assemble_vector(velocity, Cells::All, &mut work.load, &mut work.vectors, |at| {
+            let shift = transport.shift(velocity, w, at);
+            if shift.norm_squared() == 0.0 {
+                return (shift, SMatrix::zeros());
+            }
+            let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
+            let mut known = force + step.gravity * weight.at(at) - pressure.gradient(at, p);
+            for h in step.history {
+                known += velocity.value(at, h.u) * (h.weight * density.at(at) / step.dt);
+            }
+            (SVector::zeros(), known * shift.transpose())
+        });
     }
 
     /// `rho sum weight u o X / dt`. Each earlier velocity is gathered once per cell: most feet lie

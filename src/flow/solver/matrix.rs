@@ -141,7 +141,8 @@ impl<const D: usize> FlowSolver<D> {
             Convection::Implicit(w) => Some(w),
             _ => None,
         };
-        self.transport.prepare(&self.velocity, &self.density, wind);
+        let materials = (&self.density, &self.viscosity);
+        self.transport.prepare(&self.velocity, materials, wind, weight);
         if self.factor_is_base && !implicit && wind.is_none() {
             return Ok(Change::None);
         }

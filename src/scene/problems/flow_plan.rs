@@ -2,6 +2,7 @@
 
 use crate::base::length;
 use crate::fem::Element;
+use crate::flow::STABILISED;
 use crate::output::rounded;
 use crate::scene::Scene;
 use crate::scene::plan::{self, Section};
@@ -127,7 +128,14 @@ impl<const D: usize> FlowPlan<'_, D> {
                         "with extrapolated explicit convection (karniadakis1991)"
                     }
                 };
-                format!("BDF{} {convection}, step {}", s.order, s.dt)
+                let stabilised = match scheme {
+                    ConvectionScheme::Implicit => format!(
+                        ", stabilised along streamlines (SUPG) in cells whose Reynolds number \
+                         rho |u| h/(2 mu) is above {STABILISED}"
+                    ),
+                    _ => String::new(),
+                };
+                format!("BDF{} {convection}, step {}{stabilised}", s.order, s.dt)
             }
             (false, None) => format!("BDF{}, step {}", s.order, s.dt),
         }];
