@@ -99,8 +99,8 @@ impl<const D: usize> InterfaceForce<D> for ContinuumForce<D> {
         self.width.begin(host);
         Ok(())
     }
-    fn term(&self) -> &dyn MomentumTerm<D> {
-        self
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        Some(self)
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         ContinuumForce::prepare(self, at.basis, at.fields.scalar(of.level_set()));

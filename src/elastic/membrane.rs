@@ -184,8 +184,8 @@ impl<const D: usize> InterfaceForce<D> for Membrane<D> {
         self.predictor = basis.map(|b| Predictor::new(b.clone(), host.translations)).transpose()?;
         Ok(())
     }
-    fn term(&self) -> &dyn MomentumTerm<D> {
-        self
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        Some(self)
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);

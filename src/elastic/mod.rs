@@ -11,6 +11,7 @@ mod sharp_shear;
 mod shear;
 mod slip;
 mod surface_law;
+mod vesicle;
 mod waves;
 
 pub use crate::structure::{
@@ -25,4 +26,5 @@ pub use sharp::{Force, SharpMembrane};
 pub use sharp_shear::SharpShearMembrane;
 pub use shear::{AreaFrom, ShearMembrane};
 pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};
+pub use vesicle::Vesicle;
 pub use waves::{explicit_step_limit, wave_period};

@@ -217,8 +217,8 @@ impl<const D: usize> InterfaceForce<D> for SharpMembrane<D> {
     ) -> Result<()> {
         self.rest.begin(of, host, self.initial.as_deref(), fields)
     }
-    fn term(&self) -> &dyn MomentumTerm<D> {
-        self
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        Some(self)
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         self.prepare_at(of, at, at.step.filter(|_| of.coupling == Coupling::Implicit))

@@ -316,8 +316,8 @@ impl<const D: usize> InterfaceForce<D> for SharpShearMembrane<D> {
         }
         Ok(())
     }
-    fn term(&self) -> &dyn MomentumTerm<D> {
-        self
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        Some(self)
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         self.prepare_at(of, at, at.step.filter(|_| of.coupling == Coupling::Implicit))

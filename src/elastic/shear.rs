@@ -311,8 +311,8 @@ impl<const D: usize> InterfaceForce<D> for ShearMembrane<D> {
         self.displacement = fields.backward_map(true);
         Ok(())
     }
-    fn term(&self) -> &dyn MomentumTerm<D> {
-        self
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        Some(self)
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
         let implicit = at.step.filter(|_| of.coupling == Coupling::Implicit);

@@ -27,6 +27,12 @@ pub trait Block<const D: usize>: Sync {
     /// Points where the forms are evaluated, those of a cell one after the other; `q` is the index
     /// of a point in the list.
     fn points(&self) -> &[At<D>];
+    /// Cells that the pattern of the matrix allows for, ascending: those of the points and others
+    /// that the structure may come to, so that the pattern lasts for some steps. `None` for those of
+    /// the points.
+    fn cells(&self) -> Option<&[u32]> {
+        None
+    }
     /// Appends the unknowns that couple in `cell` to `out`, each once.
     fn unknowns(&self, cell: usize, out: &mut Vec<u32>);
     /// `b(l, v)` at a point for `l = 1` at local unknown `k` (in the order of
@@ -35,6 +41,11 @@ pub trait Block<const D: usize>: Sync {
     /// `d(l, m)` at a point between the local unknowns `j` and `k`; symmetric.
     fn own(&self, _at: &At<D>, _j: usize, _k: usize) -> f64 {
         0.0
+    }
+    /// True if the equation of local unknown `k` has, in place of the velocity, its change from the
+    /// [predicted](super::Step::predicted) one.
+    fn is_incremental(&self, _k: usize) -> bool {
+        false
     }
     /// `g(m)` at a point for local unknown `k`.
     fn source(&self, _at: &At<D>, _k: usize) -> f64 {

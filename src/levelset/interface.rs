@@ -183,7 +183,10 @@ fn cut_into<const D: usize>(
 }
 
 /// Enclosed area (volume) and length (area) of an interface; zeros if it is empty.
-pub(super) fn extents<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<[f64; 2]> {
+///
+/// # Errors
+/// A space that is not P2, a value that is not finite.
+pub fn extents<const D: usize>(space: &Space<D>, phi: &[f64]) -> Result<[f64; 2]> {
     let measures = Zero::new(space, phi)?.measures::<D>();
     Ok(measures.map_or([0.0; 2], |m| [m.enclosed, m.own]))
 }

@@ -6,6 +6,7 @@ use super::{Coupling, Held, Medium, RestMap, Structure, SurfaceStrain};
 use crate::base::Result;
 use crate::fem::{Basis, Space, SurfacePoint};
 use crate::flow::Fluid;
+use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -111,8 +112,14 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     ) -> Result<()> {
         Ok(())
     }
-    /// The momentum term of the last [`prepare`](Self::prepare).
-    fn term(&self) -> &dyn MomentumTerm<D>;
+    /// The momentum term of the last [`prepare`](Self::prepare), if there is one.
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        None
+    }
+    /// The block of unknowns of the last [`prepare`](Self::prepare), if there is one.
+    fn block(&self) -> Option<&dyn Block<D>> {
+        None
+    }
     /// Precomputes the force.
     ///
     /// # Errors
@@ -254,7 +261,10 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
         self.force.prepare(&self.interface, at)
     }
     fn terms<'a>(&'a self, out: &mut Vec<&'a dyn MomentumTerm<D>>) {
-        out.push(self.force.term());
+        out.extend(self.force.term());
+    }
+    fn blocks<'a>(&'a self, out: &mut Vec<&'a dyn Block<D>>) {
+        out.extend(self.force.block());
     }
     fn advance(&mut self, by: &mut Moved<'_, D>, fields: &mut Fields<D>) -> Result<()> {
         self.force.advance(&self.interface, by, fields)

@@ -48,11 +48,16 @@ impl<const D: usize> Local<'_, D> {
 fn groups_of<const D: usize>(blocks: &[&dyn Block<D>]) -> Vec<(u32, Vec<u32>)> {
     let (mut groups, mut first) = (Vec::new(), 0u32);
     for block in blocks {
-        for points in block.points().chunk_by(|a, b| a.cell == b.cell) {
+        let of_points = block.points().chunk_by(|a, b| a.cell == b.cell);
+        let cells = match block.cells() {
+            Some(cells) => cells.to_vec(),
+            None => of_points.map(|points| points[0].cell as u32).collect(),
+        };
+        for cell in cells {
             let mut own = Vec::new();
-            block.unknowns(points[0].cell, &mut own);
+            block.unknowns(cell as usize, &mut own);
             own.iter_mut().for_each(|k| *k += first);
-            groups.push((points[0].cell as u32, own));
+            groups.push((cell, own));
         }
         first += block.len() as u32;
     }
@@ -90,7 +95,7 @@ impl BlockSystem {
         &mut self,
         (space, numbering): (&Space<D>, &Numbering<D>),
         (block, first): (&dyn Block<D>, usize),
-        lift: &[SVector<f64, D>],
+        (lift, predicted): (&[SVector<f64, D>], Option<&[SVector<f64, D>]>),
     ) -> Result<()> {
         let (nb, local_block) = (space.local_count(), Local { block, space });
         let (mut own, mut unknowns) = (Vec::new(), Vec::new());
@@ -111,7 +116,10 @@ impl BlockSystem {
                 for j in 0..own.len() {
                     local[(D * nb + j) * m + column] += at.weight * block.own(at, j, k);
                 }
-                let known = local_block.value(at, k, lift);
+                let mut known = local_block.value(at, k, lift);
+                if let Some(u) = predicted.filter(|_| block.is_incremental(k)) {
+                    known -= local_block.value(at, k, u);
+                }
                 self.rhs[first + own[k] as usize] += at.weight * block.source(at, k) - known;
             }
             let nodes = space.cell_nodes(cell);
@@ -151,7 +159,7 @@ impl<const D: usize> FlowSolver<D> {
         let mut first = order;
         for block in step.blocks {
             let spaces = (&**self.velocity.space(), &self.numbering);
-            system.add(spaces, (*block, first), &work.lift)?;
+            system.add(spaces, (*block, first), (&work.lift, step.predicted))?;
             first += block.len();
         }
         let factor = match &mut system.factor {
@@ -198,6 +206,13 @@ impl<const D: usize> FlowSolver<D> {
     /// [`Step::blocks`].
     pub fn block_values(&self) -> &[Vec<f64>] {
         &self.block_values
+    }
+
+    /// `b(l, u)` of the last step, the power of the flow on the structures of the blocks.
+    pub fn block_power(&self, blocks: &[&dyn Block<D>], u: &[SVector<f64, D>]) -> f64 {
+        let mut forces = vec![SVector::zeros(); u.len()];
+        self.add_block_forces(blocks, &mut forces);
+        forces.iter().zip(u).map(|(f, u)| f.dot(u)).sum()
     }
 
     /// Adds `b(l, v)` of the last step to `out`, one vector per node.

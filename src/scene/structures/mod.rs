@@ -7,10 +7,12 @@ mod laws;
 mod level_set;
 mod membrane;
 mod round;
+mod vesicle;
 
 pub use drop::Drop;
 pub use level_set::LevelSet;
 pub use membrane::Membrane;
+pub use vesicle::Vesicle;
 
 pub(super) use build::{Build, band_of};
 
@@ -50,6 +52,7 @@ pub(super) static KINDS: &[Registered] = &[
     membrane::KIND,
     drop::KIND,
     level_set::KIND,
+    vesicle::KIND,
     #[cfg(test)]
     crate::scene::tests::spring::KIND,
 ];

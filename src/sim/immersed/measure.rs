@@ -3,6 +3,7 @@
 use super::{Energies, Simulation};
 use crate::base::Result;
 use crate::fem::{At, Cells, condition_of_facets, integrate};
+use crate::flow::block::Block;
 use crate::flow::term::MomentumTerm;
 use crate::flow::{Load, kinetic_outflow, nodal_traction};
 use crate::mesh::Point;
@@ -81,7 +82,13 @@ impl<const D: usize> Simulation<D> {
             });
             of_points.fold(cells, |a, b| [a[0] + b[0], a[1] + b[1]])
         };
-        terms.iter().map(powers).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+        let mut blocks: Vec<&dyn Block<D>> = Vec::new();
+        acting().for_each(|(s, _)| s.blocks(&mut blocks));
+        let own = match blocks.is_empty() {
+            true => 0.0,
+            false => self.flow.block_power(&blocks, u),
+        };
+        terms.iter().map(powers).fold([own, own.abs()], |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 
     /// Elastic energy brought by structures that have left or come back to an open side since they

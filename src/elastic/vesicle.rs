@@ -1,0 +1,431 @@
+//! The membrane of a vesicle: it bends, and its length (in space: its area) does not change.
+
+use super::cut_surface::{CutSurface, Points};
+use crate::base::Result;
+use crate::fem::{
+    At, Basis, Element, MAX_LOCAL, Numbering, Rule as Quadrature, Space, SurfacePoint, VectorForm,
+};
+use crate::flow::block::Block;
+use crate::levelset::{curvature_vector, extents, normal_vector, second_form};
+use crate::mesh::NONE;
+use crate::structure::{
+    Carry, Coupling, Data, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Medium,
+    Place, Rule,
+};
+use nalgebra::{SMatrix, SVector};
+use std::sync::Arc;
+
+/// Weight of the normal derivative of the tension over the cut cells, over the inverse viscosity.
+const TENSION_ACROSS: f64 = 0.1;
+/// Weight of that of the moment, in diameters of cells.
+const MOMENT_ACROSS: f64 = 0.07;
+/// Layers of cells about the cut ones whose unknowns are in the matrix, so that its pattern lasts
+/// until the interface leaves them.
+const LAYERS: usize = 2;
+
+/// The membrane of a vesicle (3.2.4): the energy `E = int_S k/2 (H - c)^2 ds` of Helfrich, `H` the
+/// sum of the principal curvatures, positive on spheres, and no change of its length (area)
+/// anywhere.
+///
+/// Unknowns of a step are the velocity `u`, the pressure, and on the interface `S` the tension
+/// `sigma` (P1 traces), the moment `m = k (H - c)` (P2 traces) and the jump `P` of the pressure.
+/// With the projection `P_S` and the second fundamental form `II`,
+///
+/// ```text
+/// a(u, v) - (p, div v) + int sigma P_S : grad v + K(m, v) + P int n . v = F(v)
+/// int q P_S : grad u - s(sigma, q)               = - int q ln(L/L_0)/dt
+/// K(q, u) - 1/(k dt) [int m q + s'(m, q)]        = - 1/dt int (H* - c) q
+/// int u . n                                      = (A_0 - A)/dt
+/// K(q, v) = int [ (grad_S q) . (grad v)^T n - q II : grad v ].
+/// ```
+///
+/// The third row is the curvature at the end of the step: that of a material point changes at the
+/// rate `-K`. So force and curvature are adjoint, the force is minus the derivative of the energy
+/// but for a tension, which `sigma` contains, and the scheme is stable for steps far beyond the
+/// limit of an explicit force, of the order of `mu h^3/k`. `H*` is the curvature at the start (order
+/// 1), or that of the predicted interface, and `u` in the third row is then the change of the
+/// velocity (order 2). The measured area `A` and length `L` bring those at rest back, which finite
+/// steps change. `s` and `s'` are products of normal derivatives over the cut cells. In the plane
+/// `q II : grad v` is a tension, and is left out; the spontaneous curvature `c` then has no effect,
+/// for the integral of the curvature of a closed curve does not change.
+#[derive(Clone)]
+pub struct Vesicle<const D: usize> {
+    bending: f64,
+    spontaneous: f64,
+    viscosity: f64,
+    /// Enclosed area and length (in space: volume and area) at rest.
+    at_rest: FieldId,
+    /// One number per node, equal for nodes that periodic sides identify.
+    identified: Arc<[u32]>,
+    cuts: CutSurface<D>,
+    curved: Option<Curved<D>>,
+    system: System<D>,
+}
+
+/// An interface with its curvature.
+#[derive(Clone)]
+struct Curved<const D: usize> {
+    phi: Vec<f64>,
+    points: Points<D>,
+    /// `H` at the points.
+    curvature: Vec<f64>,
+    /// `II` at the points, in space.
+    forms: Vec<SMatrix<f64, D, D>>,
+}
+
+impl<const D: usize> Vesicle<D> {
+    /// A membrane with this bending modulus (an energy; in the plane per unit depth, times a
+    /// length) and spontaneous curvature, in a fluid of this viscosity (between two fluids, their
+    /// mean).
+    pub fn new(bending: f64, spontaneous: f64, viscosity: f64) -> Vesicle<D> {
+        Vesicle {
+            bending,
+            spontaneous,
+            viscosity,
+            at_rest: FieldId::default(),
+            identified: Arc::default(),
+            cuts: CutSurface::default(),
+            curved: None,
+            system: System::default(),
+        }
+    }
+
+    /// The interface of `phi` with its curvature.
+    fn curved(&mut self, space: &Space<D>, phi: &[f64]) -> Result<&Curved<D>> {
+        if self.curved.as_ref().is_none_or(|c| c.phi != phi) {
+            let points = self.cuts.of(space, phi)?;
+            let (on, of) = ((space, &self.identified[..]), (&points[..], phi));
+            let vectors = curvature_vector(on, of)?;
+            let at = |p: &SurfacePoint<D>| {
+                space.value(&vectors, p.at.cell, &p.at.barycentric).dot(&p.normal)
+            };
+            let curvature = points.iter().map(at).collect();
+            let forms = if D == 2 {
+                Vec::new()
+            } else {
+                let normals = normal_vector(on, of)?;
+                points.iter().map(|p| second_form(space, &normals, p)).collect()
+            };
+            self.curved = Some(Curved { phi: phi.to_vec(), points, curvature, forms });
+        }
+        self.curved.as_ref().ok_or_else(|| crate::base::Error::internal("no curvature was found"))
+    }
+}
+
+impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
+    fn begin(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        host: &Host<'_, D>,
+        fields: &mut Declaration<'_, D>,
+    ) -> Result<()> {
+        self.identified = Numbering::scalar_unknowns(host.space, host.translations).0.into();
+        (self.curved, self.system) = (None, System::default());
+        let rule = Rule { carry: Carry::ByOwner, acts: false, written: false };
+        let sizes = match of.phi.len() == host.space.len() {
+            true => extents(host.space, &of.phi)?,
+            // On a later mesh those of time 0 are known already.
+            false => [f64::NAN; 2],
+        };
+        self.at_rest =
+            fields.add(&of.field_name("at_rest"), rule, || Data::Numbers(sizes.to_vec()));
+        Ok(())
+    }
+    fn block(&self) -> Option<&dyn Block<D>> {
+        Some(&self.system)
+    }
+    fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
+        let Some(dt) = at.step else { return Ok(()) };
+        let (phi, space) = (at.fields.scalar(of.level_set()), at.space);
+        let start = at.drift.map_or(at.fields, |[start, _]| start);
+        let [enclosed, own] = extents(space, start.scalar(of.level_set()))?;
+        let &[enclosed_at_rest, own_at_rest] = at.fields.scalar(self.at_rest) else {
+            return Err(crate::base::Error::internal("the size of a vesicle at rest is missing"));
+        };
+        let (spontaneous, bending, viscosity) = (self.spontaneous, self.bending, self.viscosity);
+        let mut system = std::mem::take(&mut self.system);
+        let identified = Arc::clone(&self.identified);
+        let curved = self.curved(space, phi)?;
+        let length: f64 = curved.points.iter().map(|p| p.at.weight).sum();
+        system.rates = Rates {
+            softness: 1.0 / (bending * dt),
+            rate: 1.0 / dt,
+            stretching: -(own / own_at_rest).ln() / dt,
+            swelling: (enclosed_at_rest - enclosed) / (length * dt),
+        };
+        system.place(space, &identified, phi, curved, (spontaneous, viscosity));
+        self.system = system;
+        Ok(())
+    }
+    fn energy(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        at: &Place<'_, D>,
+        _: &Basis<D>,
+    ) -> Result<f64> {
+        let (bending, spontaneous) = (self.bending, self.spontaneous);
+        let curved = self.curved(at.space, at.fields.scalar(of.level_set()))?;
+        let bent = curved.points.iter().zip(&curved.curvature);
+        Ok(bent.map(|(p, h)| 0.5 * bending * p.at.weight * (h - spontaneous).powi(2)).sum())
+    }
+    fn tension(&self) -> f64 {
+        0.0
+    }
+    fn step_limit(&self, _: &Medium) -> f64 {
+        f64::INFINITY
+    }
+    fn check_coupling(&self, _: Coupling) -> Result<()> {
+        Ok(())
+    }
+    fn reach(&self, _: &ImmersedInterface<D>) -> f64 {
+        0.0
+    }
+    fn keeps_distance(&self) -> bool {
+        true
+    }
+}
+
+/// The unknowns on the interface, the points of their forms, and the forms.
+#[derive(Clone, Default)]
+struct System<const D: usize> {
+    /// Cells whose unknowns the matrix has, and for each its tensions, moments, and the jump of the
+    /// pressure.
+    cells: Vec<u32>,
+    unknowns: Vec<Vec<u32>>,
+    len: usize,
+    points: Vec<At<D>>,
+    forms: Vec<Form<D>>,
+    rates: Rates,
+}
+
+/// Numbers of a step.
+#[derive(Clone, Copy, Default)]
+struct Rates {
+    /// `1/(k dt)`.
+    softness: f64,
+    /// `1/dt`.
+    rate: f64,
+    /// `-ln(L/L_0)/dt`.
+    stretching: f64,
+    /// `(A_0 - A)/(L dt)`.
+    swelling: f64,
+}
+
+/// What is integrated at a point.
+#[derive(Clone)]
+enum Form<const D: usize> {
+    /// A point of the interface.
+    Surface(Box<OnSurface<D>>),
+    /// A point in a cut cell: normal derivatives of the linear and the quadratic functions, times
+    /// the roots of their weights.
+    Across { tension: [f64; MAX_LOCAL], moment: [f64; MAX_LOCAL] },
+    /// Unknowns that no form has: the bits of their local numbers.
+    Idle(u32),
+}
+
+/// The forms at a point of the interface.
+#[derive(Clone)]
+struct OnSurface<const D: usize> {
+    barycentric: [f64; 4],
+    values: [f64; MAX_LOCAL],
+    gradients: [SVector<f64, D>; MAX_LOCAL],
+    normal: SVector<f64, D>,
+    /// `II` in space, 0 in the plane.
+    form: SMatrix<f64, D, D>,
+    /// `H* - c`.
+    curvature: f64,
+}
+
+/// A local unknown.
+enum Unknown {
+    Tension(usize),
+    Moment(usize),
+    Jump,
+}
+
+impl<const D: usize> System<D> {
+    const MOMENTS: usize = (D + 1) * (D + 2) / 2;
+
+    fn local(k: usize) -> Unknown {
+        match k {
+            k if k <= D => Unknown::Tension(k),
+            k if k <= D + Self::MOMENTS => Unknown::Moment(k - D - 1),
+            _ => Unknown::Jump,
+        }
+    }
+
+    /// Makes the forms for an interface, and new unknowns if it has left the cells of the present
+    /// ones.
+    fn place(
+        &mut self,
+        space: &Space<D>,
+        identified: &[u32],
+        phi: &[f64],
+        curved: &Curved<D>,
+        (spontaneous, viscosity): (f64, f64),
+    ) {
+        let groups: Vec<&[SurfacePoint<D>]> =
+            curved.points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
+        let cut: Vec<u32> = groups.iter().map(|g| g[0].at.cell as u32).collect();
+        if cut.iter().any(|c| self.cells.binary_search(c).is_err()) {
+            self.number(space, identified, &cut);
+        }
+        self.points.clear();
+        self.forms.clear();
+        let mut used = vec![false; self.len];
+        for (i, _) in self.of_cells(&cut) {
+            self.unknowns[i].iter().for_each(|&k| used[k as usize] = true);
+        }
+        let across = Quadrature::simplex(D, 2);
+        let mut next = groups.iter().peekable();
+        for (i, &cell) in self.cells.iter().enumerate() {
+            let c = cell as usize;
+            let mesh = space.mesh();
+            let corner = mesh.points()[mesh.cell(c)[0] as usize];
+            if let Some(group) = next.next_if(|g| g[0].at.cell == c) {
+                for p in group.iter() {
+                    let inverse = &mesh.map(c).inverse;
+                    let g = space.element().reference_gradients::<D>(&p.at.barycentric);
+                    let form = OnSurface {
+                        barycentric: p.at.barycentric,
+                        values: space.element().values::<D>(&p.at.barycentric),
+                        gradients: g.map(|g| p.tangential(&inverse.tr_mul(&g))),
+                        normal: p.normal,
+                        form: curved.forms.get(p.at.q).copied().unwrap_or(SMatrix::zeros()),
+                        curvature: curved.curvature[p.at.q] - spontaneous,
+                    };
+                    self.points.push(At { q: self.points.len(), ..p.at });
+                    self.forms.push(Form::Surface(Box::new(form)));
+                }
+                let (map, size) = (mesh.map(c), mesh.diameter(c));
+                let mut middle = [0.0; 4];
+                middle[..=D].fill(1.0 / (D as f64 + 1.0));
+                let normal = space.gradient(phi, c, &middle).try_normalize(0.0);
+                let normal = normal.unwrap_or(group[0].normal);
+                let roots = [(TENSION_ACROSS / viscosity).sqrt(), (MOMENT_ACROSS * size).sqrt()];
+                for (l, w) in across.points.iter().zip(&across.weights) {
+                    let derivatives = |element: Element, root: f64| {
+                        let g = element.reference_gradients::<D>(l);
+                        g.map(|g| root * normal.dot(&map.inverse.tr_mul(&g)))
+                    };
+                    let tension = derivatives(Element::P1, roots[0]);
+                    let moment = derivatives(Element::P2, roots[1]);
+                    let (q, weight) = (self.points.len(), w * map.volume);
+                    self.points.push(At { cell: c, q, barycentric: *l, x: corner, weight });
+                    self.forms.push(Form::Across { tension, moment });
+                }
+            }
+            let mut idle = 0;
+            for (k, &unknown) in self.unknowns[i].iter().enumerate() {
+                if !std::mem::replace(&mut used[unknown as usize], true) {
+                    idle |= 1 << k;
+                }
+            }
+            if idle != 0 {
+                let (q, barycentric) = (self.points.len(), [1.0, 0.0, 0.0, 0.0]);
+                self.points.push(At { cell: c, q, barycentric, x: corner, weight: 1.0 });
+                self.forms.push(Form::Idle(idle));
+            }
+        }
+    }
+
+    /// Positions of some of the cells in the list, and the cells.
+    fn of_cells<'a>(&'a self, cells: &'a [u32]) -> impl Iterator<Item = (usize, u32)> + 'a {
+        cells.iter().filter_map(|&c| Some((self.cells.binary_search(&c).ok()?, c)))
+    }
+
+    /// Numbers the unknowns of the cut cells and of some layers of cells about them.
+    fn number(&mut self, space: &Space<D>, identified: &[u32], cut: &[u32]) {
+        let mesh = space.mesh();
+        let corners = |c: usize| mesh.cell(c).iter().map(|&v| identified[v as usize] as usize);
+        let mut chosen = vec![false; mesh.cell_count()];
+        cut.iter().for_each(|&c| chosen[c as usize] = true);
+        for _ in 0..LAYERS {
+            let mut near = vec![false; identified.len()];
+            let inside = (0..chosen.len()).filter(|&c| chosen[c]);
+            inside.flat_map(corners).for_each(|n| near[n] = true);
+            for c in 0..chosen.len() {
+                chosen[c] = chosen[c] || corners(c).any(|n| near[n]);
+            }
+        }
+        self.cells = (0..chosen.len()).filter(|&c| chosen[c]).map(|c| c as u32).collect();
+        let mut count = 0;
+        let mut numbers = [vec![NONE; identified.len()], vec![NONE; identified.len()]];
+        let mut number = |list: usize, node: u32| {
+            let number = &mut numbers[list][identified[node as usize] as usize];
+            if *number == NONE {
+                *number = count;
+                count += 1;
+            }
+            *number
+        };
+        self.unknowns = Vec::with_capacity(self.cells.len());
+        for &c in &self.cells {
+            let nodes = space.cell_nodes(c as usize);
+            let tensions: Vec<u32> = nodes[..=D].iter().map(|&n| number(0, n)).collect();
+            let moments = nodes.iter().map(|&n| number(1, n));
+            self.unknowns.push(tensions.into_iter().chain(moments).collect());
+        }
+        self.unknowns.iter_mut().for_each(|list| list.push(count));
+        self.len = count as usize + 1;
+    }
+}
+
+impl<const D: usize> Block<D> for System<D> {
+    fn len(&self) -> usize {
+        self.len
+    }
+    fn points(&self) -> &[At<D>] {
+        &self.points
+    }
+    fn cells(&self) -> Option<&[u32]> {
+        Some(&self.cells)
+    }
+    fn unknowns(&self, cell: usize, out: &mut Vec<u32>) {
+        if let Ok(i) = self.cells.binary_search(&(cell as u32)) {
+            out.extend_from_slice(&self.unknowns[i]);
+        }
+    }
+    fn coupling(&self, at: &At<D>, k: usize) -> VectorForm<D> {
+        let zero = (SVector::zeros(), SMatrix::zeros());
+        let Form::Surface(f) = &self.forms[at.q] else { return zero };
+        match Self::local(k) {
+            Unknown::Tension(k) => {
+                let tangential = SMatrix::identity() - f.normal * f.normal.transpose();
+                (SVector::zeros(), tangential * f.barycentric[k])
+            }
+            Unknown::Moment(k) => {
+                let along = f.normal * f.gradients[k].transpose();
+                (SVector::zeros(), along - f.form * f.values[k])
+            }
+            Unknown::Jump => (f.normal, SMatrix::zeros()),
+        }
+    }
+    fn own(&self, at: &At<D>, j: usize, k: usize) -> f64 {
+        let softness = self.rates.softness;
+        match (&self.forms[at.q], Self::local(j), Self::local(k)) {
+            (Form::Surface(f), Unknown::Moment(j), Unknown::Moment(k)) => {
+                -softness * f.values[j] * f.values[k]
+            }
+            (Form::Across { tension, .. }, Unknown::Tension(j), Unknown::Tension(k)) => {
+                -tension[j] * tension[k]
+            }
+            (Form::Across { moment, .. }, Unknown::Moment(j), Unknown::Moment(k)) => {
+                -softness * moment[j] * moment[k]
+            }
+            (Form::Idle(bits), ..) if j == k && bits >> k & 1 == 1 => -1.0,
+            _ => 0.0,
+        }
+    }
+    fn is_incremental(&self, k: usize) -> bool {
+        matches!(Self::local(k), Unknown::Moment(_))
+    }
+    fn source(&self, at: &At<D>, k: usize) -> f64 {
+        let Form::Surface(f) = &self.forms[at.q] else { return 0.0 };
+        match Self::local(k) {
+            Unknown::Tension(k) => self.rates.stretching * f.barycentric[k],
+            Unknown::Moment(k) => -self.rates.rate * f.curvature * f.values[k],
+            Unknown::Jump => self.rates.swelling,
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! `[[vesicle]]`: closed membranes that bend and do not stretch.
+
+use super::build::Build;
+use super::{KindIn, Registered, StructureKind, Traits};
+use crate::base::Result;
+use crate::elastic::Vesicle as Force;
+use crate::mesh::Point;
+use crate::scene::charts::{Columns, Plot};
+use crate::scene::cuts::{self, Chord, Cuts, Ring};
+use crate::scene::keys::{
+    Identifier, Named, Nested, NonNegative, Number, Opt, Positive, Tabled, Writer, table,
+};
+use crate::scene::row::Row;
+use crate::scene::schema::{Shape, Tables};
+use crate::scene::view::View;
+use crate::structure::{Immersed, ImmersedInterface, Structure};
+use std::sync::Arc;
+
+/// The kind `[[vesicle]]`.
+pub(super) const KIND: Registered = Registered {
+    list: "vesicle",
+    keys: Vesicle::KEYS,
+    doc: "Closed membranes that bend and do not stretch.",
+    #[cfg(test)]
+    example: |_| "bending = 1",
+    read: |item, _, context| Ok(Box::new(Vesicle::read(item, context)?)),
+};
+
+table! {
+    /// A vesicle: a fluid in a membrane of lipids, which resists bending and keeps its length (in
+    /// space: its area) everywhere, as its contents keep their area (volume).
+    Vesicle {
+        /// Its name in results; unique in the scene.
+        name: String [Identifier, Default("vesicle")],
+        /// Its form at time 0.
+        shape: Shape [Nested<Shape>,
+            Required("give one: shape.ellipse = { centre = [1, 1], semi_axes = [0.6, 0.3] }")],
+        /// Bending modulus k of the energy k/2 (H - c)^2 per area, H the sum of the principal
+        /// curvatures.
+        bending: f64 [Positive, "J", Required("give one: bending = 1")],
+        /// Spontaneous curvature c, positive for that of a sphere; without effect in the plane.
+        spontaneous_curvature: f64 [Number, "1/m", Default(0.0)],
+        /// Mass per volume of what is inside.
+        density: Option<f64> [Opt<NonNegative>, "kg/m3", Derived("that of the fluid")],
+        /// Dynamic viscosity of what is inside.
+        viscosity: Option<f64> [Opt<Positive>, "Pa s", Derived("that of the fluid")],
+        /// Lines along which the contour is measured.
+        chords: Vec<Named<Chord>> [Named<Chord>],
+        /// Planes through the surface in which its form is measured; in space alone.
+        rings: Vec<Named<Ring>> [Named<Ring>],
+    } before cuts::check;
+}
+
+impl Vesicle {
+    fn cuts(&self) -> Cuts<'_> {
+        Cuts { chords: &self.chords, rings: &self.rings }
+    }
+}
+
+impl<const D: usize> KindIn<D> for Vesicle {
+    fn build(&self, of: &mut Build<'_, '_, D>) -> Result<Box<dyn Structure<D>>> {
+        of.check_band(&self.name, of.inside.is_some(), 1.0)?;
+        let distance = of.placed()?.function.clone();
+        let interface = ImmersedInterface {
+            function: Some(Arc::new(move |x: &Point<D>| distance(x))),
+            inside: of.inside,
+            ..ImmersedInterface::new(&*self.name, of.placed()?.nodal.clone(), of.thickness)
+        };
+        let viscosity = of.mean_viscosity();
+        let force = Force::new(self.bending, self.spontaneous_curvature, viscosity);
+        Ok(Immersed::boxed(interface, force))
+    }
+    fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
+        view.measure_interface(k, self.cuts(), row).map(drop)
+    }
+}
+
+impl StructureKind for Vesicle {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn list(&self) -> &'static str {
+        "vesicle"
+    }
+    fn shape(&self) -> Option<&Shape> {
+        Some(&self.shape)
+    }
+    fn traits(&self) -> Traits {
+        Traits {
+            pulls: true,
+            on_interface: true,
+            own_fluid: [self.density, self.viscosity],
+            ..Traits::default()
+        }
+    }
+    fn words(&self) -> Vec<String> {
+        let own = [("density", self.density), ("viscosity", self.viscosity)];
+        let own =
+            own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
+        let own: String = own.collect();
+        let (name, bending, curvature) = (&self.name, self.bending, self.spontaneous_curvature);
+        vec![format!(
+            "vesicle `{name}`: bending energy {bending}/2 (H - {curvature})^2 per area, no change of its \
+             area{own}; its level set by (1.34)"
+        )]
+    }
+    fn numerics(&self, _: &Tables) -> Option<String> {
+        Some(format!(
+            "tension and bending moment of `{}` on the interface itself, implicit, unknowns of the \
+             same system as the flow",
+            self.name
+        ))
+    }
+    fn chords(&self) -> Vec<String> {
+        self.cuts().names().map(str::to_string).collect()
+    }
+    fn charts(&self, of: &Columns<'_>) -> Vec<Plot> {
+        let charts = [of.axes(&self.name, true), of.chords(&self.name, self.cuts().names())];
+        charts.into_iter().flatten().collect()
+    }
+    fn write(&self, out: &mut Writer) {
+        self.section("[[vesicle]]", out);
+    }
+    fn boxed(&self) -> Box<dyn StructureKind> {
+        Box::new(self.clone())
+    }
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
