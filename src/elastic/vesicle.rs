@@ -6,11 +6,11 @@ use crate::fem::{
     At, Basis, Element, MAX_LOCAL, Numbering, Rule as Quadrature, Space, SurfacePoint, VectorForm,
 };
 use crate::flow::block::Block;
-use crate::levelset::{curvature_vector, extents, normal_vector, second_form};
-use crate::mesh::NONE;
+use crate::levelset::{curvature_vector, extents, normal_vector, origins, second_form};
+use crate::mesh::{Location, NONE};
 use crate::structure::{
-    Carry, Coupling, Data, Declaration, FieldId, Host, ImmersedInterface, InterfaceForce, Medium,
-    Place, Rule,
+    Carry, Coupling, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce,
+    Medium, Moved, Place, Rule, Velocity,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -59,6 +59,8 @@ pub struct Vesicle<const D: usize> {
     identified: Arc<[u32]>,
     cuts: CutSurface<D>,
     curved: Option<Curved<D>>,
+    /// The interface that is predicted for the end of a step.
+    ahead: Option<Bent<D>>,
     system: System<D>,
 }
 
@@ -67,10 +69,18 @@ pub struct Vesicle<const D: usize> {
 struct Curved<const D: usize> {
     phi: Vec<f64>,
     points: Points<D>,
-    /// `H` at the points.
+    /// The curvature vector at the nodes of cut cells, and `H` at the points.
+    vectors: Vec<SVector<f64, D>>,
     curvature: Vec<f64>,
-    /// `II` at the points, in space.
-    forms: Vec<SMatrix<f64, D, D>>,
+}
+
+/// An interface on which forces act, with the curvature that its material has at the start of the
+/// step.
+#[derive(Clone)]
+struct Bent<const D: usize> {
+    phi: Vec<f64>,
+    points: Points<D>,
+    curvature: Vec<f64>,
 }
 
 impl<const D: usize> Vesicle<D> {
@@ -86,6 +96,7 @@ impl<const D: usize> Vesicle<D> {
             identified: Arc::default(),
             cuts: CutSurface::default(),
             curved: None,
+            ahead: None,
             system: System::default(),
         }
     }
@@ -100,13 +111,7 @@ impl<const D: usize> Vesicle<D> {
                 space.value(&vectors, p.at.cell, &p.at.barycentric).dot(&p.normal)
             };
             let curvature = points.iter().map(at).collect();
-            let forms = if D == 2 {
-                Vec::new()
-            } else {
-                let normals = normal_vector(on, of)?;
-                points.iter().map(|p| second_form(space, &normals, p)).collect()
-            };
-            self.curved = Some(Curved { phi: phi.to_vec(), points, curvature, forms });
+            self.curved = Some(Curved { phi: phi.to_vec(), points, vectors, curvature });
         }
         self.curved.as_ref().ok_or_else(|| crate::base::Error::internal("no curvature was found"))
     }
@@ -120,7 +125,7 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
         fields: &mut Declaration<'_, D>,
     ) -> Result<()> {
         self.identified = Numbering::scalar_unknowns(host.space, host.translations).0.into();
-        (self.curved, self.system) = (None, System::default());
+        (self.curved, self.ahead, self.system) = (None, None, System::default());
         let rule = Rule { carry: Carry::ByOwner, acts: false, written: false };
         let sizes = match of.phi.len() == host.space.len() {
             true => extents(host.space, &of.phi)?,
@@ -145,16 +150,55 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
         let (spontaneous, bending, viscosity) = (self.spontaneous, self.bending, self.viscosity);
         let mut system = std::mem::take(&mut self.system);
         let identified = Arc::clone(&self.identified);
-        let curved = self.curved(space, phi)?;
-        let length: f64 = curved.points.iter().map(|p| p.at.weight).sum();
+        let bent = match self.ahead.take().filter(|bent| bent.phi == phi) {
+            Some(bent) => bent,
+            None => {
+                let Curved { phi, points, curvature, .. } = self.curved(space, phi)?.clone();
+                Bent { phi, points, curvature }
+            }
+        };
+        let forms = match D {
+            2 => Vec::new(),
+            _ => {
+                let normals = normal_vector((space, &identified), (&bent.points, phi))?;
+                bent.points.iter().map(|p| second_form(space, &normals, p)).collect()
+            }
+        };
+        let length: f64 = bent.points.iter().map(|p| p.at.weight).sum();
         system.rates = Rates {
             softness: 1.0 / (bending * dt),
             rate: 1.0 / dt,
             stretching: -(own / own_at_rest).ln() / dt,
             swelling: (enclosed_at_rest - enclosed) / (length * dt),
         };
-        system.place(space, &identified, phi, curved, (spontaneous, viscosity));
+        system.place((space, &identified), &bent, &forms, (spontaneous, viscosity));
         self.system = system;
+        Ok(())
+    }
+    /// Finds the curvature at the start of the step where the points of the predicted interface come
+    /// from.
+    fn advance(
+        &mut self,
+        of: &ImmersedInterface<D>,
+        by: &mut Moved<'_, D>,
+        fields: &mut Fields<D>,
+    ) -> Result<()> {
+        let (true, Velocity::Computed { mean, .. }) = (by.ahead, by.velocity) else {
+            return Ok(());
+        };
+        let tracer = &by.carrier.tracer;
+        let space = tracer.space();
+        let (start, phi) = (by.before.scalar(of.level_set()), fields.scalar(of.level_set()));
+        let points = self.cuts.of(space, phi)?;
+        let curved = self.curved(space, start)?;
+        let from = origins(tracer, (mean, by.dt), &curved.points, &points);
+        let curvature = |at: &Location| {
+            let (cell, l) = (at.cell as usize, &at.barycentric);
+            let normal = space.gradient(start, cell, l).normalize();
+            space.value(&curved.vectors, cell, l).dot(&normal)
+        };
+        let curvature = from.iter().map(curvature).collect();
+        self.ahead = Some(Bent { phi: phi.to_vec(), points, curvature });
         Ok(())
     }
     fn energy(
@@ -258,14 +302,13 @@ impl<const D: usize> System<D> {
     /// ones.
     fn place(
         &mut self,
-        space: &Space<D>,
-        identified: &[u32],
-        phi: &[f64],
-        curved: &Curved<D>,
+        (space, identified): (&Space<D>, &[u32]),
+        bent: &Bent<D>,
+        forms: &[SMatrix<f64, D, D>],
         (spontaneous, viscosity): (f64, f64),
     ) {
         let groups: Vec<&[SurfacePoint<D>]> =
-            curved.points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
+            bent.points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
         let cut: Vec<u32> = groups.iter().map(|g| g[0].at.cell as u32).collect();
         if cut.iter().any(|c| self.cells.binary_search(c).is_err()) {
             self.number(space, identified, &cut);
@@ -291,8 +334,8 @@ impl<const D: usize> System<D> {
                         values: space.element().values::<D>(&p.at.barycentric),
                         gradients: g.map(|g| p.tangential(&inverse.tr_mul(&g))),
                         normal: p.normal,
-                        form: curved.forms.get(p.at.q).copied().unwrap_or(SMatrix::zeros()),
-                        curvature: curved.curvature[p.at.q] - spontaneous,
+                        form: forms.get(p.at.q).copied().unwrap_or(SMatrix::zeros()),
+                        curvature: bent.curvature[p.at.q] - spontaneous,
                     };
                     self.points.push(At { q: self.points.len(), ..p.at });
                     self.forms.push(Form::Surface(Box::new(form)));
@@ -300,7 +343,7 @@ impl<const D: usize> System<D> {
                 let (map, size) = (mesh.map(c), mesh.diameter(c));
                 let mut middle = [0.0; 4];
                 middle[..=D].fill(1.0 / (D as f64 + 1.0));
-                let normal = space.gradient(phi, c, &middle).try_normalize(0.0);
+                let normal = space.gradient(&bent.phi, c, &middle).try_normalize(0.0);
                 let normal = normal.unwrap_or(group[0].normal);
                 let roots = [(TENSION_ACROSS / viscosity).sqrt(), (MOMENT_ACROSS * size).sqrt()];
                 for (l, w) in across.points.iter().zip(&across.weights) {
@@ -416,9 +459,6 @@ impl<const D: usize> Block<D> for System<D> {
             (Form::Idle(bits), ..) if j == k && bits >> k & 1 == 1 => -1.0,
             _ => 0.0,
         }
-    }
-    fn is_incremental(&self, k: usize) -> bool {
-        matches!(Self::local(k), Unknown::Moment(_))
     }
     fn source(&self, at: &At<D>, k: usize) -> f64 {
         let Form::Surface(f) = &self.forms[at.q] else { return 0.0 };

@@ -42,11 +42,6 @@ pub trait Block<const D: usize>: Sync {
     fn own(&self, _at: &At<D>, _j: usize, _k: usize) -> f64 {
         0.0
     }
-    /// True if the equation of local unknown `k` has, in place of the velocity, its change from the
-    /// [predicted](super::Step::predicted) one.
-    fn is_incremental(&self, _k: usize) -> bool {
-        false
-    }
     /// `g(m)` at a point for local unknown `k`.
     fn source(&self, _at: &At<D>, _k: usize) -> f64 {
         0.0

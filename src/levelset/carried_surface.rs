@@ -132,6 +132,21 @@ impl<'a, const D: usize> CarriedSurface<'a, D> {
     }
 }
 
+/// Where points of an interface come from after a step `dt` in the velocity `u` (one vector per
+/// node): by the coordinates of a cell that the interface `from` at its start cuts, where one is
+/// near.
+pub fn origins<const D: usize>(
+    tracer: &Tracer<D>,
+    (u, dt): (&[SVector<f64, D>], f64),
+    from: &[SurfacePoint<D>],
+    to: &[SurfacePoint<D>],
+) -> Vec<Location> {
+    let places: Vec<Location> = to.iter().map(location).collect();
+    let feet = tracer.ahead(&AdvectingVelocity::Nodal(u), -dt, &places);
+    let cut = CutCells::new(tracer.space(), from);
+    feet.iter().map(|(foot, _)| cut.near(tracer, foot).unwrap_or(*foot)).collect()
+}
+
 /// A carried interface with the one on which it arrives.
 pub struct Onto<'b, 'a, const D: usize> {
     carried: &'b CarriedSurface<'a, D>,

@@ -46,7 +46,7 @@ pub use band::{
 };
 pub use bounds::Bounds;
 pub use carried_points::{CarriedPoints, End};
-pub use carried_surface::{CarriedSurface, Onto, continue_vectors, surface_divergence};
+pub use carried_surface::{CarriedSurface, Onto, continue_vectors, origins, surface_divergence};
 pub use contour::{Contour, Line, Segment};
 pub use curvature::{Curvature, normal_gradient, vertices_near};
 pub use curvature_vector::{curvature_vector, normal_vector, second_form};

@@ -95,7 +95,7 @@ impl BlockSystem {
         &mut self,
         (space, numbering): (&Space<D>, &Numbering<D>),
         (block, first): (&dyn Block<D>, usize),
-        (lift, predicted): (&[SVector<f64, D>], Option<&[SVector<f64, D>]>),
+        lift: &[SVector<f64, D>],
     ) -> Result<()> {
         let (nb, local_block) = (space.local_count(), Local { block, space });
         let (mut own, mut unknowns) = (Vec::new(), Vec::new());
@@ -116,10 +116,7 @@ impl BlockSystem {
                 for j in 0..own.len() {
                     local[(D * nb + j) * m + column] += at.weight * block.own(at, j, k);
                 }
-                let mut known = local_block.value(at, k, lift);
-                if let Some(u) = predicted.filter(|_| block.is_incremental(k)) {
-                    known -= local_block.value(at, k, u);
-                }
+                let known = local_block.value(at, k, lift);
                 self.rhs[first + own[k] as usize] += at.weight * block.source(at, k) - known;
             }
             let nodes = space.cell_nodes(cell);
@@ -159,7 +156,7 @@ impl<const D: usize> FlowSolver<D> {
         let mut first = order;
         for block in step.blocks {
             let spaces = (&**self.velocity.space(), &self.numbering);
-            system.add(spaces, (*block, first), (&work.lift, step.predicted))?;
+            system.add(spaces, (*block, first), &work.lift)?;
             first += block.len();
         }
         let factor = match &mut system.factor {
