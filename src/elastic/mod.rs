@@ -26,5 +26,5 @@ pub use sharp::{Force, SharpMembrane};
 pub use sharp_shear::SharpShearMembrane;
 pub use shear::{AreaFrom, ShearMembrane};
 pub use surface_law::{Response, ShearLaw, SurfaceLaw, Tangent};
-pub use vesicle::Vesicle;
+pub use vesicle::{Motion, Vesicle};
 pub use waves::{explicit_step_limit, wave_period};

@@ -6,12 +6,18 @@ use crate::levelset::{Redistance, Redistancing};
 use crate::sim::{Carried, When};
 use crate::transport::Method;
 
+/// Change of the slope on the interface of a vesicle after which it is redistanced.
+const EVEN: f64 = 0.03;
+
 /// The redistancing of a scene: that of its keys, or the default for sharp forces.
 fn keys(scene: &Scene) -> Option<Keys> {
     let numerics = &scene.numerics;
     let of_default = || {
         let sharp = scene.acting().any(|s| s.traits().keeps_distance());
-        (sharp && numerics.transport != Method::Composed).then_some(Keys::DEFAULT)
+        // Bending sees errors of the curvature, which a level set with an even slope has least.
+        let bends = scene.acting().any(|s| s.traits().keeps_size);
+        let keys = if bends { Keys { slope: Some(EVEN), ..Keys::DEFAULT } } else { Keys::DEFAULT };
+        (sharp && numerics.transport != Method::Composed).then_some(keys)
     };
     numerics.redistance.or_else(of_default)
 }

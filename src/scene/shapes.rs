@@ -2,11 +2,11 @@
 
 use super::keys::Tabled;
 use super::points::{coordinates, point};
-use super::schema::Shape;
+use super::schema::{Oval, OvalCurve, Shape};
 use crate::base::{Error, Result, same};
 use crate::levelset::{
     Circle, Ellipse, Ellipsoid, LevelFunction, LevelSolid, Polygon, RoundedBox, Shape as Distance,
-    SolidUnion, Torus, Union,
+    SolidUnion, Torus, Union, reduced_cassini, reduced_ellipse, reduced_spheroid,
 };
 use crate::mesh::Point;
 
@@ -39,6 +39,7 @@ fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance
         Shape::Ellipse(s) => {
             Box::new(Ellipse::new(point(&s.centre), point(&s.semi_axes), s.angle)?)
         }
+        Shape::Oval(s) => oval(s, domain)?,
         Shape::RoundedBox(s) => {
             Box::new(RoundedBox::new(point(&s.centre), point(&s.half_size), s.radius, s.angle)?)
         }
@@ -51,10 +52,26 @@ fn plane(shape: &Shape, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance
             let e = e.clone();
             Box::new(LevelFunction::new(move |x: &Point<2>| e.eval(coordinates(x), 0.0), domain)?)
         }
-        Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Torus(_) => {
+        Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Spheroid(_) | Shape::Torus(_) => {
             return Err(other_dimension(shape, 2));
         }
     })
+}
+
+/// An oval of its radius and reduced area.
+fn oval(s: &Oval, domain: (Point<2>, Point<2>)) -> Result<Box<dyn Distance<2>>> {
+    if s.curve == OvalCurve::Ellipse {
+        let axes = reduced_ellipse(s.reduced_area).map(|a| a * s.radius);
+        return Ok(Box::new(Ellipse::new(point(&s.centre), point(&axes), s.angle)?));
+    }
+    let [focus, size] = reduced_cassini(s.reduced_area).map(|a| a * s.radius);
+    let (centre, (sine, cosine)) = (point::<2>(&s.centre), s.angle.to_radians().sin_cos());
+    let focus = Point::<2>::new(cosine, sine) * focus;
+    let level = move |x: &Point<2>| {
+        let d = x - centre;
+        ((d - focus).norm() * (d + focus).norm()).sqrt() - size
+    };
+    Ok(Box::new(LevelFunction::new(level, domain)?))
 }
 
 /// A shape in space.
@@ -63,6 +80,11 @@ fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance
         Shape::Sphere(s) => Box::new(Circle::<3>::new(point(&s.centre), s.radius)?),
         Shape::Ellipsoid(s) => {
             Box::new(Ellipsoid::new(point(&s.centre), point(&s.semi_axes), point(&s.rotation))?)
+        }
+        Shape::Spheroid(s) => {
+            let [along, across] = reduced_spheroid(s.reduced_volume, s.oblate);
+            let axes = [across, across, along].map(|a| a * s.radius);
+            Box::new(Ellipsoid::new(point(&s.centre), point(&axes), point(&s.rotation))?)
         }
         Shape::Torus(s) => {
             Box::new(Torus::new(point(&s.centre), point(&s.axis), s.major, s.minor)?)
@@ -81,7 +103,7 @@ fn solid(shape: &Shape, domain: (Point<3>, Point<3>)) -> Result<Box<dyn Distance
             let e = e.clone();
             Box::new(LevelSolid::new(move |x: &Point<3>| e.eval(coordinates(x), 0.0), domain)?)
         }
-        Shape::Circle(_) | Shape::Ellipse(_) | Shape::Polygon(_) => {
+        Shape::Circle(_) | Shape::Ellipse(_) | Shape::Oval(_) | Shape::Polygon(_) => {
             return Err(other_dimension(shape, 3));
         }
     })

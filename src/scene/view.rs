@@ -8,6 +8,7 @@ use crate::base::Result;
 use crate::fem::{Space, SurfacePoint};
 use crate::flow::FlowSolver;
 use crate::levelset::{Interface, InterfaceMeasures, surface};
+use crate::mesh::Point;
 use crate::sim::{Carried, State};
 use crate::structure::{Density, FieldId, polygon_area, polygon_length};
 use std::borrow::Cow;
@@ -102,6 +103,31 @@ impl<'a, const D: usize> View<'a, D> {
             row.put_all(&name, STRAIN.into_iter().zip(self.strain(k, &interface.points())));
         }
         Ok(sizes)
+    }
+
+    /// Lengths of the interface of structure number `k` along its axes of inertia, in the plane;
+    /// `None` without an interface, or where sides cut it.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    pub fn lengths_along_axes(&self, k: usize) -> Result<Option<[f64; 2]>> {
+        let interface = self.carried.interface(&self.state.fields, k)?;
+        let measures = interface.measures().filter(|_| !interface.is_open());
+        let (Some(contour), Some(angle)) = (interface.contour(), measures.and_then(|m| m.angle))
+        else {
+            return Ok(None);
+        };
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let length = |axis: Point<2>| {
+            let places = contour
+                .segments()
+                .iter()
+                .flat_map(|s| (0..=8).map(|k| s.point(f64::from(k) / 8.0).dot(&axis)));
+            let (least, most) =
+                places.fold((f64::INFINITY, -f64::INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            most - least
+        };
+        Ok(Some([length(Point::<2>::new(cosine, sine)), length(Point::<2>::new(-sine, cosine))]))
     }
 
     /// Columns of size, centre, axes and extents.

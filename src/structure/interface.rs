@@ -166,6 +166,13 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     fn check_coupling(&self, _coupling: Coupling) -> Result<()> {
         Ok(())
     }
+    /// Rejects steps of an order that is not implemented.
+    ///
+    /// # Errors
+    /// An order that is not implemented.
+    fn check_order(&self, _order: usize) -> Result<()> {
+        Ok(())
+    }
     /// Distance from the interface within which the force acts.
     fn reach(&self, of: &ImmersedInterface<D>) -> f64 {
         of.thickness
@@ -255,6 +262,7 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
     }
     fn check_coupling(&self, order: usize, lightest: f64) -> Result<()> {
         self.force.check_coupling(self.interface.coupling)?;
+        self.force.check_order(order)?;
         self.interface.coupling.check(order, lightest)
     }
     fn prepare(&mut self, at: &Place<'_, D>) -> Result<()> {

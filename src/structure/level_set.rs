@@ -2,7 +2,7 @@
 
 use super::Structure;
 use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, Rule};
-use super::markers;
+use super::markers::follow_markers;
 use super::place::{Host, Moved, Velocity};
 use crate::base::{Result, parallel};
 use crate::mesh::Point;
@@ -79,7 +79,7 @@ impl<const D: usize> Structure<D> for LevelSet<D> {
             Velocity::Computed { ends, mean } => {
                 let tracer = &by.carrier.tracer;
                 let steps = (tracer.courant(mean, dt).ceil() as usize).clamp(1, 100);
-                markers::follow(list, tracer, ends, dt, steps);
+                follow_markers(list, tracer, ends, dt, steps);
             }
             Velocity::Given { velocity, start, courant } => {
                 let steps = ((0.5 * courant).ceil() as usize).clamp(1, 100);

@@ -18,7 +18,7 @@ pub fn polygon_area<const D: usize>(markers: &[Point<D>]) -> f64 {
 
 /// Moves markers over a step in which the P2 velocity changes linearly in time from `old` to `new`,
 /// by `steps` steps of the classical Runge-Kutta rule. A marker outside the mesh does not move.
-pub(super) fn follow<const D: usize>(
+pub fn follow_markers<const D: usize>(
     markers: &mut [Point<D>],
     tracer: &Tracer<D>,
     [old, new]: [&[SVector<f64, D>]; 2],

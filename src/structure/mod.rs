@@ -21,7 +21,7 @@ pub use fields::{
 };
 pub use interface::{Density, Immersed, ImmersedInterface, InterfaceForce};
 pub use level_set::LevelSet;
-pub use markers::{polygon_area, polygon_length};
+pub use markers::{follow_markers, polygon_area, polygon_length};
 pub use medium::Medium;
 pub use place::{Host, Moved, Place, Velocity};
 pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};

@@ -169,7 +169,7 @@ pub(super) fn least_elastic_energy<const D: usize>(scene: &Scene, radii: &[f64])
 /// a length.
 pub(super) fn grad_div(scene: &Scene, [speed, length]: [f64; 2]) -> f64 {
     let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
-    let sharp = scene.acting().any(|s| s.traits().on_interface);
+    let sharp = scene.acting().map(|s| s.traits()).any(|t| t.on_interface && !t.keeps_size);
     if !scene.has_inertia() {
         return GRAD_DIV_STOKES[usize::from(sharp)] * viscosity;
     }

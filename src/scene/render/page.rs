@@ -9,6 +9,7 @@ use crate::base::Warning;
 use crate::output::{Cell, Figure, KeyNumber, Page, Table, rounded};
 use crate::scene::StructureKind;
 use crate::scene::run::Session;
+use crate::scene::structures::FindingValue;
 
 /// The page.
 pub(super) fn compose(run: &RunFolder, gallery: Gallery, charts: Vec<Figure>) -> Page {
@@ -128,6 +129,7 @@ fn key_numbers(run: &RunFolder) -> Vec<KeyNumber> {
     numbers.extend(of_segmentation(run));
     numbers.extend(of_flow(run));
     numbers.extend(of_forces(run));
+    numbers.extend(findings(run));
     numbers.extend(of_cost(run));
     numbers
 }
@@ -247,6 +249,23 @@ fn of_forces(run: &RunFolder) -> Vec<KeyNumber> {
         }
     }
     numbers
+}
+
+/// What the series says of each structure.
+fn findings(run: &RunFolder) -> Vec<KeyNumber> {
+    let (columns, several) = (run.columns(), run.scene.interfaces().count() > 1);
+    let of = |s: &dyn StructureKind| {
+        let of = if several { format!(" of {}", s.name()) } else { String::new() };
+        let shown = s.findings(&columns).into_iter().map(|f| {
+            let value = match f.value {
+                FindingValue::Word(word) => word.to_string(),
+                FindingValue::Number(value) => rounded(value, 5),
+            };
+            number(&format!("{}{of}", f.names[1]), value, f.note)
+        });
+        shown.collect::<Vec<_>>()
+    };
+    run.scene.structures.iter().flat_map(|s| of(&**s)).collect()
 }
 
 fn of_cost(run: &RunFolder) -> Option<KeyNumber> {

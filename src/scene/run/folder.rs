@@ -7,11 +7,13 @@ use super::{Earlier, Options, contents};
 use crate::base::{Error, Kind, Result, Warning, copy_bandwidth};
 use crate::output::{Series, cannot_write, write_durably, write_file, write_pvd, write_vtkhdf};
 use crate::scene::Scene;
+use crate::scene::charts::Columns;
 use crate::scene::kept::{CHECKPOINTS, Checkpoint, is_run};
 use crate::scene::keys::Named;
 use crate::scene::period::Oscillation;
 use crate::scene::problem::{Facts, Problem};
 use crate::scene::schema::Force;
+use crate::scene::structures::FindingValue;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -293,6 +295,34 @@ impl Folder {
         Ok(found)
     }
 
+    /// What the series says of each structure.
+    fn findings(
+        &self,
+        scene: &Scene,
+    ) -> Result<BTreeMap<String, serde_json::Map<String, serde_json::Value>>> {
+        let mut found = BTreeMap::new();
+        if scene.structures.is_empty() {
+            return Ok(found);
+        }
+        let series = Series::read(&self.series())?;
+        let (dimension, units) = (scene.dimension(), &scene.units);
+        let columns = Columns { series: &series, dimension, units };
+        for structure in &scene.structures {
+            let of = structure.findings(&columns).into_iter().map(|finding| {
+                let value = match finding.value {
+                    FindingValue::Word(word) => json!(word),
+                    FindingValue::Number(value) => json!(value),
+                };
+                (finding.names[0].to_string(), value)
+            });
+            let of: serde_json::Map<_, _> = of.collect();
+            if !of.is_empty() {
+                found.insert(structure.name().to_string(), of);
+            }
+        }
+        Ok(found)
+    }
+
     /// Writes `summary.json`.
     pub(super) fn write_summary(
         &self,
@@ -331,6 +361,7 @@ impl Folder {
             "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
             "strouhal": self.strouhal(scene)?,
+            "findings": self.findings(scene)?,
             "leaves": record.left,
             "fluid_enters": record.entered,
             "warnings": problem

@@ -35,7 +35,9 @@ pub use output::{Flux, Force, Output, Probe, Profile, Reference, Stored};
 pub use picture::{Cut, Picture, Window};
 pub use polygon::Polygon;
 pub use redistance::Redistance;
-pub use shape::{Circle, Ellipse, Ellipsoid, RoundedBox, Shape, Sphere, Torus};
+pub use shape::{
+    Circle, Ellipse, Ellipsoid, Oval, OvalCurve, RoundedBox, Shape, Sphere, Spheroid, Torus,
+};
 pub use time::Time;
 pub use units::{BaseUnits, Units};
 

@@ -4,8 +4,8 @@ use super::polygon::Polygon;
 use crate::base::Result;
 use crate::scene::expression::Expression;
 use crate::scene::keys::{
-    Context, Form, Item, Kind, Nested, NonNegative, Number, Numbers, Positive, Table, Tabled,
-    Typed, Vector, kinds, list, one_of, table,
+    Context, Flag, Form, Item, Kind, Nested, NonNegative, Number, Numbers, Positive, Table, Tabled,
+    Typed, Vector, kinds, list, one_of, table, words,
 };
 
 /// A closed curve (in space: a closed surface) and its inside.
@@ -15,6 +15,10 @@ pub enum Shape {
     Circle(Circle),
     /// An ellipse.
     Ellipse(Ellipse),
+    /// An oval of a given reduced area.
+    Oval(Oval),
+    /// A spheroid of a given reduced volume, in space.
+    Spheroid(Spheroid),
     /// A rectangle with rounded corners; in space a box with rounded edges.
     RoundedBox(RoundedBox),
     /// A simple polygon, of either orientation.
@@ -38,6 +42,10 @@ one_of! {
         "circle" [Nested<Circle>] (s) => (Shape::Circle(s));
         /// An ellipse, in the plane.
         "ellipse" [Nested<Ellipse>] (s) => (Shape::Ellipse(s));
+        /// An oval of a given area and length, in the plane.
+        "oval" [Nested<Oval>] (s) => (Shape::Oval(s));
+        /// A spheroid of a given volume and surface, in space.
+        "spheroid" [Nested<Spheroid>] (s) => (Shape::Spheroid(s));
         /// A sphere, in space.
         "sphere" [Nested<Sphere>] (s) => (Shape::Sphere(s));
         /// An ellipsoid, in space.
@@ -75,6 +83,77 @@ table! {
         semi_axes: [f64; 2] [Lengths<2>, "m", Required("give both: semi_axes = [0.75, 0.5]")],
         /// Counter-clockwise rotation.
         angle: f64 [Number, "degrees", Default(0.0)],
+    }
+}
+
+table! {
+    /// An oval by its size.
+    Oval: Copy {
+        /// Centre.
+        centre: [f64; 2] [Vector<2>, "m", Required("give the centre: centre = [1, 1]")],
+        /// Radius of the circle of the same area.
+        radius: f64 [Positive, "m", Required("give the radius of its area: radius = 0.5")],
+        /// The area over that of the circle of the same length, 4 pi A/L^2: at most 1, more than
+        /// .05, of Cassini's oval .8.
+        reduced_area: f64 [Positive, Required("give the reduced area: reduced_area = 0.8")],
+        /// Direction of the longer axis, counter-clockwise from x.
+        angle: f64 [Number, "degrees", Default(0.0)],
+        /// Its curve.
+        curve: OvalCurve [Curves, Default("ellipse")],
+    } check Oval::check;
+}
+
+table! {
+    /// A spheroid by its size.
+    Spheroid: Copy {
+        /// Centre.
+        centre: [f64; 3] [Vector<3>, "m", Required("give the centre: centre = [0, 0, 0]")],
+        /// Radius of the sphere of the same volume.
+        radius: f64 [Positive, "m", Required("give the radius of its volume: radius = 0.5")],
+        /// The volume over that of the sphere of the same surface: at most 1, more than .1.
+        reduced_volume: f64 [Positive,
+            Required("give the reduced volume: reduced_volume = 0.9")],
+        /// Whether it is flat rather than long.
+        oblate: bool [Flag, Default(false)],
+        /// Its axis is z before it is turned: the axis of the rotation times the angle, by the
+        /// right-hand rule.
+        rotation: [f64; 3] [Numbers<3>, "degrees", Default([0.0, 0.0, 0.0])],
+    } check Spheroid::check;
+}
+
+/// The curve of an oval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OvalCurve {
+    /// An ellipse.
+    Ellipse,
+    /// Cassini's oval, which has a waist below a reduced area of .93.
+    Cassini,
+}
+
+words! { Curves: OvalCurve { "ellipse" = OvalCurve::Ellipse, "cassini" = OvalCurve::Cassini } }
+
+/// Rejects a reduced area or volume beyond its limits.
+fn check_reduced(table: &Table<'_>, key: &str, value: f64, least: f64) -> Result<()> {
+    if value <= 1.0 && value > least {
+        return Ok(());
+    }
+    let Some(item) = table.get(key) else { return Ok(()) };
+    Err(item
+        .error(format!("must be at most 1, which a circle or a sphere has, and more than {least}"))
+        .value(value.to_string())
+        .remedy(format!("give a number between them: {key} = 0.9")))
+}
+
+impl Oval {
+    fn check(&mut self, table: &Table<'_>, _: &Context) -> Result<()> {
+        let least = if self.curve == OvalCurve::Cassini { 0.8 } else { 0.05 };
+        check_reduced(table, "reduced_area", self.reduced_area, least)
+    }
+}
+
+impl Spheroid {
+    fn check(&mut self, table: &Table<'_>, _: &Context) -> Result<()> {
+        check_reduced(table, "reduced_volume", self.reduced_volume, 0.1)
     }
 }
 

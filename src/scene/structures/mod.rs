@@ -6,6 +6,7 @@ mod drop;
 mod laws;
 mod level_set;
 mod membrane;
+mod motion;
 mod round;
 mod vesicle;
 
@@ -74,6 +75,8 @@ pub struct Traits {
     pub on_interface: bool,
     /// True if its stretch is carried along the interface.
     pub carries_stretch: bool,
+    /// True if unknowns of its own keep its size, so that no error of the divergence changes it.
+    pub keeps_size: bool,
     /// True if it resists compression, and being without bending stiffness then wrinkles.
     pub wrinkles: bool,
     /// Mass per area at rest.
@@ -115,6 +118,7 @@ impl Default for Traits {
             pulls: false,
             on_interface: false,
             carries_stretch: false,
+            keeps_size: false,
             wrinkles: false,
             mass: 0.0,
             own_fluid: [None; 2],
@@ -126,6 +130,26 @@ impl Default for Traits {
             has_size_at_rest: false,
         }
     }
+}
+
+/// What a series says of a run as a whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Its name in the summary, and its title in the report.
+    pub names: [&'static str; 2],
+    /// A word or a number.
+    pub value: FindingValue,
+    /// A note in the report.
+    pub note: String,
+}
+
+/// The value of a finding.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FindingValue {
+    /// A word.
+    Word(&'static str),
+    /// A number.
+    Number(f64),
 }
 
 /// Construction and measurements of a structure in `D` dimensions.
@@ -161,6 +185,10 @@ pub trait StructureKind: KindIn<2> + KindIn<3> + Debug + Send + Sync {
     }
     /// Columns of requested half-chords, after its name and a dot.
     fn chords(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// What its series says of the run as a whole, for the summary and the report.
+    fn findings(&self, _of: &Columns<'_>) -> Vec<Finding> {
         Vec::new()
     }
     /// Its charts.

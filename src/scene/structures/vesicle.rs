@@ -1,9 +1,10 @@
 //! `[[vesicle]]`: closed membranes that bend and do not stretch.
 
 use super::build::Build;
-use super::{KindIn, Registered, StructureKind, Traits};
+use super::motion;
+use super::{Finding, KindIn, Registered, StructureKind, Traits};
 use crate::base::Result;
-use crate::elastic::Vesicle as Force;
+use crate::elastic::{Motion, Vesicle as Force};
 use crate::mesh::Point;
 use crate::scene::charts::{Columns, Plot};
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
@@ -14,6 +15,7 @@ use crate::scene::row::Row;
 use crate::scene::schema::{Shape, Tables};
 use crate::scene::view::View;
 use crate::structure::{Immersed, ImmersedInterface, Structure};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The kind `[[vesicle]]`.
@@ -71,7 +73,21 @@ impl<const D: usize> KindIn<D> for Vesicle {
         Ok(Immersed::boxed(interface, force))
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
-        view.measure_interface(k, self.cuts(), row).map(drop)
+        let [enclosed, own] = view.measure_interface(k, self.cuts(), row)?;
+        let name = &self.name;
+        if D == 3 {
+            let volume = 4.0 / 3.0 * PI * (own / (4.0 * PI)).powf(1.5);
+            row.put(format!("{name}.reduced_volume"), enclosed / volume);
+            return Ok(());
+        }
+        row.put(format!("{name}.reduced_area"), 4.0 * PI * enclosed / (own * own));
+        let lengths = view.lengths_along_axes(k)?;
+        let deformation = lengths.map(|[long, short]| (long - short) / (long + short));
+        row.put(format!("{name}.deformation"), deformation.unwrap_or(f64::NAN));
+        let motion = Motion::of_vesicle(&view.state.fields, name).unwrap_or_default();
+        row.put(format!("{name}.turned"), motion.turned);
+        row.put(format!("{name}.treaded"), motion.treaded);
+        Ok(())
     }
 }
 
@@ -89,6 +105,7 @@ impl StructureKind for Vesicle {
         Traits {
             pulls: true,
             on_interface: true,
+            keeps_size: true,
             own_fluid: [self.density, self.viscosity],
             ..Traits::default()
         }
@@ -114,8 +131,30 @@ impl StructureKind for Vesicle {
     fn chords(&self) -> Vec<String> {
         self.cuts().names().map(str::to_string).collect()
     }
+    fn findings(&self, of: &Columns<'_>) -> Vec<Finding> {
+        let column = |what: &str| of.column_of(&self.name, what);
+        let (Some(time), Some(turned), Some(treaded)) =
+            (of.column("time"), column("turned"), column("treaded"))
+        else {
+            return Vec::new();
+        };
+        motion::findings([time, turned, treaded])
+    }
     fn charts(&self, of: &Columns<'_>) -> Vec<Plot> {
-        let charts = [of.axes(&self.name, true), of.chords(&self.name, self.cuts().names())];
+        let name = &self.name;
+        let mut angles = of.sheet();
+        angles.line("long axis", of.column_of(name, "turned"));
+        angles.line("point of the membrane", of.column_of(name, "treaded"));
+        let caption = "Direction of the long axis, and of a point of the membrane from the centre, \
+            counted on over turns.";
+        let title = format!("Motion of {name}");
+        let angles = angles.draw(format!("motion-{name}"), [&title, "angle (degrees)"], caption);
+        let mut form = of.sheet();
+        form.line("deformation", of.column_of(name, "deformation"));
+        let caption = "Difference of the lengths along the axes of inertia over their sum.";
+        let title = format!("Deformation of {name}");
+        let form = form.draw(format!("deformation-{name}"), [&title, "deformation"], caption);
+        let charts = [of.axes(name, true), angles, form, of.chords(name, self.cuts().names())];
         charts.into_iter().flatten().collect()
     }
     fn write(&self, out: &mut Writer) {
