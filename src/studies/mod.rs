@@ -14,6 +14,7 @@ pub mod files;
 mod freefem;
 mod front;
 mod method;
+mod phases;
 pub mod precision;
 pub mod stability;
 mod trial;
@@ -25,6 +26,7 @@ pub use compare::{Bound, Comparison, compare};
 pub use compare_meshes::compare_meshes;
 pub use freefem::{About, Case, Reading};
 pub use method::Method;
+pub use phases::Phases;
 pub use trial::{End, Outcome, Trial};
 pub use twin::{Loop, Twin};
 

@@ -112,7 +112,8 @@ fn command(program: &Path, case: &Case, folder: &Path) -> Command {
     command
 }
 
-/// The files below a folder. A checkpoint has a version of its own, the report prints seconds, and
+/// The files below a folder. A checkpoint has a version of its own, the mark of a run names its
+/// process, the report prints seconds, and
 /// charts draw the numbers of the other files.
 fn read_folder(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>>) -> Result<()> {
     for entry in fs::read_dir(folder)? {
@@ -125,7 +126,7 @@ fn read_folder(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>
             }
         } else if name == "summary.json" {
             files.insert(name, timeless(&fs::read(&path)?)?);
-        } else if name != "report.html" {
+        } else if !["report.html", "immersa.run"].contains(&name.as_str()) {
             files.insert(name, fs::read(&path)?);
         }
     }

@@ -1,6 +1,7 @@
 //! `immersa study`: the same scene many times.
 
 mod convergence;
+mod phases;
 mod precision;
 mod stability;
 
@@ -21,6 +22,8 @@ pub(super) enum Study {
     /// The largest stable time step, by bisection, beside the formula (1.54); or which other values
     /// are stable
     Stability(stability::Arguments),
+    /// What the structures do over one or more parameters: a phase diagram
+    Phases(phases::Arguments),
     /// Cost of accuracy: error against CPU time for methods, meshes and steps
     Precision(Box<precision::Arguments>),
 }
@@ -30,6 +33,7 @@ pub(super) fn study(study: &Study) -> Result<()> {
     match study {
         Study::Convergence(a) => convergence::run(a),
         Study::Stability(a) => a.conduct(),
+        Study::Phases(a) => a.conduct(),
         Study::Precision(a) => precision::precision(a),
     }
 }

@@ -205,11 +205,23 @@ impl<const D: usize> FlowSolver<D> {
         &self.block_values
     }
 
-    /// `b(l, u)` of the last step, the power of the flow on the structures of the blocks.
-    pub fn block_power(&self, blocks: &[&dyn Block<D>], u: &[SVector<f64, D>]) -> f64 {
-        let mut forces = vec![SVector::zeros(); u.len()];
-        self.add_block_forces(blocks, &mut forces);
-        forces.iter().zip(u).map(|(f, u)| f.dot(u)).sum()
+    /// `b(l, u)` of the last step, the power of the flow on the structures of the blocks, and the
+    /// same with that at each point counted positive.
+    pub fn block_power(&self, blocks: &[&dyn Block<D>], u: &[SVector<f64, D>]) -> [f64; 2] {
+        let space: &Space<D> = self.velocity.space();
+        let (mut sums, mut own) = ([0.0; 2], Vec::new());
+        for (block, values) in blocks.iter().zip(&self.block_values) {
+            let local = Local { block: *block, space };
+            for at in block.points() {
+                own.clear();
+                block.unknowns(at.cell, &mut own);
+                let of =
+                    |(k, unknown): (usize, &u32)| values[*unknown as usize] * local.value(at, k, u);
+                let power: f64 = own.iter().enumerate().map(of).sum();
+                sums = [sums[0] + power, sums[1] + power.abs()];
+            }
+        }
+        sums
     }
 
     /// Adds `b(l, v)` of the last step to `out`, one vector per node.

@@ -52,6 +52,8 @@ pub struct Summary {
     pub plan: String,
     /// Oscillations of the lift, by force.
     pub strouhal: BTreeMap<String, Strouhal>,
+    /// What the series says of each structure: words and numbers.
+    pub findings: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
     /// Residuals of the balances.
     pub balance: Balance,
     /// Last values by column of the series.

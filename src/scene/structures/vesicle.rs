@@ -154,7 +154,7 @@ impl StructureKind for Vesicle {
         let caption = "Difference of the lengths along the axes of inertia over their sum.";
         let title = format!("Deformation of {name}");
         let form = form.draw(format!("deformation-{name}"), [&title, "deformation"], caption);
-        let charts = [of.axes(name, true), angles, form, of.chords(name, self.cuts().names())];
+        let charts = [of.axes(name, false), angles, form, of.chords(name, self.cuts().names())];
         charts.into_iter().flatten().collect()
     }
     fn write(&self, out: &mut Writer) {

@@ -85,10 +85,10 @@ impl<const D: usize> Simulation<D> {
         let mut blocks: Vec<&dyn Block<D>> = Vec::new();
         acting().for_each(|(s, _)| s.blocks(&mut blocks));
         let own = match blocks.is_empty() {
-            true => 0.0,
+            true => [0.0; 2],
             false => self.flow.block_power(&blocks, u),
         };
-        terms.iter().map(powers).fold([own, own.abs()], |a, b| [a[0] + b[0], a[1] + b[1]])
+        terms.iter().map(powers).fold(own, |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 
     /// Elastic energy brought by structures that have left or come back to an open side since they
