@@ -35,6 +35,7 @@ pub(super) const CASES: &[Case] = &[
     case!("membrane", "An elastic membrane that relaxes in a viscous fluid"),
     case!("cell", "An elastic membrane carried through a periodic channel"),
     case!("capsule", "An elastic membrane in shear, which turns like the tread of a tank"),
+    case!("vesicle", "A vesicle in shear, which treads or tumbles"),
     case!("ball", "An elastic membrane in space, fine about a sphere"),
     case!("drop", "A drop in shear, with surface tension"),
     case!("surfactant", "A drop in shear, with a surfactant that lowers its tension"),

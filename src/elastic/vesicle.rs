@@ -1,16 +1,20 @@
 //! The membrane of a vesicle: it bends, and its length (in space: its area) does not change.
 
+use super::area_law::AreaLaw;
 use super::cut_surface::{CutSurface, Points};
+use super::sharp_shear::SharpShearMembrane;
+use super::surface_law::{ShearLaw, SurfaceLaw};
 use crate::base::{Cause, Error, Result};
 use crate::fem::{
     At, Basis, Element, MAX_LOCAL, Numbering, Rule as Quadrature, Space, SurfacePoint, VectorForm,
 };
 use crate::flow::block::Block;
+use crate::flow::term::MomentumTerm;
 use crate::levelset::{Interface, curvature_vector, extents, normal_vector, origins, second_form};
 use crate::mesh::{Location, NONE, Point};
 use crate::structure::{
     Carry, Data, Declaration, FieldId, Fields, Host, ImmersedInterface, InterfaceForce, Medium,
-    Moved, Place, Rule, Velocity, follow_markers,
+    Moved, Place, Rule, SurfaceStrain, Velocity, follow_markers,
 };
 use nalgebra::{SMatrix, SVector};
 use std::sync::Arc;
@@ -53,10 +57,15 @@ pub struct Vesicle<const D: usize> {
     bending: f64,
     spontaneous: f64,
     viscosity: f64,
+    /// Resistance to shear, in space.
+    shear: Option<SharpShearMembrane<D>>,
     /// What [`Motion`] has, in its order.
     motion: FieldId,
     /// A point of the membrane that moves with it.
     marker: FieldId,
+    /// Cells whose unknowns the matrix has: part of the state, so that a resumed run has the same
+    /// matrices.
+    ring: FieldId,
     /// One number per node, equal for nodes that periodic sides identify.
     identified: Arc<[u32]>,
     cuts: CutSurface<D>,
@@ -65,6 +74,12 @@ pub struct Vesicle<const D: usize> {
     ahead: Option<Bent<D>>,
     system: System<D>,
 }
+
+/// Change of length or area that is told: rows of the system keep them to 1e-4 and less, but for
+/// the first steps of a form far from rest.
+const LOST: f64 = 3e-3;
+/// Curvature times the diameter of the cell that is told.
+const SHARPEST: f64 = 1.5;
 
 /// Name of the field of [`Motion`].
 const MOTION: &str = "motion";
@@ -143,14 +158,23 @@ impl<const D: usize> Vesicle<D> {
             bending,
             spontaneous,
             viscosity,
+            shear: None,
             motion: FieldId::default(),
             marker: FieldId::default(),
+            ring: FieldId::default(),
             identified: Arc::default(),
             cuts: CutSurface::default(),
             curved: None,
             ahead: None,
             system: System::default(),
         }
+    }
+
+    /// The same with resistance to shear: the membrane of a red blood cell.
+    pub fn with_shear(self, shear: ShearLaw) -> Vesicle<D> {
+        let law = SurfaceLaw::Split { area: AreaLaw::Tension { tension: 0.0 }, shear };
+        let shear = Some(SharpShearMembrane::new(law, self.viscosity));
+        Vesicle { shear, ..self }
     }
 
     /// The interface of `phi` with its curvature.
@@ -166,6 +190,18 @@ impl<const D: usize> Vesicle<D> {
             self.curved = Some(Curved { phi: phi.to_vec(), points, vectors, curvature });
         }
         self.curved.as_ref().ok_or_else(|| Error::internal("no curvature was found"))
+    }
+
+    /// Keeps the cells of the unknowns as long as the interface is in them.
+    fn keep_ring(&self, by: &Moved<'_, D>, points: &[SurfacePoint<D>], fields: &mut Fields<D>) {
+        let (space, cut) = (by.carrier.tracer.space(), cut_cells(points));
+        let cells = match holds(&self.system.cells, &cut) {
+            true => self.system.cells.clone(),
+            false => about(space, &self.identified, &cut),
+        };
+        let labels = fields.labels_mut(self.ring);
+        labels.fill(0);
+        cells.iter().for_each(|&c| labels[c as usize] = 1);
     }
 
     /// Follows the long axis and the point of the membrane.
@@ -223,17 +259,31 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
                 motion.treaded = direction(&(marker - m.centroid));
             }
         }
+        if let Some(shear) = &mut self.shear {
+            shear.begin(of, host, fields)?;
+        }
         let rule = Rule { carry: Carry::ByOwner, acts: false, written: false };
         let numbers = motion.to_list().to_vec();
         self.motion = fields.add(&of.field_name(MOTION), rule.clone(), || Data::Numbers(numbers));
         let marker = || Data::Points(vec![marker]);
-        self.marker = fields.add(&of.field_name("marker"), rule, marker);
+        self.marker = fields.add(&of.field_name("marker"), rule.clone(), marker);
+        // Cells of another mesh are none of this one.
+        let ring = format!("ring of {}", host.space.mesh().cell_count());
+        self.ring = fields.add(&of.field_name(&ring), rule, || {
+            Data::Labels(vec![0; host.space.mesh().cell_count()])
+        });
         Ok(())
+    }
+    fn term(&self) -> Option<&dyn MomentumTerm<D>> {
+        self.shear.as_ref().and_then(InterfaceForce::term)
     }
     fn block(&self) -> Option<&dyn Block<D>> {
         Some(&self.system)
     }
     fn prepare(&mut self, of: &ImmersedInterface<D>, at: &Place<'_, D>) -> Result<()> {
+        if let Some(shear) = &mut self.shear {
+            shear.prepare(of, at)?;
+        }
         let Some(dt) = at.step else { return Ok(()) };
         let (phi, space) = (at.fields.scalar(of.level_set()), at.space);
         let start = at.drift.map_or(at.fields, |[start, _]| start);
@@ -263,7 +313,8 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
             stretching: -(own / rest.own).ln() / dt,
             swelling: (rest.enclosed - enclosed) / (length * dt),
         };
-        system.place((space, &identified), &bent, &forms, (spontaneous, viscosity));
+        system.ring(space, &identified, &bent.points, at.fields.labels(self.ring));
+        system.place(space, &bent, &forms, (spontaneous, viscosity));
         self.system = system;
         Ok(())
     }
@@ -275,8 +326,14 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
         by: &mut Moved<'_, D>,
         fields: &mut Fields<D>,
     ) -> Result<()> {
+        if let Some(shear) = &mut self.shear {
+            shear.advance(of, by, fields)?;
+        }
         let Velocity::Computed { mean, ends } = by.velocity else { return Ok(()) };
         if !by.ahead {
+            let space = by.carrier.tracer.space();
+            let after = self.cuts.of(space, fields.scalar(of.level_set()))?;
+            self.keep_ring(by, &after, fields);
             return if D == 2 { self.turn(of, by, ends, fields) } else { Ok(()) };
         }
         let tracer = &by.carrier.tracer;
@@ -298,18 +355,39 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
         &mut self,
         of: &ImmersedInterface<D>,
         at: &Place<'_, D>,
-        _: &Basis<D>,
+        rule: &Basis<D>,
     ) -> Result<f64> {
+        let sheared = match &mut self.shear {
+            Some(shear) => InterfaceForce::energy(shear, of, at, rule)?,
+            None => 0.0,
+        };
         let (bending, spontaneous) = (self.bending, self.spontaneous);
         let curved = self.curved(at.space, at.fields.scalar(of.level_set()))?;
         let bent = curved.points.iter().zip(&curved.curvature);
-        Ok(bent.map(|(p, h)| 0.5 * bending * p.at.weight * (h - spontaneous).powi(2)).sum())
+        let of_point = |(p, h): (&SurfacePoint<D>, &f64)| {
+            0.5 * bending * p.at.weight * (h - spontaneous).powi(2)
+        };
+        Ok(sheared + bent.map(of_point).sum::<f64>())
+    }
+    fn dissipation(&self) -> f64 {
+        self.shear.as_ref().map_or(0.0, InterfaceForce::dissipation)
     }
     fn tension(&self) -> f64 {
-        0.0
+        self.shear.as_ref().map_or(0.0, InterfaceForce::tension)
     }
-    fn step_limit(&self, _: &Medium) -> f64 {
-        f64::INFINITY
+    fn step_limit(&self, medium: &Medium) -> f64 {
+        self.shear.as_ref().map_or(f64::INFINITY, |s| InterfaceForce::step_limit(s, medium))
+    }
+    fn carries_strain(&self) -> bool {
+        self.shear.is_some()
+    }
+    fn strain_at(
+        &self,
+        space: &Space<D>,
+        fields: &Fields<D>,
+        point: &SurfacePoint<D>,
+    ) -> Option<SurfaceStrain<D>> {
+        self.shear.as_ref()?.strain_at(space, fields, point)
     }
     fn check_order(&self, order: usize) -> Result<()> {
         if order == 2 {
@@ -320,6 +398,37 @@ impl<const D: usize> InterfaceForce<D> for Vesicle<D> {
             .value(format!("order {order}"))
             .remedy("leave out time.order, or write time.order = 2")
             .because(Cause::FirstOrder))
+    }
+    fn distrust(
+        &self,
+        of: &ImmersedInterface<D>,
+        space: &Space<D>,
+        fields: &Fields<D>,
+    ) -> Result<Option<(String, String)>> {
+        let (rest, phi) = (Motion::of(fields, self.motion)?, fields.scalar(of.level_set()));
+        let [enclosed, own] = extents(space, phi)?;
+        let words = if D == 2 { ["area", "length"] } else { ["volume", "area"] };
+        let steps = "Take a smaller time.step, or a finer mesh where it goes";
+        for (what, change) in
+            words.iter().zip([enclosed / rest.enclosed - 1.0, own / rest.own - 1.0])
+        {
+            if change.abs() > LOST {
+                let said =
+                    format!("The {what} of `{}` is off by {:+.2} %", of.name, 100.0 * change);
+                return Ok(Some((said, steps.into())));
+            }
+        }
+        let Some(curved) = self.curved.as_ref().filter(|c| c.phi == phi) else { return Ok(None) };
+        let sharpest = curved.points.iter().zip(&curved.curvature);
+        let bent = sharpest.map(|(p, h)| (h.abs() * space.mesh().diameter(p.at.cell), p, h));
+        Ok(bent.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|b| b.0 > SHARPEST).map(|(_, p, h)| {
+            let said = format!(
+                "`{}` has the curvature {h:.3} in a cell of {:.3}, which its mesh does not resolve",
+                of.name,
+                space.mesh().diameter(p.at.cell)
+            );
+            (said, steps.into())
+        }))
     }
     fn reach(&self, _: &ImmersedInterface<D>) -> f64 {
         0.0
@@ -398,21 +507,35 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// Makes the forms for an interface, and new unknowns if it has left the cells of the present
-    /// ones.
+    /// Takes the cells of label 1 for those of the unknowns if the interface is in them, or else those
+    /// about it.
+    fn ring(
+        &mut self,
+        space: &Space<D>,
+        identified: &[u32],
+        points: &[SurfacePoint<D>],
+        known: &[u64],
+    ) {
+        let cut = cut_cells(points);
+        let chosen = known.iter().enumerate().filter(|(_, label)| **label == 1);
+        let known: Vec<u32> = chosen.map(|(c, _)| c as u32).collect();
+        let cells = if holds(&known, &cut) { known } else { about(space, identified, &cut) };
+        if cells != self.cells {
+            self.number(space, identified, cells);
+        }
+    }
+
+    /// Makes the forms for an interface in the cells of the unknowns.
     fn place(
         &mut self,
-        (space, identified): (&Space<D>, &[u32]),
+        space: &Space<D>,
         bent: &Bent<D>,
         forms: &[SMatrix<f64, D, D>],
         (spontaneous, viscosity): (f64, f64),
     ) {
         let groups: Vec<&[SurfacePoint<D>]> =
             bent.points.chunk_by(|a, b| a.at.cell == b.at.cell).collect();
-        let cut: Vec<u32> = groups.iter().map(|g| g[0].at.cell as u32).collect();
-        if cut.iter().any(|c| self.cells.binary_search(c).is_err()) {
-            self.number(space, identified, &cut);
-        }
+        let cut = cut_cells(&bent.points);
         self.points.clear();
         self.forms.clear();
         let mut used = vec![false; self.len];
@@ -477,21 +600,9 @@ impl<const D: usize> System<D> {
         cells.iter().filter_map(|&c| Some((self.cells.binary_search(&c).ok()?, c)))
     }
 
-    /// Numbers the unknowns of the cut cells and of some layers of cells about them.
-    fn number(&mut self, space: &Space<D>, identified: &[u32], cut: &[u32]) {
-        let mesh = space.mesh();
-        let corners = |c: usize| mesh.cell(c).iter().map(|&v| identified[v as usize] as usize);
-        let mut chosen = vec![false; mesh.cell_count()];
-        cut.iter().for_each(|&c| chosen[c as usize] = true);
-        for _ in 0..LAYERS {
-            let mut near = vec![false; identified.len()];
-            let inside = (0..chosen.len()).filter(|&c| chosen[c]);
-            inside.flat_map(corners).for_each(|n| near[n] = true);
-            for c in 0..chosen.len() {
-                chosen[c] = chosen[c] || corners(c).any(|n| near[n]);
-            }
-        }
-        self.cells = (0..chosen.len()).filter(|&c| chosen[c]).map(|c| c as u32).collect();
+    /// Numbers the unknowns of these cells.
+    fn number(&mut self, space: &Space<D>, identified: &[u32], cells: Vec<u32>) {
+        self.cells = cells;
         let mut count = 0;
         let mut numbers = [vec![NONE; identified.len()], vec![NONE; identified.len()]];
         let mut number = |list: usize, node: u32| {
@@ -512,6 +623,33 @@ impl<const D: usize> System<D> {
         self.unknowns.iter_mut().for_each(|list| list.push(count));
         self.len = count as usize + 1;
     }
+}
+
+/// The cells that an interface cuts, ascending.
+fn cut_cells<const D: usize>(points: &[SurfacePoint<D>]) -> Vec<u32> {
+    points.chunk_by(|a, b| a.at.cell == b.at.cell).map(|g| g[0].at.cell as u32).collect()
+}
+
+/// True if the ascending list `all` has each of `some`.
+fn holds(all: &[u32], some: &[u32]) -> bool {
+    some.iter().all(|c| all.binary_search(c).is_ok())
+}
+
+/// Cut cells with some layers of cells about them, ascending.
+fn about<const D: usize>(space: &Space<D>, identified: &[u32], cut: &[u32]) -> Vec<u32> {
+    let mesh = space.mesh();
+    let corners = |c: usize| mesh.cell(c).iter().map(|&v| identified[v as usize] as usize);
+    let mut chosen = vec![false; mesh.cell_count()];
+    cut.iter().for_each(|&c| chosen[c as usize] = true);
+    for _ in 0..LAYERS {
+        let mut near = vec![false; identified.len()];
+        let inside = (0..chosen.len()).filter(|&c| chosen[c]);
+        inside.flat_map(corners).for_each(|n| near[n] = true);
+        for c in 0..chosen.len() {
+            chosen[c] = chosen[c] || corners(c).any(|n| near[n]);
+        }
+    }
+    (0..chosen.len()).filter(|&c| chosen[c]).map(|c| c as u32).collect()
 }
 
 impl<const D: usize> Block<D> for System<D> {

@@ -7,7 +7,7 @@ use crate::linalg::{Addition, Operator, SymmetricMatrix};
 use nalgebra::{SMatrix, SVector};
 
 /// A scheme for the convection of velocity; all are of second order in time with BDF2, of first
-/// with backward Euler.
+/// with backward Euler; the implicit one is of third with BDF3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConvectionScheme {
     /// Along characteristics: O. Pironneau, On the transport-diffusion algorithm and its
@@ -72,17 +72,21 @@ fn delay(kinematic_viscosity: f64, speed: f64, length: f64, rate: f64) -> f64 {
 }
 
 impl Transport {
-    /// Integrates the form for the velocity `w` and steps with `rate` = `weight/dt`; `None` for no
-    /// convection.
+    /// Integrates the form for the velocity `w`, `None` for no convection, and stabilises it for
+    /// steps with `rate` = `weight/dt`.
     pub fn prepare<const D: usize>(
         &mut self,
         velocity: &Basis<D>,
         (density, viscosity): (&Coefficient, &Coefficient),
         w: Option<&[SVector<f64, D>]>,
-        rate: f64,
+        rate: Option<f64>,
     ) {
-        let Some(w) = w else { return self.clear() };
-        self.stabilise(velocity, (density, viscosity), w, rate);
+        self.delays.clear();
+        let Some(w) = w else { return self.locals.clear() };
+        let rate = rate.unwrap_or(f64::INFINITY);
+        if rate.is_finite() {
+            self.stabilise(velocity, (density, viscosity), w, rate);
+        }
         let delays = &self.delays;
         let (space, n) = (velocity.space(), velocity.space().local_count());
         let mesh = space.mesh();
@@ -123,11 +127,6 @@ impl Transport {
         });
     }
 
-    fn clear(&mut self) {
-        self.locals.clear();
-        self.delays.clear();
-    }
-
     /// Finds the stabilisation of each cell.
     fn stabilise<const D: usize>(
         &mut self,
@@ -139,15 +138,18 @@ impl Transport {
         let space = velocity.space();
         let mesh = space.mesh();
         let middle = [1.0 / (D as f64 + 1.0); 4];
-        self.delays.clear();
-        self.delays.extend((0..mesh.cell_count()).map(|c| {
-            let w = space.value(w, c, &middle);
-            // The rates at which barycentric coordinates change along `w`.
-            let along = mesh.map(c).inverse * w;
-            let rates = along.lp_norm(1) + along.sum().abs();
-            let nu = viscosity.value(c, 0) / density.value(c, 0);
-            delay(nu, w.norm(), 2.0 * w.norm() / rates, rate)
-        }));
+        self.delays.resize(mesh.cell_count(), 0.0);
+        parallel::fill(&mut self.delays, 1, |first, part| {
+            for (i, tau) in part.iter_mut().enumerate() {
+                let c = first + i;
+                let w = space.value(w, c, &middle);
+                // The rates at which barycentric coordinates change along `w`.
+                let along = mesh.map(c).inverse * w;
+                let rates = along.lp_norm(1) + along.sum().abs();
+                let nu = viscosity.value(c, 0) / density.value(c, 0);
+                *tau = delay(nu, w.norm(), 2.0 * w.norm() / rates, rate);
+            }
+        });
         if self.delays.iter().all(|tau| *tau == 0.0) {
             self.delays.clear();
         }

@@ -76,6 +76,8 @@ pub struct FlowSolver<const D: usize> {
     factored_plain: bool,
     /// True if the length of the step will change.
     expects_changes: bool,
+    /// True if implicit convection is stabilised in coarse cells.
+    stabilises: bool,
     boundary_cells: Vec<u32>,
     /// The system with unknowns of structures, where there are any.
     blocks: Option<system::BlockSystem>,
@@ -207,6 +209,7 @@ impl<const D: usize> FlowSolver<D> {
             factored_weight: f64::NAN,
             factored_plain: false,
             expects_changes: false,
+            stabilises: true,
             boundary_cells: cells,
             blocks: None,
             block_values: Vec::new(),
@@ -235,6 +238,11 @@ impl<const D: usize> FlowSolver<D> {
     /// treated as lasting.
     pub fn expect_changes(&mut self) {
         self.expects_changes = true;
+    }
+    /// Leaves implicit convection as it is in coarse cells: the residual that stabilises knows no
+    /// forces of structures.
+    pub fn leave_unstabilised(&mut self) {
+        self.stabilises = false;
     }
     /// Makes the next solve factor its matrix.
     pub fn invalidate_factor(&mut self) {

@@ -7,6 +7,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 use std::collections::HashSet;
+use std::ops::Range;
 
 const NONE: usize = usize::MAX;
 
@@ -17,12 +18,15 @@ pub struct Multipliers {
     pub first: usize,
     /// The first multiplier that is eliminated after all its neighbours of the first row.
     pub first_late: usize,
+    /// The first late multiplier that is not paired with a velocity: the order does not depend on
+    /// the values of these.
+    pub first_unpaired: usize,
 }
 
 impl From<usize> for Multipliers {
     /// All multipliers from `first` on, none of them late.
     fn from(first: usize) -> Multipliers {
-        Multipliers { first, first_late: usize::MAX }
+        Multipliers { first, first_late: usize::MAX, first_unpaired: usize::MAX }
     }
 }
 
@@ -90,14 +94,16 @@ impl Ordering {
         matrix: &SymmetricMatrix,
         multipliers: impl Into<Multipliers>,
     ) -> Result<Ordering> {
-        let Multipliers { first: first_multiplier, first_late } = multipliers.into();
+        let Multipliers { first: first_multiplier, first_late, first_unpaired } =
+            multipliers.into();
         if first_multiplier > matrix.order() {
             return Err(Error::internal(format!(
                 "a matrix of {} unknowns cannot have its first multiplier at {first_multiplier}",
                 matrix.order()
             )));
         }
-        let blocks = Blocks::from_partners(&partners(matrix, first_multiplier));
+        let paired = first_multiplier..first_unpaired.min(matrix.order());
+        let blocks = Blocks::from_partners(&partners(matrix, paired));
         Ordering::of_blocks(&Adjacency::new(matrix), &blocks, first_late)
     }
 
@@ -203,7 +209,8 @@ impl Ordering {
 /// Of the unknowns with the same multipliers (the velocity components of a node) only one is paired
 /// while there is another choice: with three pressures on the components of one node near the
 /// corner of a box their block of `B` is singular, and elimination meets a zero pivot.
-fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
+fn partners(matrix: &SymmetricMatrix, paired: Range<usize>) -> Vec<usize> {
+    let first_multiplier = paired.start;
     // An entry must be larger by this factor to win over an earlier one: equal ones differ by
     // rounding.
     const CLEARLY_LARGER: f64 = 1.0001;
@@ -212,7 +219,7 @@ fn partners(matrix: &SymmetricMatrix, first_multiplier: usize) -> Vec<usize> {
         let end = rows.partition_point(|&i| i < first_multiplier);
         rows[..end].iter().copied().zip(values.iter().map(|v| v.abs()))
     };
-    let mut multipliers: Vec<usize> = (first_multiplier..matrix.order()).collect();
+    let mut multipliers: Vec<usize> = paired.collect();
     // Unknowns of one node: those with the same multipliers, distinguished by a hash of their list.
     let mut node = vec![0_u64; first_multiplier];
     for &p in &multipliers {
@@ -414,7 +421,7 @@ mod tests {
     #[test]
     fn every_pressure_follows_a_velocity_of_its_own() {
         let (a, first) = stokes(12, 1.0, 1.0, 0.0);
-        let partners = partners(&a, first);
+        let partners = partners(&a, first..a.order());
         let mut hosts: Vec<usize> = partners[first..].to_vec();
         hosts.sort_unstable();
         hosts.dedup();
@@ -436,14 +443,14 @@ mod tests {
         for (i, p, b) in [(0, 3, 1.0), (1, 3, -4.0), (2, 3, 2.0), (1, 4, 3.0), (2, 4, -2.5)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();
         }
-        assert_eq!(partners(&a, 3), [NONE, NONE, NONE, 0, 1, NONE]);
+        assert_eq!(partners(&a, 3..6), [NONE, NONE, NONE, 0, 1, NONE]);
         // Without velocity 0 there is no other choice than the second component of the node.
         let mut a =
             SymmetricMatrix::from_groups(4, [[0, 2], [1, 2], [0, 3], [1, 3]].iter()).unwrap();
         for (i, p, b) in [(0, 2, 3.0), (1, 2, 1.0), (0, 3, 4.0), (1, 3, 2.0)] {
             a.add_group(&[i, p], &[1.0, b, b, 0.0]).unwrap();
         }
-        assert_eq!(partners(&a, 2), [NONE, NONE, 0, 1]);
+        assert_eq!(partners(&a, 2..4), [NONE, NONE, 0, 1]);
     }
 
     #[test]
@@ -462,7 +469,7 @@ mod tests {
     #[test]
     fn graphs_are_symmetric_and_without_loops() {
         let (a, first) = stokes(8, 1.0, 1.0, 0.0);
-        let blocks = Blocks::from_partners(&partners(&a, first));
+        let blocks = Blocks::from_partners(&partners(&a, first..a.order()));
         let graph = blocks.graph(&Adjacency::new(&a)).unwrap();
         let count = graph.weights.len();
         assert_eq!(count, first, "every pressure has a partner");

@@ -111,6 +111,9 @@ pub struct Advice {
     pub inflow: Vec<String>,
 }
 
+/// What follows the name of a force in that of its drag, where both are compared.
+pub(in crate::scene) const DRAG: &str = " along the stream";
+
 /// A force on a boundary in two ways.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Gap {

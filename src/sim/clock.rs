@@ -85,8 +85,9 @@ impl Clock {
             .at(format!("time {:.6}", self.time(pacing)))
             .value(format!("step {most:.3e}, shortest step {:.3e}", pacing.least))
             .remedy(
-                "allow a larger error or a shorter step; an abrupt force or boundary value has no \
-                 short enough step",
+                "make what changes at that time smooth, such as (1 - cos(pi*min(t, 1)))/2 in place of \
+                 min(t, 1): an abrupt value or a kink has no short enough step; or allow a larger \
+                 error or a shorter step",
             )
             .because(Cause::ShortestStep));
         }

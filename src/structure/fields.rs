@@ -211,6 +211,13 @@ impl<const D: usize> Fields<D> {
             _ => &[],
         }
     }
+    /// The same, mutable.
+    pub fn labels_mut(&mut self, id: FieldId) -> &mut [u64] {
+        match self.list.get_mut(id.0).map(|f| &mut f.data) {
+            Some(Data::Labels(v)) => v,
+            _ => &mut [],
+        }
+    }
     /// The displacement `Y(x) - x` of the backward characteristics; empty where they are not
     /// carried.
     pub fn displacement(&self) -> &[SVector<f64, D>] {

@@ -173,6 +173,18 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
     fn check_order(&self, _order: usize) -> Result<()> {
         Ok(())
     }
+    /// What shows that its results are not to be trusted, with a remedy.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn distrust(
+        &self,
+        _of: &ImmersedInterface<D>,
+        _space: &Space<D>,
+        _fields: &Fields<D>,
+    ) -> Result<Option<(String, String)>> {
+        Ok(None)
+    }
     /// Distance from the interface within which the force acts.
     fn reach(&self, of: &ImmersedInterface<D>) -> f64 {
         of.thickness
@@ -285,6 +297,9 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
             fluid: inside,
             surface_mass,
         })
+    }
+    fn distrust(&self, space: &Space<D>, fields: &Fields<D>) -> Result<Option<(String, String)>> {
+        self.force.distrust(&self.interface, space, fields)
     }
     fn reach(&self) -> f64 {
         self.force.reach(&self.interface)

@@ -150,6 +150,14 @@ pub trait Structure<const D: usize>: Send + Sync {
     fn held(&self) -> Option<Held> {
         None
     }
+    /// What shows that its results are not to be trusted, with a remedy; a sentence each, without a
+    /// full stop.
+    ///
+    /// # Errors
+    /// A level set that is not finite.
+    fn distrust(&self, _space: &Space<D>, _fields: &Fields<D>) -> Result<Option<(String, String)>> {
+        Ok(None)
+    }
     /// Distance from the interface within which the force acts.
     fn reach(&self) -> f64 {
         0.0

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 const PARTS: [&str; 3] = ["scene.toml", "README.md", "expect.toml"];
 /// The same or a simpler case in FreeFEM, where there is one; what FreeFEM has not the memory or
 /// the elements for names another reference.
-const WITHOUT_TWIN: [(&str, &str); 12] = [
+const WITHOUT_TWIN: [(&str, &str); 19] = [
     ("sheared-sphere", "axisymmetric.edp"),
     ("capsule-in-shear", "README.md"),
     ("membrane-in-channel", "data/as_shipped.csv"),
@@ -29,6 +29,14 @@ const WITHOUT_TWIN: [(&str, &str); 12] = [
     ("driven-cavity", "README.md"),
     ("backward-step", "README.md"),
     ("cylinder-3d", "README.md"),
+    // Boundary integrals, the equations of forms at rest.
+    ("tank-treading", "README.md"),
+    ("tumbling", "README.md"),
+    ("breathing", "README.md"),
+    ("vesicle-at-rest", "README.md"),
+    ("vesicle-in-channel", "README.md"),
+    ("shapes-in-space", "README.md"),
+    ("red-cell", "README.md"),
 ];
 
 #[derive(Deserialize)]

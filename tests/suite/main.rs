@@ -49,4 +49,5 @@ mod solvers;
 mod space;
 mod studies;
 mod terms;
+mod vesicles;
 mod waves;

@@ -78,13 +78,18 @@ impl<const D: usize> FlowSolver<D> {
         let (velocity, pressure, density) = (&self.velocity, &self.pressure, &self.density);
         let (transport, work) = (&self.transport, &mut self.work);
         let weight = self.buoyancy.as_ref().unwrap_or(density);
+        let balanced = p.iter().any(|p| *p != 0.0);
         assemble_vector(velocity, Cells::All, &mut work.load, &mut work.vectors, |at| {
             let shift = transport.shift(velocity, w, at);
             if shift.norm_squared() == 0.0 {
                 return (shift, SMatrix::zeros());
             }
-            let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
-            let mut known = force + step.gravity * weight.at(at) - pressure.gradient(at, p);
+            let mut known = SVector::zeros();
+            // Before the first step there is no pressure that would balance a force.
+            if balanced {
+                let force = step.body_force.map_or(SVector::zeros(), |f| f(&at.x, step.time));
+                known = force + step.gravity * weight.at(at) - pressure.gradient(at, p);
+            }
             for h in step.history {
                 known += velocity.value(at, h.u) * (h.weight * density.at(at) / step.dt);
             }

@@ -44,6 +44,7 @@ impl<const D: usize> FlowSolver<D> {
             let multipliers = Multipliers {
                 first: self.numbering.first_pressure(),
                 first_late: self.numbering.first_constant(),
+                first_unpaired: usize::MAX,
             };
             let saddle = || self.saddle(weight);
             let factor =
@@ -142,7 +143,8 @@ impl<const D: usize> FlowSolver<D> {
             _ => None,
         };
         let materials = (&self.density, &self.viscosity);
-        self.transport.prepare(&self.velocity, materials, wind, weight);
+        let rate = self.stabilises.then_some(weight);
+        self.transport.prepare(&self.velocity, materials, wind, rate);
         if self.factor_is_base && !implicit && wind.is_none() {
             return Ok(Change::None);
         }

@@ -181,7 +181,12 @@ impl<const D: usize> FlowSolver<D> {
     /// Pattern of the factor of a matrix with blocks, whose unknowns come late in the order.
     fn analyse_blocks(&self, matrix: &SymmetricMatrix) -> Result<Factor> {
         let late = self.numbering.first_constant().min(self.numbering.order());
-        let multipliers = Multipliers { first: self.numbering.first_pressure(), first_late: late };
+        let multipliers = Multipliers {
+            first: self.numbering.first_pressure(),
+            first_late: late,
+            // Whose values change from step to step.
+            first_unpaired: self.numbering.order(),
+        };
         let ordering = Ordering::saddle_point(matrix, multipliers)?;
         match self.options.memory {
             Some(limit) => Factor::analyse_within(matrix, ordering, Some(limit)),

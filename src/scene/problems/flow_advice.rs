@@ -37,12 +37,17 @@ pub(super) fn advice(scene: &Scene) -> Advice {
         true => "a smaller time.step (`immersa explain` prints the step limit)",
         false => shorter,
     };
+    // Feet of characteristics are inexact where fluid with a structure moves fast.
+    let along = scene.has_inertia() && scene.numerics.convection.is_none();
+    let blocks = scene.acting().any(|s| s.traits().keeps_size);
+    let schemes: &[&str] =
+        if along && !blocks { &["numerics.convection = \"baker1982\""] } else { &[] };
     let banded = scene.acting().any(|s| !s.traits().on_interface);
     Advice {
         energy: match banded {
             true => choices(&[&sharp, &[weight], &forces, &[shorter]]),
             // Sharp forces have a large weight by default, which is the last to change.
-            false => choices(&[&forces, &[shorter, finer, weight]]),
+            false => choices(&[&forces, &[shorter, finer], schemes, &[weight]]),
         },
         loss: choices(&[&sharp, order, &[shorter, finer]]),
         area: choices(&[&[weight, finer]]),

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::scene::keys::Named;
 use crate::scene::measure::force_columns;
 use crate::scene::points::point;
-use crate::scene::problem::Gap;
+use crate::scene::problem::{DRAG, Gap};
 use crate::scene::row::Row;
 use crate::scene::schema::{Force, Reference};
 use crate::sim::Simulation;
@@ -107,6 +107,13 @@ pub(super) fn gaps<const D: usize>(
             let force = residual.norm().max(stress.norm());
             let stresses = stress_size(spaces, sim.viscosity(), &sim.state().flow, &f.boundary)?;
             gaps.push((f.name.clone(), Gap { difference, force, stresses }));
+            // A lift that is far larger would hide an error of the drag.
+            if let Some(reference) = &f.reference {
+                let stream = point::<D>(&reference.directions(D)[0]).normalize();
+                let difference = (residual - stress).dot(&stream).abs();
+                let force = residual.dot(&stream).abs().max(stress.dot(&stream).abs());
+                gaps.push((format!("{}{DRAG}", f.name), Gap { difference, force, stresses }));
+            }
         }
     }
     Ok(gaps)
@@ -133,7 +140,10 @@ fn coefficients<const D: usize>(
 /// Warnings of series too sparse for a Strouhal number.
 pub(super) fn warnings(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
     scene.output.forces.iter().filter_map(|f| {
-        let reference = f.reference.as_ref().filter(|r| !r.is_resolved_by(scene.output.every))?;
+        let reference = f
+            .reference
+            .as_ref()
+            .filter(|r| !r.is_resolved_by(scene.output.every.max(scene.time.step)))?;
         let longest = rounded(reference.longest_between_rows(), 3);
         let what = format!(
             "rows of the series are too far apart for the Strouhal number of `{}`, which is left \
@@ -142,7 +152,7 @@ pub(super) fn warnings(scene: &Scene) -> impl Iterator<Item = Warning> + '_ {
         );
         Some(Warning::new(
             what,
-            format!("give output.every <= {longest}, a quarter of length / speed"),
+            format!("give output.every and time.step <= {longest}, a quarter of length / speed"),
         ))
     })
 }

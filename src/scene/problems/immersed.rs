@@ -143,6 +143,9 @@ impl<const D: usize> ImmersedFlow<D> {
         warnings.extend(forces::warnings(scene));
         if convection.is_some() {
             warnings.extend(numbers::coarse(scene, &quality, &given));
+            if reynolds > CONVECTED {
+                warnings.extend(numbers::unestimated(scene, convection));
+            }
         }
         simulation.keep_reactions(!scene.output.forces.is_empty());
         let mut flow = ImmersedFlow {

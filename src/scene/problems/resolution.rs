@@ -44,6 +44,10 @@ pub(super) fn unresolved<const D: usize>(
             );
             continue;
         };
+        if let Some((what, remedy)) = s.distrust(space, fields)? {
+            tell(what, &remedy);
+            continue;
+        }
         let eps = thickness.filter(|_| has_band(&**s)).unwrap_or(0.0);
         if let Some(Err(e)) = (eps > 0.0).then(|| check_band(space, phi, eps)) {
             tell(

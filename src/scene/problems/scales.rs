@@ -1,5 +1,6 @@
 //! Scales of a flow by its scene: velocity, grad-div weight, least energy.
 
+use crate::mesh::Point;
 use crate::scene::schema::Condition;
 use crate::scene::sides::spread;
 use crate::scene::site::{Site, vector};
@@ -94,7 +95,11 @@ pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>, given:
         for s in scene.acting() {
             speed = speed.max((s.traits().modulus / (density * length)).sqrt());
         }
+        // A weight that is the same everywhere is held by the pressure, but at open sides.
+        let drives = scene.fluids().any(|f| f.density != scene.outside().density)
+            || scene.boundaries.iter().any(|b| b.condition.is_open());
         let gravity = SVector::<f64, D>::from_iterator(fluid.gravity.iter().copied()).norm();
+        let gravity = if drives { gravity } else { 0.0 };
         speed = speed.max((gravity * length).sqrt());
         speed = speed.max((largest_force(scene, site) * length / density).sqrt());
         speed = speed.max((stress_difference(scene, site) / density).sqrt());
@@ -102,10 +107,14 @@ pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>, given:
     speed
 }
 
-/// The largest body force at the start.
+/// The largest body force at some times.
 fn largest_force<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
     let force = vector(&scene.fluid.force);
-    site.mesh.points().iter().map(|x| force(x, 0.0).norm()).fold(0.0, f64::max)
+    let times = if scene.fluid.force.iter().any(Expression::depends_on_time) { SAMPLES } else { 1 };
+    let at = |x: &Point<D>| {
+        (0..times).map(|k| force(x, scene.time.end * spread(k)).norm()).fold(0.0, f64::max)
+    };
+    site.mesh.points().iter().map(at).fold(0.0, f64::max)
 }
 
 /// The largest difference of the stresses that open sides give, at one time.

@@ -279,7 +279,7 @@ impl Folder {
             return Ok(found);
         }
         let series = Series::read(&self.series())?;
-        let every = scene.output.every;
+        let every = scene.output.every.max(scene.time.step);
         let dense =
             |f: &&Named<Force>| f.reference.as_ref().is_some_and(|r| r.is_resolved_by(every));
         for force in scene.output.forces.iter().filter(dense) {
@@ -291,6 +291,32 @@ impl Folder {
                     "periods": o.periods, "spread": o.spread });
                 found.insert(force.name.clone(), value);
             }
+        }
+        Ok(found)
+    }
+
+    /// Mean, least and largest drag and lift in the second half of the run, by force.
+    fn coefficients(&self, scene: &Scene) -> Result<BTreeMap<String, serde_json::Value>> {
+        let mut found = BTreeMap::new();
+        let forces = || scene.output.forces.iter().filter(|f| f.reference.is_some());
+        if forces().next().is_none() {
+            return Ok(found);
+        }
+        let series = Series::read(&self.series())?;
+        let time = series.column("time")?;
+        let middle = 0.5 * (time.first().unwrap_or(&0.0) + time.last().unwrap_or(&0.0));
+        for force in forces() {
+            let of = |what: &str| -> Result<serde_json::Value> {
+                let column = series.column(&format!("{}_{what}", force.name))?;
+                let late = time.iter().zip(column).filter(|(t, v)| **t >= middle && v.is_finite());
+                let late: Vec<f64> = late.map(|(_, v)| *v).collect();
+                let mean = late.iter().sum::<f64>() / late.len() as f64;
+                let least = late.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = late.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                Ok(json!({ "mean": mean, "min": least, "max": most }))
+            };
+            let value = json!({ "drag": of("drag")?, "lift": of("lift")? });
+            found.insert(force.name.clone(), value);
         }
         Ok(found)
     }
@@ -361,6 +387,7 @@ impl Folder {
             "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
             "strouhal": self.strouhal(scene)?,
+            "coefficients": self.coefficients(scene)?,
             "findings": self.findings(scene)?,
             "leaves": record.left,
             "fluid_enters": record.entered,

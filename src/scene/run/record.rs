@@ -5,7 +5,7 @@ use super::session::{Session, now};
 use super::solves::Solves;
 use crate::base::{PHASES, Result, Warning};
 use crate::scene::Scene;
-use crate::scene::problem::{Gap, Moment, Problem};
+use crate::scene::problem::{DRAG, Gap, Moment, Problem};
 use crate::scene::row::Row;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -327,7 +327,8 @@ impl Record {
             let force = sum(|gap| gap.force).max(TINY * sum(|gap| gap.stresses));
             let apart = sum(|gap| gap.difference) / force;
             let boundary =
-                scene.output.forces.iter().find(|f| f.name == *name).map(|f| &f.boundary)?;
+                scene.output.forces.iter().find(|f| name.trim_end_matches(DRAG) == f.name)?;
+            let (name_of_force, boundary) = (&boundary.name, &boundary.boundary);
             (apart > FORCES_APART).then(|| {
                 let what = format!(
                     "the force `{name}` by the residual and by the stress are {:.1} % apart \
@@ -336,7 +337,8 @@ impl Record {
                 );
                 let remedy = format!(
                     "the mesh at boundary `{boundary}` is too coarse for them: take a finer one \
-                     there until they agree; the one by the residual, `{name}_x`, is the better"
+                     there until they agree (at sharp corners much finer); the one by the residual, \
+                     `{name_of_force}_x`, is the better"
                 );
                 Warning::new(what, remedy)
             })

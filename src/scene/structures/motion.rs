@@ -31,41 +31,49 @@ pub(super) fn findings([time, turned, treaded]: [&[f64]; 3]) -> Vec<Finding> {
             number(["half_turn", "Time of half a turn"], time, "mean over the second half"),
         ];
     }
-    let turns = gone(&treaded) / 360.0 / span;
-    let frequency = number(
-        ["treading_frequency", "Turns of the membrane a unit of time"],
-        turns,
-        "mean over the second half",
-    );
+    let frequency = half_turns(&time, &treaded).map(|turns| {
+        let note = "by whole half turns in the second half";
+        number(["treading_frequency", "Turns of the membrane a unit of time"], turns, note)
+    });
     if most - least < STEADY {
-        // A quarter of a turn in ten times its own size at rest is no treading.
+        // Degrees; less is an error of the mesh.
         let treads = gone(&treaded).abs() > 10.0;
         let angle =
             number(["angle", "Angle of the long axis"], turned[turned.len() - 1], "degrees");
-        return match treads {
-            true => vec![
-                of("tank-treading", "the axis is steady, the membrane turns"),
-                angle,
-                frequency,
-            ],
-            false => vec![of("at rest", "neither axis nor membrane turn"), angle],
+        let what = match treads {
+            true => of("tank-treading", "the axis is steady, the membrane turns"),
+            false => of("at rest", "neither axis nor membrane turn"),
         };
+        return [what, angle].into_iter().chain(frequency.filter(|_| treads)).collect();
     }
     let up: Vec<bool> = turned.windows(2).map(|w| w[1] > w[0]).collect();
     let reversals = up.windows(2).filter(|w| w[0] != w[1]).count();
     if reversals >= 2 {
-        return vec![
+        let found = [
             of("vacillating-breathing", "the long axis swings about"),
             number(["swing", "Swing of the long axis"], most - least, "degrees"),
-            frequency,
         ];
+        return found.into_iter().chain(frequency).collect();
     }
     vec![of("unsettled", "run it for longer")]
+}
+
+/// Turns a unit of time by the largest number of half turns that fit, after which a membrane of a
+/// symmetric form is where it was; `None` without half a turn.
+fn half_turns(time: &[f64], treaded: &[f64]) -> Option<f64> {
+    let start = treaded[0];
+    let gone = treaded[treaded.len() - 1] - start;
+    let half = 180.0 * (gone.abs() / 180.0).floor();
+    let k = treaded.iter().position(|v| (v - start).abs() >= half).filter(|_| half > 0.0)?;
+    let [before, after] = [treaded[k - 1], treaded[k]].map(|v| (v - start).abs());
+    let when = time[k - 1] + (time[k] - time[k - 1]) * (half - before) / (after - before);
+    Some(half / 360.0 / (when - time[0]) * gone.signum())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn motion(turned: impl Fn(f64) -> f64, treaded: impl Fn(f64) -> f64) -> (String, f64) {
         let time: Vec<f64> = (0..=200).map(|k| f64::from(k) * 0.1).collect();
@@ -83,6 +91,11 @@ mod tests {
     fn each_motion_is_recognised() {
         let (word, angle) = motion(|t| 25.0 + 20.0 * (-t).exp(), |t| -30.0 * t);
         assert!(word == "tank-treading" && (angle - 25.0).abs() < 1e-3, "{word} {angle}");
+        // A membrane that turns unevenly: twice the frequency in the form.
+        let time: Vec<f64> = (0..=200).map(|k| f64::from(k) * 0.1).collect();
+        let of: Vec<f64> = time.iter().map(|t| -36.0 * t + 20.0 * (0.4 * PI * t).sin()).collect();
+        assert!((half_turns(&time, &of).unwrap() + 0.1).abs() < 1e-9);
+        assert!(half_turns(&time, &time).is_none());
         let (word, time) = motion(|t| -45.0 * t, |t| -60.0 * t);
         assert!(word == "tumbling" && (time - 4.0).abs() < 1e-9, "{word} {time}");
         let (word, swing) = motion(|t| 15.0 * (2.0 * t).sin(), |t| -30.0 * t);

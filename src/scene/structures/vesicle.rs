@@ -4,12 +4,13 @@ use super::build::Build;
 use super::motion;
 use super::{Finding, KindIn, Registered, StructureKind, Traits};
 use crate::base::Result;
-use crate::elastic::{Motion, Vesicle as Force};
+use crate::elastic::{Motion, ShearLaw, Vesicle as Force};
 use crate::mesh::Point;
 use crate::scene::charts::{Columns, Plot};
 use crate::scene::cuts::{self, Chord, Cuts, Ring};
 use crate::scene::keys::{
-    Identifier, Named, Nested, NonNegative, Number, Opt, Positive, Tabled, Writer, table,
+    Context, Identifier, Named, Nested, NonNegative, Number, Opt, Positive, Table, Tabled, Writer,
+    table,
 };
 use crate::scene::row::Row;
 use crate::scene::schema::{Shape, Tables};
@@ -42,6 +43,10 @@ table! {
         bending: f64 [Positive, "J", Required("give one: bending = 1")],
         /// Spontaneous curvature c, positive for that of a sphere; without effect in the plane.
         spontaneous_curvature: f64 [Number, "1/m", Default(0.0)],
+        /// The law of the energy of its shear, which a skeleton under the lipids resists as in red
+        /// blood cells; in space alone. Its resistance to a change of area has no modulus: there is
+        /// none.
+        shear: Option<ShearLaw> [Opt<Nested<ShearLaw>>, Derived("none")],
         /// Mass per volume of what is inside.
         density: Option<f64> [Opt<NonNegative>, "kg/m3", Derived("that of the fluid")],
         /// Dynamic viscosity of what is inside.
@@ -50,10 +55,18 @@ table! {
         chords: Vec<Named<Chord>> [Named<Chord>],
         /// Planes through the surface in which its form is measured; in space alone.
         rings: Vec<Named<Ring>> [Named<Ring>],
-    } before cuts::check;
+    } before Vesicle::before;
 }
 
 impl Vesicle {
+    fn before(table: &Table<'_>, context: &Context) -> Result<()> {
+        if let (2, Some(item)) = (context.dimension, table.get("shear")) {
+            return Err(item
+                .key_error("shear is for surfaces in space, and a vesicle of the plane is a curve")
+                .remedy("leave it out"));
+        }
+        cuts::check(table, context)
+    }
     fn cuts(&self) -> Cuts<'_> {
         Cuts { chords: &self.chords, rings: &self.rings }
     }
@@ -70,7 +83,13 @@ impl<const D: usize> KindIn<D> for Vesicle {
         };
         let viscosity = of.mean_viscosity();
         let force = Force::new(self.bending, self.spontaneous_curvature, viscosity);
-        Ok(Immersed::boxed(interface, force))
+        Ok(Immersed::boxed(
+            interface,
+            match self.shear {
+                Some(shear) => force.with_shear(shear),
+                None => force,
+            },
+        ))
     }
     fn measure(&self, view: &View<'_, D>, k: usize, row: &mut Row) -> Result<()> {
         let [enclosed, own] = view.measure_interface(k, self.cuts(), row)?;
@@ -106,6 +125,7 @@ impl StructureKind for Vesicle {
             pulls: true,
             on_interface: true,
             keeps_size: true,
+            carries_strain: self.shear.is_some(),
             own_fluid: [self.density, self.viscosity],
             ..Traits::default()
         }

@@ -143,6 +143,11 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
         "[mesh.adapt]\nevery = 0.1\nedge = 0.01\nfields = [\"velocity\"]\n[fluid]",
     );
     let ellipsoid = "shape.ellipsoid = { centre = [1, 1, 1], semi_axes = [0.75, 0.5, 0.5] }";
+    let ellipse = "shape.ellipse = { centre = [1, 1], semi_axes = [0.75, 0.5] }";
+    let oval = "shape.oval = { centre = [1, 1], radius = 0.6, reduced_area = 0.9 }";
+    let oval = BARE.replace(ellipse, oval);
+    let spheroid = "shape.spheroid = { centre = [1, 1, 1], radius = 0.6, reduced_volume = 0.9 }";
+    let spheroid = SOLID.replace(ellipsoid, spheroid);
     let torus =
         SOLID.replace(ellipsoid, "shape.torus = { centre = [1, 1, 1], major = 0.5, minor = 0.2 }");
     let block = SOLID.replace(
@@ -152,12 +157,24 @@ fn the_reference_describes_what_is_written_and_states_the_defaults() {
     let redistanced = format!("{BARE}[numerics.redistance]\nmethod = \"exact\"\n");
     // A key of the band gives a band.
     let banded = SOLID.replace("rings", "area_change = \"slope\"\nrings");
-    let bare =
-        [BARE, &rounded, &file, &adapted, &redistanced, SOLID, &banded, &torus, &block, IMAGE];
+    let bare = [
+        BARE,
+        &oval,
+        &rounded,
+        &file,
+        &adapted,
+        &redistanced,
+        SOLID,
+        &spheroid,
+        &banded,
+        &torus,
+        &block,
+        IMAGE,
+    ];
     let others = KINDS.iter().filter(|kind| {
         kind.keys.get("shape").is_some() && !["membrane", "level_set"].contains(&kind.list)
     });
-    let shapes = [BARE, &rounded, SOLID, &torus, &block];
+    let shapes = [BARE, &oval, &rounded, SOLID, &spheroid, &torus, &block];
     let others: Vec<String> =
         others.flat_map(|kind| shapes.map(|text| with_kind(text, kind))).collect();
     let bare = bare.into_iter().chain(others.iter().map(String::as_str)).map(|text| (text, true));

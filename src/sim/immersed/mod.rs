@@ -213,6 +213,9 @@ impl<const D: usize> Simulation<D> {
         }
         let degree = ENERGY_DEGREE[D - 2].max(settings.quadrature);
         let acts = structures.iter().any(|s| s.acts());
+        if acts {
+            flow.leave_unstabilised();
+        }
         let fine = acts.then(|| Basis::new(&space, &Arc::new(Rule::simplex(D, degree))));
         let [backflow, with_pressure] =
             [open, with_pressure].map(|facets| Backflow::new(&space, facets));

@@ -17,7 +17,7 @@ impl<const D: usize> Simulation<D> {
     /// - of backward Euler `dt u''/2`, of BDF2 `dt^2 u'''/3`, of BDF3 `dt^3 u''''/4`, where each
     ///   further derivative is taken as a factor `|u''|/|u'|` (an oscillation has exactly this), and
     ///   derivatives are along the paths where convection is: those do not vanish in a steady flow;
-    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, in order 3 `dt^3 (u''' . grad) u`; twice
+    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, in order 1 `dt (u' . grad) u`, in order 3 `dt^3 (u''' . grad) u`; twice
     ///   for the explicit form.
     ///
     /// It tells the size of the error, not its sign, and knows nothing of what the error does to a
@@ -55,9 +55,9 @@ impl<const D: usize> Simulation<D> {
             let bend = (first - slope) * (2.0 / (dt + last));
             let rate = first + bend * (0.5 * dt);
             let convected = gradient * bend;
-            [u, rate, bend, convected].map(|v: SVector<f64, D>| v.norm_squared())
+            [u, rate, bend, convected, gradient * rate].map(|v: SVector<f64, D>| v.norm_squared())
         });
-        let [u, rate, bend, convected] = sums.map(f64::sqrt);
+        let [u, rate, bend, convected, convected_rate] = sums.map(f64::sqrt);
         // Steps over the time in which the velocity changes.
         let change = match rate * dt > ROUNDING * u {
             true => dt * bend / rate.hypot(dt * bend),
@@ -69,6 +69,7 @@ impl<const D: usize> Simulation<D> {
             _ => dt * bend * change * change / 4.0,
         };
         let extrapolation = match scheme.order() {
+            1 => extrapolated * dt * convected_rate,
             3 => extrapolated * dt * dt * convected * change,
             _ => extrapolated * dt * last * convected,
         };

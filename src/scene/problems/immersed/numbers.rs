@@ -6,6 +6,7 @@ use crate::mesh::Quality;
 use crate::output::rounded;
 use crate::scene::Scene;
 use crate::scene::problems::scales::Given;
+use crate::sim::ConvectionScheme;
 
 /// A line of the plan: numbers with their definitions; and their names and values.
 pub(super) struct Numbers {
@@ -33,6 +34,17 @@ pub(super) fn coarse<const D: usize>(
         let remedy = "they are smoothed by the mesh: take a finer mesh there, or a larger \
             fluid.viscosity, if they count";
         Warning::new(what, remedy)
+    })
+}
+
+/// A warning of steps whose error is not estimated: of order 1 along characteristics.
+pub(super) fn unestimated(scene: &Scene, scheme: Option<ConvectionScheme>) -> Option<Warning> {
+    let alone = scene.acting().next().is_none();
+    let first = scene.time.order == 1 && scheme == Some(ConvectionScheme::Characteristics);
+    (alone && first).then(|| {
+        let what = "steps of order 1 along characteristics have no estimate of their error, which may be \
+                    many per cent of a force";
+        Warning::new(what, "take time.order = 2, or numerics.convection = \"baker1982\"")
     })
 }
 

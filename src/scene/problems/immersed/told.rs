@@ -74,7 +74,8 @@ impl<const D: usize> ImmersedFlow<D> {
             rounded(fastest, 3)
         );
         let remedy = "what comes in is not known there, and a stress takes its energy back \
-                      (directional do-nothing): put the side farther away if the flow near it counts";
+                      (directional do-nothing): put the side farther away if the flow near it counts, or give \
+                      its total_pressure if a pressure is to drive it in";
         Some((side.to_string(), Warning::new(what, remedy)))
     }
 }
