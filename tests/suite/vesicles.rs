@@ -221,6 +221,7 @@ fn what_a_vesicle_cannot_be_is_refused() {
         ("vesicle.0.shear.neo_hookean.modulus=1", "shear is for surfaces in space"),
         ("vesicle.0.shape.oval.reduced_area=1.2", "must be at most 1"),
         ("vesicle.0.bending=0", "bending"),
+        ("numerics.convection='baker1982'", "implicit convection"),
         ("vesicle.0.shape.oval.radius=9", "does not lie inside the domain"),
     ] {
         let said = refused(SHEARED, &[set]);

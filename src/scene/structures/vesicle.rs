@@ -15,6 +15,7 @@ use crate::scene::keys::{
 use crate::scene::row::Row;
 use crate::scene::schema::{Shape, Tables};
 use crate::scene::view::View;
+use crate::sim::ConvectionScheme;
 use crate::structure::{Immersed, ImmersedInterface, Structure};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -26,7 +27,15 @@ pub(super) const KIND: Registered = Registered {
     doc: "Closed membranes that bend and do not stretch.",
     #[cfg(test)]
     example: |_| "bending = 1",
-    read: |item, _, context| Ok(Box::new(Vesicle::read(item, context)?)),
+    read: |item, numerics, context| {
+        if numerics.convection == Some(Some(ConvectionScheme::Implicit)) {
+            return Err(item
+                .key_error("implicit convection has a nonsymmetric matrix, and that of a vesicle is symmetric")
+                .value("numerics.convection = \"baker1982\"")
+                .remedy("leave numerics.convection out, or take \"pironneau1982\""));
+        }
+        Ok(Box::new(Vesicle::read(item, context)?))
+    },
 };
 
 table! {
