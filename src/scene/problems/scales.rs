@@ -1,6 +1,5 @@
 //! Scales of a flow by its scene: velocity, grad-div weight, least energy.
 
-use crate::mesh::Point;
 use crate::scene::schema::Condition;
 use crate::scene::sides::spread;
 use crate::scene::site::{Site, vector};
@@ -107,14 +106,16 @@ pub(super) fn velocity<const D: usize>(scene: &Scene, site: &Site<'_, D>, given:
     speed
 }
 
-/// The largest body force at some times.
+/// The largest body force at the start; where there is none then, that at some times.
 fn largest_force<const D: usize>(scene: &Scene, site: &Site<'_, D>) -> f64 {
     let force = vector(&scene.fluid.force);
-    let times = if scene.fluid.force.iter().any(Expression::depends_on_time) { SAMPLES } else { 1 };
-    let at = |x: &Point<D>| {
-        (0..times).map(|k| force(x, scene.time.end * spread(k)).norm()).fold(0.0, f64::max)
-    };
-    site.mesh.points().iter().map(at).fold(0.0, f64::max)
+    let largest =
+        |t: f64| site.mesh.points().iter().map(|x| force(x, t).norm()).fold(0.0, f64::max);
+    let at_start = largest(0.0);
+    if at_start > 0.0 || !scene.fluid.force.iter().any(Expression::depends_on_time) {
+        return at_start;
+    }
+    (0..SAMPLES).map(|k| largest(scene.time.end * spread(k))).fold(0.0, f64::max)
 }
 
 /// The largest difference of the stresses that open sides give, at one time.
@@ -153,8 +154,10 @@ pub(super) fn least_energy<const D: usize>(
     [speed, length]: [f64; 2],
 ) -> f64 {
     let viscosity = scene.fluids().map(|f| f.viscosity).fold(0.0, f64::max);
+    let gravity = SVector::<f64, D>::from_iterator(scene.fluid.gravity.iter().copied()).norm();
     let densities = [
         heaviest(scene) * speed.powi(2),
+        heaviest(scene) * gravity * length,
         largest_force(scene, site) * length,
         stress_difference(scene, site),
         viscosity * (speed / length).powi(2) * scene.time.end,
