@@ -46,12 +46,13 @@ const LAYERS: usize = 2;
 /// The third row is the curvature at the end of the step: that of a material point changes at the
 /// rate `-K`. So force and curvature are adjoint, the force is minus the derivative of the energy
 /// but for a tension, which `sigma` contains, and the scheme is stable for steps far beyond the
-/// limit of an explicit force, of the order of `mu h^3/k`. `H*` is the curvature at the start (order
-/// 1), or that of the predicted interface, and `u` in the third row is then the change of the
-/// velocity (order 2). The measured area `A` and length `L` bring those at rest back, which finite
-/// steps change. `s` and `s'` are products of normal derivatives over the cut cells. In the plane
-/// `q II : grad v` is a tension, and is left out; the spontaneous curvature `c` then has no effect,
-/// for the integral of the curvature of a closed curve does not change.
+/// limit of an explicit force, of the order of `mu h^3/k`. `S` is the interface predicted
+/// for the end of the step, and `H*` the curvature at its start, at the place where the material
+/// comes from (in the first step, which predicts nothing, both are those at the start). The measured
+/// area `A` and length `L` bring those at rest back, which finite steps change. `s` and `s'` are
+/// products of normal derivatives over the cut cells. In the plane `q II : grad v` is a tension, and
+/// is left out; the spontaneous curvature `c` then has no effect, for the integral of the curvature
+/// of a closed curve does not change.
 #[derive(Clone)]
 pub struct Vesicle<const D: usize> {
     bending: f64,

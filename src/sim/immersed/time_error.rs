@@ -17,8 +17,8 @@ impl<const D: usize> Simulation<D> {
     /// - of backward Euler `dt u''/2`, of BDF2 `dt^2 u'''/3`, of BDF3 `dt^3 u''''/4`, where each
     ///   further derivative is taken as a factor `|u''|/|u'|` (an oscillation has exactly this), and
     ///   derivatives are along the paths where convection is: those do not vanish in a steady flow;
-    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, in order 1 `dt (u' . grad) u`, in order 3 `dt^3 (u''' . grad) u`; twice
-    ///   for the explicit form.
+    /// - of extrapolated convection, `dt^2 (u'' . grad) u`, in order 1 `dt (u' . grad) u`, in order 3
+    ///   `dt^3 (u''' . grad) u`; twice for the explicit form.
     ///
     /// It tells the size of the error, not its sign, and knows nothing of what the error does to a
     /// force. Costs one pass over the cells.
