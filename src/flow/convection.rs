@@ -73,7 +73,7 @@ fn delay(kinematic_viscosity: f64, speed: f64, length: f64, rate: f64) -> f64 {
 
 impl Transport {
     /// Integrates the form for the velocity `w`, `None` for no convection, and stabilises it for
-    /// steps with `rate` = `weight/dt`.
+    /// steps with `rate` = `weight/dt`, if there is one.
     pub fn prepare<const D: usize>(
         &mut self,
         velocity: &Basis<D>,
@@ -83,10 +83,10 @@ impl Transport {
     ) {
         self.delays.clear();
         let Some(w) = w else { return self.locals.clear() };
-        let rate = rate.unwrap_or(f64::INFINITY);
-        if rate.is_finite() {
+        if let Some(rate) = rate {
             self.stabilise(velocity, (density, viscosity), w, rate);
         }
+        let rate = rate.unwrap_or_default();
         let delays = &self.delays;
         let (space, n) = (velocity.space(), velocity.space().local_count());
         let mesh = space.mesh();

@@ -4,7 +4,7 @@ use crate::base::Result;
 use crate::fem::{At, Space, SurfaceMass, SurfacePoint};
 use crate::mesh::{Location, NONE};
 use crate::transport::{AdvectingVelocity, Tracer};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use std::sync::Arc;
 
 /// Largest number of cells in the search for a cut cell.
@@ -243,45 +243,6 @@ impl<const D: usize> Onto<'_, '_, D> {
     }
 }
 
-/// The tangential divergence `P div_S T` of a tensor on the interface of `points`, the zero of `phi`,
-/// at the nodes of cut cells; NaN elsewhere. `tensor` is tangential, and `diffusivity` smooths the
-/// result along the interface (an area). `unknowns` has one number per node, equal for nodes that
-/// periodic sides identify.
-///
-/// # Errors
-/// A matrix that cannot be factored.
-pub fn surface_divergence<const D: usize>(
-    (space, unknowns): (&Space<D>, &[u32]),
-    (points, phi): (&[SurfacePoint<D>], &[f64]),
-    tensor: impl Fn(&SurfacePoint<D>) -> SMatrix<f64, D, D>,
-    diffusivity: impl Fn(&SurfacePoint<D>) -> f64,
-) -> Result<Vec<SVector<f64, D>>> {
-    let mut divergence = vec![SVector::repeat(f64::NAN); space.len()];
-    let Some(mut mass) = SurfaceMass::new(space, unknowns, points)? else { return Ok(divergence) };
-    mass.diffuse(space, (points, phi), diffusivity)?;
-    let mut loads: [Vec<f64>; D] = std::array::from_fn(|_| mass.load());
-    points.iter().for_each(|p| mass.deposit_divergence(space, p, &tensor(p), &mut loads));
-    let mut component = vec![f64::NAN; space.len()];
-    for (i, load) in loads.iter().enumerate() {
-        mass.solve(load, &mut component)?;
-        divergence.iter_mut().zip(&component).for_each(|(d, c)| d[i] = *c);
-    }
-    let mut slopes = vec![SVector::<f64, D>::zeros(); space.len()];
-    for group in points.chunk_by(|a, b| a.at.cell == b.at.cell) {
-        let c = group[0].at.cell;
-        for (k, &n) in space.cell_nodes(c).iter().enumerate() {
-            let slope = space.gradient(phi, c, &space.element().node(k, D));
-            slopes[n as usize] += slope * space.mesh().map(c).volume;
-        }
-    }
-    for (d, slope) in divergence.iter_mut().zip(&slopes) {
-        if let Some(n) = slope.try_normalize(0.0) {
-            *d -= n * n.dot(d);
-        }
-    }
-    Ok(divergence)
-}
-
 /// Continues vectors at the nodes of the cells that the interface of `points` cuts over two layers
 /// of cells, with zero beyond.
 pub fn continue_vectors<const D: usize>(
@@ -308,6 +269,11 @@ fn location<const D: usize>(p: &SurfacePoint<D>) -> Location {
     Location { cell: p.at.cell as u32, barycentric: p.at.barycentric }
 }
 
+/// The cells that an interface cuts, in the order of its points.
+pub fn cut_cells<const D: usize>(points: &[SurfacePoint<D>]) -> Vec<u32> {
+    points.chunk_by(|a, b| a.at.cell == b.at.cell).map(|g| g[0].at.cell as u32).collect()
+}
+
 /// Cells that an interface cuts.
 pub(super) struct CutCells {
     pub list: Vec<u32>,
@@ -316,8 +282,7 @@ pub(super) struct CutCells {
 
 impl CutCells {
     pub fn new<const D: usize>(space: &Space<D>, points: &[SurfacePoint<D>]) -> CutCells {
-        let groups = points.chunk_by(|a, b| a.at.cell == b.at.cell);
-        let list: Vec<u32> = groups.map(|g| g[0].at.cell as u32).collect();
+        let list = cut_cells(points);
         let mut cuts = vec![false; space.mesh().cell_count()];
         list.iter().for_each(|&c| cuts[c as usize] = true);
         CutCells { list, cuts }
@@ -392,6 +357,7 @@ mod tests {
     use super::*;
     use crate::fem::Element;
     use crate::levelset::surface;
+    use crate::levelset::surface_divergence;
     use crate::mesh::{Diagonals, Point, box_mesh, rectangle};
     use nalgebra::SVector;
 

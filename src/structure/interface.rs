@@ -3,7 +3,7 @@
 use super::fields::{Carry, Data, Declaration, FieldId, Fields, InitialFunction, Rule};
 use super::place::{Host, Moved, Place};
 use super::{Coupling, Held, Medium, RestMap, Structure, SurfaceStrain};
-use crate::base::Result;
+use crate::base::{Result, Warning};
 use crate::fem::{Basis, Space, SurfacePoint};
 use crate::flow::Fluid;
 use crate::flow::block::Block;
@@ -182,7 +182,7 @@ pub trait InterfaceForce<const D: usize>: Clone + Send + Sync + 'static {
         _of: &ImmersedInterface<D>,
         _space: &Space<D>,
         _fields: &Fields<D>,
-    ) -> Result<Option<(String, String)>> {
+    ) -> Result<Option<Warning>> {
         Ok(None)
     }
     /// Distance from the interface within which the force acts.
@@ -298,7 +298,7 @@ impl<const D: usize, F: InterfaceForce<D>> Structure<D> for Immersed<D, F> {
             surface_mass,
         })
     }
-    fn distrust(&self, space: &Space<D>, fields: &Fields<D>) -> Result<Option<(String, String)>> {
+    fn distrust(&self, space: &Space<D>, fields: &Fields<D>) -> Result<Option<Warning>> {
         self.force.distrust(&self.interface, space, fields)
     }
     fn reach(&self) -> f64 {

@@ -26,7 +26,7 @@ pub use medium::Medium;
 pub use place::{Host, Moved, Place, Velocity};
 pub use surface_strain::{LagrangianInvariants, SurfaceStrain, area_change_by_level_set};
 
-use crate::base::{Result, parallel};
+use crate::base::{Result, Warning, parallel};
 use crate::fem::{Basis, Space, SurfacePoint};
 use crate::flow::Fluid;
 use crate::flow::block::Block;
@@ -155,7 +155,7 @@ pub trait Structure<const D: usize>: Send + Sync {
     ///
     /// # Errors
     /// A level set that is not finite.
-    fn distrust(&self, _space: &Space<D>, _fields: &Fields<D>) -> Result<Option<(String, String)>> {
+    fn distrust(&self, _space: &Space<D>, _fields: &Fields<D>) -> Result<Option<Warning>> {
         Ok(None)
     }
     /// Distance from the interface within which the force acts.

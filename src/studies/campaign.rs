@@ -1,5 +1,6 @@
 //! Running the trials of a study, each once.
 
+use super::axis::{Axis, assignments, check_distinct, combinations};
 use super::trial::{Outcome, Trial};
 use crate::base::{Error, Kind, Result, Warning};
 use crate::scene::Scene;
@@ -68,6 +69,18 @@ impl<'a> Campaign<'a> {
         let set: Vec<String> =
             LEAN.iter().map(ToString::to_string).chain(trial.set.iter().cloned()).collect();
         self.scene.with(&set)
+    }
+    /// Refuses values of `axes` that the scene does not take, and keys that are set twice, on two
+    /// axes or on one and among the keys `own` that the study sets itself.
+    ///
+    /// # Errors
+    /// Such values or keys.
+    pub fn check(&self, axes: &[Axis], own: &[&str]) -> Result<()> {
+        combinations(axes).iter().try_for_each(|c| {
+            let set = assignments(c);
+            check_distinct(set.iter().map(String::as_str).chain(own.iter().copied()))?;
+            self.scene_of(&Trial::new("", set)).map(drop)
+        })
     }
     /// The run folder of a trial.
     ///

@@ -1,6 +1,6 @@
 //! Phase diagrams: what the structures of a scene do over parameters.
 
-use super::axis::{Axis, Choice, assignments, check_distinct, combinations, in_words};
+use super::axis::{Axis, Choice, assignments, combinations, in_words};
 use crate::base::{Error, Result};
 use crate::output::{Cell, Page, Table};
 use crate::studies::{Campaign, End, Trial};
@@ -42,11 +42,7 @@ impl Phases {
     /// [`Campaign::run`]. A run that fails or is refused is a result.
     pub fn conduct(&self, campaign: &mut Campaign<'_>) -> Result<Page> {
         let all = combinations(&self.axes);
-        for combination in &all {
-            let set = assignments(combination);
-            check_distinct(set.iter().map(String::as_str))?;
-            campaign.scene_of(&Trial::new("", set))?;
-        }
+        campaign.check(&self.axes, &[])?;
         let mut points = Vec::new();
         for (k, combination) in all.iter().enumerate() {
             let trial = Trial::new(in_words(combination), assignments(combination));

@@ -44,8 +44,8 @@ pub(super) fn unresolved<const D: usize>(
             );
             continue;
         };
-        if let Some((what, remedy)) = s.distrust(space, fields)? {
-            tell(what, &remedy);
+        if let Some(warning) = s.distrust(space, fields)? {
+            found.push((name.to_string(), warning));
             continue;
         }
         let eps = thickness.filter(|_| has_band(&**s)).unwrap_or(0.0);

@@ -273,12 +273,8 @@ impl Folder {
     }
 
     /// The Strouhal number of each force that has a reference, enough rows, and oscillates.
-    fn strouhal(&self, scene: &Scene) -> Result<BTreeMap<String, serde_json::Value>> {
+    fn strouhal(scene: &Scene, series: &Series) -> Result<BTreeMap<String, serde_json::Value>> {
         let mut found = BTreeMap::new();
-        if scene.output.forces.iter().all(|f| f.reference.is_none()) {
-            return Ok(found);
-        }
-        let series = Series::read(&self.series())?;
         let every = scene.output.every.max(scene.time.step);
         let dense =
             |f: &&Named<Force>| f.reference.as_ref().is_some_and(|r| r.is_resolved_by(every));
@@ -296,16 +292,11 @@ impl Folder {
     }
 
     /// Mean, least and largest drag and lift in the second half of the run, by force.
-    fn coefficients(&self, scene: &Scene) -> Result<BTreeMap<String, serde_json::Value>> {
+    fn coefficients(scene: &Scene, series: &Series) -> Result<BTreeMap<String, serde_json::Value>> {
         let mut found = BTreeMap::new();
-        let forces = || scene.output.forces.iter().filter(|f| f.reference.is_some());
-        if forces().next().is_none() {
-            return Ok(found);
-        }
-        let series = Series::read(&self.series())?;
-        let time = series.column("time")?;
-        let middle = 0.5 * (time.first().unwrap_or(&0.0) + time.last().unwrap_or(&0.0));
-        for force in forces() {
+        for force in scene.output.forces.iter().filter(|f| f.reference.is_some()) {
+            let time = series.column("time")?;
+            let middle = 0.5 * (time.first().unwrap_or(&0.0) + time.last().unwrap_or(&0.0));
             let of = |what: &str| -> Result<serde_json::Value> {
                 let column = series.column(&format!("{}_{what}", force.name))?;
                 let late = time.iter().zip(column).filter(|(t, v)| **t >= middle && v.is_finite());
@@ -323,16 +314,12 @@ impl Folder {
 
     /// What the series says of each structure.
     fn findings(
-        &self,
         scene: &Scene,
-    ) -> Result<BTreeMap<String, serde_json::Map<String, serde_json::Value>>> {
+        series: &Series,
+    ) -> BTreeMap<String, serde_json::Map<String, serde_json::Value>> {
         let mut found = BTreeMap::new();
-        if scene.structures.is_empty() {
-            return Ok(found);
-        }
-        let series = Series::read(&self.series())?;
         let (dimension, units) = (scene.dimension(), &scene.units);
-        let columns = Columns { series: &series, dimension, units };
+        let columns = Columns { series, dimension, units };
         for structure in &scene.structures {
             let of = structure.findings(&columns).into_iter().map(|finding| {
                 let value = match finding.value {
@@ -346,7 +333,7 @@ impl Folder {
                 found.insert(structure.name().to_string(), of);
             }
         }
-        Ok(found)
+        found
     }
 
     /// Writes `summary.json`.
@@ -358,6 +345,9 @@ impl Folder {
         (result, alarms): (&Result<()>, &[String]),
     ) -> Result<()> {
         let (facts, moment) = (problem.facts(), problem.moment());
+        let judged = !scene.structures.is_empty()
+            || scene.output.forces.iter().any(|f| f.reference.is_some());
+        let series = if judged { Series::read(&self.series())? } else { Series::default() };
         let [velocity, pressure, level_set] = facts.unknowns;
         let status = match result {
             Ok(()) => "finished",
@@ -386,9 +376,9 @@ impl Folder {
             "step_seconds": record.step_seconds,
             "bandwidth": bandwidth(&facts, record),
             "alarms": alarms,
-            "strouhal": self.strouhal(scene)?,
-            "coefficients": self.coefficients(scene)?,
-            "findings": self.findings(scene)?,
+            "strouhal": Self::strouhal(scene, &series)?,
+            "coefficients": Self::coefficients(scene, &series)?,
+            "findings": Self::findings(scene, &series),
             "leaves": record.left,
             "fluid_enters": record.entered,
             "warnings": problem

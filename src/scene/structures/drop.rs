@@ -215,10 +215,7 @@ impl StructureKind for Drop {
         }
     }
     fn words(&self) -> Vec<String> {
-        let own = [("density", self.density), ("viscosity", self.viscosity)];
-        let own =
-            own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
-        let own: String = own.collect();
+        let own = self.traits().own_fluid_in_words();
         let (name, tension) = (&self.name, self.tension);
         let tension = match &self.surfactant {
             None => format!("surface tension {tension}"),

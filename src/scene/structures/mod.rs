@@ -102,6 +102,11 @@ impl Traits {
     pub fn slope_is_stretch(&self) -> bool {
         self.stretches && !self.carries_stretch && !self.constant_tension
     }
+    /// Its inside fluid as the end of a phrase; empty if it is that outside.
+    pub fn own_fluid_in_words(&self) -> String {
+        let own = ["density", "viscosity"].iter().zip(self.own_fluid);
+        own.filter_map(|(what, value)| Some(format!(", {what} {} inside", value?))).collect()
+    }
     /// True if its level set is kept near a distance by default.
     pub fn keeps_distance(&self) -> bool {
         (self.on_interface || self.carries_stretch) && self.mass == 0.0

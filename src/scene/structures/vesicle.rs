@@ -140,10 +140,7 @@ impl StructureKind for Vesicle {
         }
     }
     fn words(&self) -> Vec<String> {
-        let own = [("density", self.density), ("viscosity", self.viscosity)];
-        let own =
-            own.iter().filter_map(|(what, value)| Some(format!(", {what} {} inside", (*value)?)));
-        let own: String = own.collect();
+        let own = self.traits().own_fluid_in_words();
         let (name, bending, curvature) = (&self.name, self.bending, self.spontaneous_curvature);
         vec![format!(
             "vesicle `{name}`: bending energy {bending}/2 (H - {curvature})^2 per area, no change of its \

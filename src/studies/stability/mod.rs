@@ -17,7 +17,7 @@ pub use scan::Scan;
 pub use search::{Bracket, largest_stable_step};
 pub use verdict::Verdict;
 
-use super::axis::{Axis, Choice, assignments, check_distinct, combinations, in_words};
+use super::axis::{Axis, Choice, assignments, in_words};
 use crate::base::{Error, Result};
 use crate::output::Cell;
 use crate::studies::{Campaign, Trial, per_cent};
@@ -32,11 +32,7 @@ fn check(campaign: &Campaign<'_>, axes: &[Axis], own: &[&str]) -> Result<()> {
         .value("fluid.prescribed_velocity")
         .remedy("study its errors with `immersa study convergence`"));
     }
-    combinations(axes).iter().try_for_each(|c| {
-        let set = assignments(c);
-        check_distinct(set.iter().map(String::as_str).chain(own.iter().copied()))?;
-        campaign.scene_of(&Trial::new("", set)).map(drop)
-    })
+    campaign.check(axes, own)
 }
 
 /// The run of a combination with `steps` steps of length `dt`, each with its row in the series.
