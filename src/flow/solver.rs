@@ -416,6 +416,7 @@ impl<const D: usize> FlowSolver<D> {
         }
         self.numbering.gather(&work.residual, &work.continuity, &mut work.rhs);
         let report = if step.blocks.is_empty() {
+            self.block_values.clear();
             self.solve_flow(change, work, state)
         } else {
             self.solve_with_blocks(step, work, state)

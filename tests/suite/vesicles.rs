@@ -214,6 +214,32 @@ fn a_vesicle_that_is_pushed_says_so() {
     }
 }
 
+/// Once it reaches an open side a vesicle exerts no force, and neither do the rows that keep its
+/// size: the flow stays what it is without it.
+#[test]
+fn a_vesicle_leaves_through_an_open_side() {
+    let poiseuille = "['1.5*(1 - (y/1.5)^2)', 0]";
+    let mut case = Case::with(
+        SHEARED,
+        &[
+            "mesh.rectangle.min=[0,-1.5]",
+            "mesh.rectangle.max=[4,1.5]",
+            "mesh.rectangle.cells=[32,24]",
+            &format!("fluid.initial_velocity={poiseuille}"),
+            &format!(
+                "boundary={{ left.velocity = {poiseuille}, right.open = 'gradient', top.no_slip = true, bottom.no_slip = true }}"
+            ),
+            "vesicle.0.shape.oval={ centre = [3.0, 0.2], radius = 0.6, reduced_area = 0.8, angle = 90 }",
+            "vesicle.0.bending=0.1",
+            "time.step=0.05",
+        ],
+    );
+    case.steps(30);
+    assert!(case.model.simulation.leaving().count() == 1);
+    let speed = case.get("velocity_max");
+    assert!((speed - 1.5).abs() < 1e-3, "{speed}");
+}
+
 #[test]
 fn what_a_vesicle_cannot_be_is_refused() {
     for (set, words) in [

@@ -83,7 +83,7 @@ impl<const D: usize> Simulation<D> {
             of_points.fold(cells, |a, b| [a[0] + b[0], a[1] + b[1]])
         };
         let mut blocks: Vec<&dyn Block<D>> = Vec::new();
-        acting().for_each(|(s, _)| s.blocks(&mut blocks));
+        acting().filter(|(_, leaves)| !**leaves).for_each(|(s, _)| s.blocks(&mut blocks));
         let own = match blocks.is_empty() {
             true => [0.0; 2],
             false => self.flow.block_power(&blocks, u),

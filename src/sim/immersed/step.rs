@@ -211,8 +211,8 @@ impl<const D: usize> Simulation<D> {
         for (s, leaves) in self.carried.structures.iter().zip(&leaving) {
             if !*leaves {
                 s.terms(&mut terms);
+                s.blocks(&mut blocks);
             }
-            s.blocks(&mut blocks);
         }
         if self.backflow.is_active() {
             terms.push(&self.backflow);
@@ -252,11 +252,25 @@ impl<const D: usize> Simulation<D> {
         Ok((report, powers))
     }
 
+    /// Values of the unknowns of the blocks of all structures; none of those that leave, which had no
+    /// part in the step.
+    fn values_of_blocks(&self, leaving: &[bool]) -> Vec<Vec<f64>> {
+        let (mut solved, mut all) = (self.flow.block_values().iter(), Vec::new());
+        for (s, leaves) in self.carried.structures.iter().zip(leaving) {
+            let mut blocks = Vec::new();
+            s.blocks(&mut blocks);
+            let values = |_| if *leaves { None } else { solved.next().cloned() };
+            all.extend(blocks.iter().map(values).map(Option::unwrap_or_default));
+        }
+        all
+    }
+
     /// Transports all fields over the step.
     fn follow(&mut self, scheme: &Scheme, work: &mut Work<D>) -> Result<()> {
         if self.state.fields.is_empty() {
             return Ok(());
         }
+        let leaving = self.leaving_at(&work.ahead);
         let Work { current, mean, next, moved, .. } = work;
         let mut acting = self.carried.structures.iter().filter(|s| s.acts());
         if scheme.second {
@@ -268,7 +282,8 @@ impl<const D: usize> Simulation<D> {
         }
         let velocity = Velocity::Computed { ends: [current, &next.u], mean };
         let of = (scheme.dt, scheme.time, self.state.steps + 1);
-        let with = (self.flow.block_values(), &mut self.phases);
+        let values = self.values_of_blocks(&leaving);
+        let with = (&values[..], &mut self.phases);
         self.carried.carry(&self.state.fields, velocity, of, with, moved)?;
         self.outlets.let_in(&self.carried.structures, mean, scheme.dt, moved);
         std::mem::swap(&mut self.state.fields, moved);
